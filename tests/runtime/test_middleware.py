@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 import threading
 import types
 from collections.abc import Iterator, Sequence
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import pytest
 from polling import PATIENCE_S, wait_until
@@ -16,7 +17,7 @@ from polling import PATIENCE_S, wait_until
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
 from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.messages import Bound, Float64, Length, Message
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
@@ -148,6 +149,19 @@ class _ExternalShutdown(Exception):  # noqa: N818  # as rclpy names it
     """Somebody else has shut ROS 2 down."""
 
 
+_IMU_FIELDS = {
+    **dict.fromkeys([f"{sensor}_{axis}" for sensor in ("accel", "gyro", "mag") for axis in "xyz"], "float"),
+    "is_calibrated": "boolean",
+    "state": "comms/SensorState",
+    "error_code": "uint8",
+}
+
+
+def _generated(fields: dict[str, str]) -> Any:
+    """What we use of a class that rosidl generated."""
+    return types.SimpleNamespace(get_fields_and_field_types=lambda: fields)
+
+
 class _Ros:
     """What rclpy offers of what we use, with the signatures of ROS 2 Humble, and a record of its use."""
 
@@ -158,6 +172,7 @@ class _Ros:
         self.published: list[tuple[str, bytes]] = []
         self.spinning, self.end_spin = threading.Event(), threading.Event()
         self.shut_down_from_outside = False
+        self.imu = _generated(_IMU_FIELDS)
 
     def modules(self) -> dict[str, types.ModuleType]:
         """The modules that are imported."""
@@ -178,7 +193,7 @@ class _Ros:
         )
         signals.__dict__.update(SignalHandlerOptions=Enum("SignalHandlerOptions", ["NO", "ALL"]))
         comms.__path__ = []
-        messages.__dict__.update(ImuSensorInformation="the class of ImuSensorInformation")
+        messages.__dict__.update(ImuSensorInformation=self.imu, SensorState=_generated({"state": "uint8"}))
         return {module.__name__: module for module in (root, executors, qos, signals, comms, messages)}
 
     def context(self) -> str:
@@ -274,7 +289,7 @@ def test_rclpy_publishes_serialized_messages(ros: _Ros) -> None:
     kind, message_class, topic, profile = ros.calls[-1]
     assert (kind, message_class, topic) == (
         "create_publisher",
-        "the class of ImuSensorInformation",
+        ros.imu,
         "/rover/imu_data",
     )
     assert {name: getattr(value, "name", value) for name, value in profile.items()} == {
@@ -295,7 +310,7 @@ def test_rclpy_subscribes_to_serialized_messages(ros: _Ros) -> None:
     seen: list[bytes] = []
     open_middleware("rclpy", _NODE).subscribe("/imu_data", ImuSensorInformation, Qos(), seen.extend)
     kind, message_class, topic, profile, raw = ros.calls[-1]
-    assert (kind, message_class, topic) == ("create_subscription", "the class of ImuSensorInformation", "/imu_data")
+    assert (kind, message_class, topic) == ("create_subscription", ros.imu, "/imu_data")
     assert raw is True
     assert {name: getattr(value, "name", value) for name, value in profile.items()} == {
         "reliability": "RELIABLE",
@@ -340,12 +355,53 @@ def test_an_interface_that_is_not_built_is_told(ros: _Ros) -> None:
         middleware.subscribe("/imu_data", ImuSensorInformation, Qos(), lambda data: None)
     module = "my_rover.generated.messages.moved"
     moved = type("Moved", (Message,), {"__module__": module, "__msgtype__": "rover/msg/Moved"})
-    with pytest.raises(MiddlewareError, match=r"build my_rover/generated/ros with colcon"):
+    with pytest.raises(MiddlewareError, match=r"colcon build --base-paths my_rover/generated/ros`"):
         middleware.publisher("/moved", moved, Qos())
-    with pytest.raises(MiddlewareError, match=r"install ROS 2's package tf2_msgs "):
+    with pytest.raises(MiddlewareError, match=r"apt install ros-\$ROS_DISTRO-tf2-msgs`"):
         middleware.publisher("/tf", TFMessage, Qos())
 
 
 def test_auto_takes_rclpy_where_it_imports(ros: _Ros) -> None:
     """With ROS 2 at hand, `auto` is rclpy."""
     assert type(open_middleware("auto", _NODE)).__name__ == "RclpyMiddleware"
+
+
+_WITHOUT_MAG_Z = {name: kind for name, kind in _IMU_FIELDS.items() if name != "mag_z"}
+
+
+@pytest.mark.parametrize(
+    ("name", "installed", "difference"),
+    [
+        ("ImuSensorInformation", _WITHOUT_MAG_Z, "comms/msg/ImuSensorInformation has no field mag_z"),
+        ("ImuSensorInformation", _IMU_FIELDS | {"heat": "float"}, "has a field heat that is unknown here"),
+        ("ImuSensorInformation", _WITHOUT_MAG_Z | {"mag_z": "float"}, "have another order"),
+        ("ImuSensorInformation", _IMU_FIELDS | {"mag_z": "double"}, "mag_z .* has the type double instead of float"),
+        (
+            "SensorState",
+            {"state": "uint8[2]"},
+            r"state of comms/msg/SensorState has the type uint8\[2\] instead of uint8",
+        ),
+    ],
+)
+def test_a_stale_interface_is_told(ros: _Ros, name: str, installed: dict[str, str], difference: str) -> None:
+    """An installed message whose fields differ from the generated ones is refused, nested messages included."""
+    setattr(sys.modules["comms.msg"], name, _generated(installed))
+    with pytest.raises(MiddlewareError, match=rf"ImuSensorInformation is not the one .*{difference}.*colcon build"):
+        open_middleware("rclpy", _NODE).publisher("/imu_data", ImuSensorInformation, Qos())
+
+
+def test_interfaces_of_ros_2_are_compared_too(ros: _Ros, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Strings, sequences and arrays are spelled as rosidl spells them; a package that is missing comes by apt."""
+    fields = {"position": "double[3]", "name": "sequence<string>", "raw": "sequence<uint8, 8>", "unit": "string<4>"}
+    package, messages = types.ModuleType("probe_msgs"), types.ModuleType("probe_msgs.msg")
+    package.__path__ = []
+    messages.__dict__.update(Probe=_generated(fields))
+    kinds = [Annotated[list[Float64], Length(3)], list[str], Annotated[bytes, Bound(8)], Annotated[str, Bound(4)]]
+    namespace = {"__msgtype__": "probe_msgs/msg/Probe"}
+    probe = dataclasses.make_dataclass("Probe", zip(fields, kinds), bases=(Message,), namespace=namespace)
+    middleware = open_middleware("rclpy", _NODE)
+    with pytest.raises(MiddlewareError, match=r"apt install ros-\$ROS_DISTRO-probe-msgs`"):
+        middleware.publisher("/probe", probe, Qos())
+    for module in (package, messages):
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+    middleware.publisher("/probe", probe, Qos())
