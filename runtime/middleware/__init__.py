@@ -11,9 +11,18 @@ from collections.abc import Mapping
 from typing import Any
 
 from roverlink.runtime.core.errors import MiddlewareError
-from roverlink.runtime.middleware.protocol import Callback, Middleware, NodeIdentity, Publisher, Subscription
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, Publisher, Subscription
 
-__all__ = ["NAMES", "Callback", "Middleware", "NodeIdentity", "Publisher", "Subscription", "open_middleware"]
+__all__ = [
+    "NAMES",
+    "Callback",
+    "Endpoint",
+    "Middleware",
+    "NodeIdentity",
+    "Publisher",
+    "Subscription",
+    "open_middleware",
+]
 
 NAMES = ("auto", "dds", "rclpy", "memory")
 

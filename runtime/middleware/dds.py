@@ -13,7 +13,7 @@ import os
 import threading
 import time
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, NamedTuple
 
 from cyclonedds.core import DDSException, GuardCondition, ReadCondition, WaitSet
@@ -29,9 +29,10 @@ from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.cyclone import EVERYTHING, RawReader, RawWriter, delete, delete_at_exit
+from roverlink.runtime.middleware.dds_graph import DdsGraph
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
-from roverlink.runtime.middleware.protocol import Callback, NodeIdentity
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, NodeIdentity
 
 _LOCALHOST_ONLY = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'
@@ -127,6 +128,10 @@ class DdsMiddleware:
         self._announcer.add_reader(reader)
         return raw_reader
 
+    def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
+        """Return the publishers or the subscriptions of a fully qualified topic that DDS has found so far."""
+        return self._graph.endpoints(topic, publishing)
+
     def close(self) -> None:
         """Leave the ROS 2 graph. First wait up to 0.3 s for subscribers to acknowledge the last messages."""
         if not self._open:
@@ -146,6 +151,11 @@ class DdsMiddleware:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    @cached_property
+    def _graph(self) -> DdsGraph:
+        # Made when it is first used, because most commands never ask for it.
+        return DdsGraph(self._participant, self._announcer.topic, self._announcer.types.participant)
 
     def _topic(self, topic: str, message_type: type[Message]) -> Topic[Any]:
         return Topic(self._participant, f"rt{topic}", dds_type(message_type))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.middleware.protocol import Callback
+from roverlink.runtime.middleware.protocol import Callback, Endpoint
 
 Callbacks = list[Callback]
 
@@ -75,6 +75,10 @@ class MemoryMiddleware:
         callbacks.append(callback)
         self._own.append((callbacks, callback))
         return MemorySubscription(self._graph, topic)
+
+    def endpoints(self, topic: str, publishing: bool) -> tuple[Endpoint, ...]:
+        """Return nothing: topics in memory have no QoS."""
+        return ()
 
     def close(self) -> None:
         """Unsubscribe from all topics and remove the publishers."""

@@ -35,6 +35,18 @@ class NodeIdentity:
         return f"{self.namespace.rstrip('/')}/{self.name}"
 
 
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """Publisher or subscription of a topic, as the ROS 2 graph shows it."""
+
+    node: str
+    """Full name of the node; empty if the name is not known yet."""
+    qos: Qos
+    """Reliability and durability; the graph does not show history and depth."""
+    demands: tuple[str, ...] = ()
+    """Further QoS policies of a subscription that no publisher of roverlink satisfies."""
+
+
 class Publisher(Protocol):
     """Publisher on one topic."""
 
@@ -71,6 +83,12 @@ class Middleware(Protocol):
         """Call ``callback`` with serialized messages of a fully qualified topic, on a thread of the middleware.
 
         If the middleware supports priorities, topics with a larger ``priority`` are served first.
+        """
+
+    def endpoints(self, topic: str, publishing: bool) -> Sequence[Endpoint]:
+        """Return the publishers of a fully qualified topic that are known now; its subscriptions if not ``publishing``.
+
+        Must be called by one thread at a time.
         """
 
     def close(self) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import rclpy
@@ -19,7 +19,11 @@ from rclpy.signals import SignalHandlerOptions
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.interface_packages import installed_class
-from roverlink.runtime.middleware.protocol import Callback, NodeIdentity
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, NodeIdentity
+
+# Names that the ROS 2 middlewares give to the node of an endpoint until they know it.
+_UNKNOWN_NODES = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
+_INFINITE_NS = 2**63 - 1  # RMW_DURATION_INFINITE
 
 
 class RclpyPublisher:
@@ -87,6 +91,13 @@ class RclpyMiddleware:
         )
         return RclpySubscription(self._node, topic)
 
+    def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
+        """Return the publishers or the subscriptions of a topic that rclpy has found so far."""
+        if publishing:
+            return [Endpoint(_name(info), _qos(info)) for info in self._node.get_publishers_info_by_topic(topic)]
+        found = self._node.get_subscriptions_info_by_topic(topic)
+        return [Endpoint(_name(info), _qos(info), tuple(_strict(info.qos_profile))) for info in found]
+
     def close(self) -> None:
         """Stop spinning and destroy the node."""
         if not self._open:
@@ -116,3 +127,25 @@ def _profile(qos: Qos) -> QoSProfile:
         history=HistoryPolicy[qos.history.upper()],
         depth=qos.depth,
     )
+
+
+def _name(info: Any) -> str:
+    known = info.node_name not in _UNKNOWN_NODES
+    return NodeIdentity(info.node_name, info.node_namespace).full_name if known else ""
+
+
+def _qos(info: Any) -> Qos:
+    return Qos(info.qos_profile.reliability.name.lower(), info.qos_profile.durability.name.lower())
+
+
+def _strict(profile: QoSProfile) -> Iterator[str]:
+    """Yield the QoS policies of a subscription that a publisher with ROS 2's defaults does not satisfy."""
+    if _is_limited(profile.deadline.nanoseconds):
+        yield "deadline"
+    if profile.liveliness.name == "MANUAL_BY_TOPIC" or _is_limited(profile.liveliness_lease_duration.nanoseconds):
+        yield "liveliness"
+
+
+def _is_limited(nanoseconds: int) -> bool:
+    # rmw has two values for "no limit": zero if nobody has set the duration, and the largest number.
+    return 0 < nanoseconds < _INFINITE_NS

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.middleware.protocol import Callback, Middleware, Publisher, Subscription
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, Publisher, Subscription
 
 Tap = Callable[[Sequence[bytes]], None]
 """Function that takes messages of one topic, oldest first. It must return at once."""
@@ -49,6 +49,10 @@ class TappedMiddleware:
             callback(messages)
 
         return self._middleware.subscribe(topic, message_type, qos, tapped, priority)
+
+    def endpoints(self, topic: str, publishing: bool) -> Sequence[Endpoint]:
+        """Return the publishers or the subscriptions of a topic that the wrapped middleware knows."""
+        return self._middleware.endpoints(topic, publishing)
 
     def close(self) -> None:
         """Close the wrapped middleware, so that the node leaves the ROS 2 graph."""

@@ -19,7 +19,7 @@ from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Bound, Float64, Length, Message
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
-from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.middleware import Endpoint, NodeIdentity, open_middleware
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 
 _NODE = NodeIdentity("udp_forwarder", "/rover")
@@ -162,6 +162,19 @@ def _generated(fields: dict[str, str]) -> Any:
     return types.SimpleNamespace(get_fields_and_field_types=lambda: fields)
 
 
+def _graph_endpoint(node: str, reliability: str, deadline: int = 0, lease: int = 2**63 - 1) -> Any:
+    """What we use of a TopicEndpointInfo; the durations are in nanoseconds."""
+    named, nanoseconds = types.SimpleNamespace, types.SimpleNamespace
+    profile = types.SimpleNamespace(
+        reliability=named(name=reliability),
+        durability=named(name="VOLATILE"),
+        deadline=nanoseconds(nanoseconds=deadline),
+        liveliness=named(name="AUTOMATIC"),
+        liveliness_lease_duration=nanoseconds(nanoseconds=lease),
+    )
+    return types.SimpleNamespace(node_name=node, node_namespace="/", qos_profile=profile)
+
+
 class _Ros:
     """What rclpy offers of what we use, with the signatures of ROS 2 Humble, and a record of its use."""
 
@@ -173,6 +186,7 @@ class _Ros:
         self.spinning, self.end_spin = threading.Event(), threading.Event()
         self.shut_down_from_outside = False
         self.imu = _generated(_IMU_FIELDS)
+        self.endpoint = _graph_endpoint("joystick", "BEST_EFFORT")
 
     def modules(self) -> dict[str, types.ModuleType]:
         """The modules that are imported."""
@@ -231,6 +245,12 @@ class _Ros:
     ) -> None:
         self.calls.append(("create_subscription", msg_type, topic, qos_profile, raw))
         self.subscriptions[topic] = callback
+
+    def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[Any]:
+        return [self.endpoint] if topic_name == "/cmd" else []
+
+    def get_subscriptions_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[Any]:
+        return [self.endpoint] if topic_name == "/imu" else []
 
     def executor(self, *, context: Any = None) -> _Ros:
         self.calls.append(("executor", context))
@@ -320,6 +340,15 @@ def test_rclpy_subscribes_to_serialized_messages(ros: _Ros) -> None:
     }
     ros.subscriptions["/imu_data"](b"message")
     assert seen == [b"message"]
+
+
+def test_rclpy_lists_the_endpoints_of_a_topic(ros: _Ros) -> None:
+    """Node and QoS of each publisher or subscription; what no publisher of ours offers is a demand."""
+    middleware = open_middleware("rclpy", _NODE)
+    assert middleware.endpoints("/imu", True) == []
+    assert middleware.endpoints("/cmd", True) == [Endpoint("/joystick", Qos("best_effort"))]
+    ros.endpoint = _graph_endpoint("_NODE_NAME_UNKNOWN_", "RELIABLE", deadline=1, lease=1)
+    assert middleware.endpoints("/imu", False) == [Endpoint("", Qos(), ("deadline", "liveliness"))]
 
 
 def test_rclpy_spins_while_it_is_entered(ros: _Ros) -> None:
