@@ -64,6 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
             arrived.put(message)
 
     with open_middleware(arguments.middleware, topic_types.identity("echo")) as middleware:
+        middleware.check_types([message_type])
         deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
         if publishers := _publishers(middleware, topic, deadline):
             middleware.subscribe(topic, message_type, _qos(publishers, arguments.best_effort), put_all)

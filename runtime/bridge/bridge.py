@@ -110,13 +110,15 @@ class Bridge:
         return udp.socket_state(self._socket)
 
     def __enter__(self) -> Bridge:
+        handlers: tuple[AnyHandler, ...] = (*self._registry.handlers, *self._registry.extra_topics)
+        # Before the first topic is open: a bridge that cannot start must not pass on a command.
+        self._middleware.check_types(handler.message_type for handler in handlers)
         inbound = [handler for handler in self._registry.handlers if handler.route.inbound]
         for handler in inbound:
             self._inbound_rows[handler.route.name] = self._inbound_row(handler)
         for handler in self._registry.extra_topics:
             if handler.route.inbound:
                 self._extra_topics.open(handler, self._publisher(handler).publish)
-        handlers: tuple[AnyHandler, ...] = (*self._registry.handlers, *self._registry.extra_topics)
         outbound = [handler for handler in handlers if not handler.route.inbound]
         self._outbound_rows = [self._outbound_row(handler) for handler in outbound]
         tasks: list[TimedTask] = [*self._paced, *(row for row in self._outbound_rows if row.is_timed)]

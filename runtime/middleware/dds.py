@@ -12,7 +12,7 @@ import logging
 import os
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache, cached_property
 from typing import Any, NamedTuple
 
@@ -103,6 +103,9 @@ class DdsMiddleware:
         self._open = True
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
         self._thread.start()
+
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:
+        """Accept all message types: DDS needs no interface packages."""
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> DdsPublisher:
         """Create a DDS writer for a fully qualified topic."""

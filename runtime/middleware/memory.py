@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from roverlink.runtime.core.handler import Qos
@@ -60,6 +60,9 @@ class MemoryMiddleware:
         self._graph = graph if graph is not None else Graph()
         self._own: list[tuple[Callbacks, Callback]] = []
         self._published: list[str] = []
+
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:
+        """Accept all message types."""
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> MemoryPublisher:
         """Create a publisher on a topic."""

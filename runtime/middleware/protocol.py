@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -73,6 +73,9 @@ class Subscription(Protocol):
 
 class Middleware(Protocol):
     """Connection to the ROS 2 graph as one node. A context manager: on exit the node leaves the graph."""
+
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:
+        """Raise `MiddlewareError` if ROS 2 lacks a message type, or has one with other fields."""
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
         """Create a publisher for a fully qualified topic."""

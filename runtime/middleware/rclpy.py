@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import rclpy
@@ -71,6 +71,11 @@ class RclpyMiddleware:
         self._open = True
         self._thread = threading.Thread(target=self._spin, name="rclpy-spin", daemon=True)
         self._thread.start()
+
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:
+        """Compare the message types with the installed interface packages."""
+        for message_type in message_types:
+            installed_class(message_type)
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> RclpyPublisher:
         """Create a publisher on a fully qualified topic."""

@@ -5,7 +5,7 @@ The bridge need not know it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
 from roverlink.runtime.core.handler import Qos
@@ -31,6 +31,10 @@ class TappedMiddleware:
 
     def __init__(self, middleware: Middleware, listener: Listener) -> None:
         self._middleware, self._listener = middleware, listener
+
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:
+        """Let the wrapped middleware check the message types."""
+        self._middleware.check_types(message_types)
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
         """Create a publisher that passes the messages it has published to the listener."""
