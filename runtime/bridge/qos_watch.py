@@ -1,6 +1,6 @@
 """Search for publishers and subscriptions of other nodes whose QoS does not match the bridge's.
 
-DDS passes no messages between two such endpoints, and neither end gets an error.
+DDS passes no messages between a publisher and a subscription whose QoS does not match, and neither node gets an error.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ Endpoints = Callable[[str, bool], Sequence[Endpoint]]
 
 
 class QosWatch:
-    """Timed task that looks for such endpoints every two seconds, and logs a warning for each new one.
+    """Timed task that looks every two seconds for nodes whose QoS does not match, and logs a warning for each new one.
 
-    A mismatch counts if two looks in a row find it: a new endpoint is often known before the name of its node.
+    A mismatch counts if two looks in a row find it, because DDS often finds an endpoint before the name of its node.
     """
 
     def __init__(
