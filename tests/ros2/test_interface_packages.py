@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 from golden import ROOT
+from needs import NO_RCLPY
 from programs import Start
+
+pytest.importorskip("rclpy", reason=NO_RCLPY)
 
 _PROTOS = Path("proto", "components")
 _CURE = "run `colcon build --base-paths generated/ros` and source its setup.bash"
