@@ -19,9 +19,11 @@ from pathlib import Path
 from roverlink.console import project_folder
 from roverlink.generated_code import load_project
 from roverlink.installed_packages import installed_version
-from roverlink.runtime import Registry, RoverlinkError
-from roverlink.runtime.core.messages import how_to_install
+from roverlink.runtime import MiddlewareError, Registry, RoverlinkError
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.net import udp
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.parameters import Parameters
@@ -254,20 +256,11 @@ def _joins(version: str, domain: str) -> Diagnosis:
 
 
 def _interfaces(registry: Registry) -> Diagnosis:
-    """Check that the interface package that rclpy imports is the package that was generated from the table."""
-    package = registry.package
-    generated = [
-        one.message_type for one in registry.handlers if one.message_type.__msgtype__.startswith(f"{package}/")
-    ]
-    for message_type in generated:
-        name, cure = message_type.__name__, how_to_install(message_type)
-        try:
-            installed = importlib.import_module(f"{package}.msg")
-        except ImportError as error:
-            return Diagnosis("error", "interfaces", f"{package} is not installed: {error}", cure)
-        # Names in their order: ROS 2 itself does not compare them before Iron, and a message with another layout would
-        # be read with wrong values.
-        theirs: dict[str, str] = getattr(getattr(installed, name, None), "get_fields_and_field_types", dict)()
-        if list(theirs) != [field.name for field in dataclasses.fields(message_type)]:
-            return Diagnosis("error", "interfaces", f"{package}/{name} is not the one that was generated", cure)
+    """Check that the interface packages that rclpy imports have the messages of the table, with the same fields."""
+    message_types: list[type[Message]] = [handler.message_type for handler in registry.by_topic.values()]
+    try:
+        for message_type in (*message_types, DiagnosticArray):
+            installed_class(message_type)
+    except MiddlewareError as error:
+        return Diagnosis("error", "interfaces", str(error))
     return Diagnosis("ok", "interfaces", f"{registry.package} is the one that was generated")

@@ -14,6 +14,7 @@ from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, Diagno
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
 _STYLES = {"OK": "green", "WARN": "yellow", "ERROR": "bold red", "STALE": "magenta"}
 _DROPPED = "dropped."
+_MISMATCHES = "qos_mismatches."
 _COLUMNS: tuple[tuple[str, int | None, Literal["left", "right"]], ...] = (
     ("no.", 3, "right"),
     ("row", None, "left"),
@@ -94,6 +95,8 @@ def _node_lines(node: dict[str, Any]) -> list[str]:
         f"socket {_share(node['socket_waiting_bytes'], node['socket_size_bytes'])}, handling p50 "
         f"{_microseconds(node.get('handling_p50_us'))}, p99 {_microseconds(node.get('handling_p99_us'))}",
     ]
+    if mismatches := _named(node, _MISMATCHES, none=""):
+        lines.append(f"publishers and subscriptions of other nodes without matching QoS: {mismatches}")
     if "recording" in node:
         lines.append(
             f"recording {node['recording']}: {node['recording_bytes'] / 1e6:.1f} MB, "
@@ -102,9 +105,9 @@ def _node_lines(node: dict[str, Any]) -> list[str]:
     return lines
 
 
-def _named(entry: dict[str, Any], prefix: str) -> str:
+def _named(entry: dict[str, Any], prefix: str, none: str = "none") -> str:
     parts = [f"{key.removeprefix(prefix)} {value}" for key, value in entry.items() if key.startswith(prefix) and value]
-    return ", ".join(parts) or "none"
+    return ", ".join(parts) or none
 
 
 def _share(waiting: int, size: int) -> str:

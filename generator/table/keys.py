@@ -332,7 +332,7 @@ class QosSettings(Part):
         Depth | None,
         Meaning(
             "Number of messages that are kept with `keep_last`; the same as the row's `queue`. With plain DDS, the "
-            "bridge's own subscriptions keep at least 256.",
+            "bridge's own subscriptions keep at least 256; Cyclone DDS shows this number to `ros2 topic info`.",
             default=str(_QOS.depth),
         ),
     ] = None

@@ -23,8 +23,12 @@ from roverlink.console import (
 from roverlink.generated_code import load_project
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
-from roverlink.runtime.middleware import open_middleware
+from roverlink.runtime.middleware import Endpoint, Middleware, open_middleware
 from roverlink.runtime.text.values import message_to_values
+
+_LOOK_S = 0.02
+_SETTLE_S = 0.1  # publishers that exist when the command starts become known one after the other
+_QUEUE = 1000  # messages; printing is slower than a burst
 
 
 def add(commands: Subparsers) -> None:
@@ -34,6 +38,8 @@ def add(commands: Subparsers) -> None:
         "echo",
         "print the messages of a topic, as `ros2 topic echo` does, without a ROS installation",
         "roverlink echo imu_data --count 1",
+        "Print the messages of a topic, as `ros2 topic echo` does, without a ROS installation. The command waits\n"
+        "for a publisher. It subscribes with a QoS that all publishers match.",
     )
     add_project(parser)
     parser.add_argument("topic", help="name of the ROS 2 topic")
@@ -52,7 +58,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--best-effort",
         action="store_true",
-        help="subscribe with best-effort reliability; needed if the publisher uses it, as many sensor drivers do",
+        help="subscribe with best-effort reliability, even if all publishers are reliable",
     )
     add_middleware(parser)
     parser.set_defaults(run=run)
@@ -64,10 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
     If ``--timeout`` is over before, the exit code is 1.
     """
     registry = load_project(project_folder(arguments.project))
-    message_type, published = topic_types.endpoint(registry, arguments.topic, arguments.type)
-    reliability = "best_effort" if arguments.best_effort else published.reliability
-    # A deep queue, because printing is slower than a burst.
-    qos = Qos(reliability, published.durability, depth=1000)
+    message_type, _ = topic_types.endpoint(registry, arguments.topic, arguments.type)
+    topic = topic_types.full_topic(arguments.topic)
     arrived: queue.Queue[bytes] = queue.Queue()
     seen = 0
 
@@ -76,8 +80,10 @@ def run(arguments: argparse.Namespace) -> int:
             arrived.put(message)
 
     with open_middleware(arguments.middleware, topic_types.identity("echo")) as middleware:
-        middleware.subscribe(topic_types.full_topic(arguments.topic), message_type, qos, put_all)
+        middleware.check_types([message_type])
         deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
+        if publishers := _publishers(middleware, topic, deadline):
+            middleware.subscribe(topic, message_type, _qos(publishers, arguments.best_effort), put_all)
         while arguments.count is None or seen < arguments.count:
             try:
                 data = arrived.get(timeout=None if deadline is None else max(0.0, deadline - time.monotonic()))
@@ -90,3 +96,24 @@ def run(arguments: argparse.Namespace) -> int:
             )
             seen += 1
     return OK
+
+
+def _publishers(middleware: Middleware, topic: str, deadline: float | None) -> Sequence[Endpoint]:
+    """Wait for the first publisher of a topic, and return all publishers; nothing if the deadline comes before."""
+    while not middleware.endpoints(topic, True):
+        if deadline is not None and time.monotonic() > deadline:
+            return ()
+        time.sleep(_LOOK_S)
+    time.sleep(_SETTLE_S)
+    return middleware.endpoints(topic, True)
+
+
+def _qos(publishers: Sequence[Endpoint], best_effort: bool) -> Qos:
+    """Return the QoS of a subscription that all publishers match. It is as strict as the publishers allow."""
+    reliable = not best_effort and all(one.qos.reliability == "reliable" for one in publishers)
+    latched = all(one.qos.durability == "transient_local" for one in publishers)
+    return Qos(
+        "reliable" if reliable else "best_effort",
+        "transient_local" if latched else "volatile",
+        depth=_QUEUE,
+    )

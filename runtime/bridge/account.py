@@ -6,7 +6,7 @@ import logging
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -49,6 +49,8 @@ class Account:
     """Messages of topics whose datagram the network refused, by payload."""
     stops: Counter[str] = field(default_factory=Counter)
     """Stop datagrams that the bridge sent on its own because a topic was silent, by payload."""
+    qos_mismatches: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    """Texts about publishers and subscriptions of other nodes whose QoS does not match now, by topic in the table."""
     kernel_drops: int = 0
     """Datagrams that the kernel dropped because the socket's receive buffer was full."""
 
@@ -68,6 +70,7 @@ class Account:
             "unsent": dict(sorted(self.unsent.items())),
             "extra_published": dict(sorted(self.extra_published.items())),
             "extra_unpublished": dict(sorted(self.extra_unpublished.items())),
+            "qos_mismatches": {topic: len(texts) for topic, texts in sorted(self.qos_mismatches.items())},
             "kernel_drops": self.kernel_drops,
             "by_payload": {
                 "published": dict(sorted(self.published.items())),

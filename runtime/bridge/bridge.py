@@ -6,8 +6,8 @@ Two threads do the work.
 - A thread of the middleware calls the bridge with the messages of topics. On this thread the messages are translated
   to datagrams, and the datagrams are sent.
 
-A third thread, the `Timekeeper`, runs if the table has ``max_rate`` or ``deadman``. A fourth thread runs if the table
-has ``deadman``: it checks whether the topics with ``deadman`` still have publishers.
+A third thread, the `Timekeeper`, runs if the table has ``max_rate`` or ``deadman``. A fourth thread looks at the other
+nodes: whether the topics with ``deadman`` still have publishers, and whether the QoS of both ends of a topic match.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from roverlink.runtime.bridge import extra_topics
 from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.forwarding import Forwarding
+from roverlink.runtime.bridge.qos_watch import QosWatch
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
 from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch, Send
 from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
@@ -113,13 +114,15 @@ class Bridge:
         return udp.socket_state(self._socket)
 
     def __enter__(self) -> Bridge:
+        handlers: tuple[AnyHandler, ...] = (*self._registry.handlers, *self._registry.extra_topics)
+        # Before the first topic is open: a bridge that cannot start must not pass on a command.
+        self._middleware.check_types(handler.message_type for handler in handlers)
         inbound = [handler for handler in self._registry.handlers if handler.route.inbound]
         for handler in inbound:
             self._inbound_rows[handler.route.name] = self._inbound_row(handler)
         for handler in self._registry.extra_topics:
             if handler.route.inbound:
                 self._extra_topics.open(handler, self._publisher(handler).publish)
-        handlers: tuple[AnyHandler, ...] = (*self._registry.handlers, *self._registry.extra_topics)
         outbound = [handler for handler in handlers if not handler.route.inbound]
         self._outbound_rows = [self._outbound_row(handler) for handler in outbound]
         tasks: list[TimedTask] = [*self._paced, *(row for row in self._outbound_rows if row.is_timed)]
@@ -127,7 +130,9 @@ class Bridge:
         for paced in self._paced:
             paced.wake = self._timekeeper.wake
         watches = [self._subscribe(handler, row) for handler, row in zip(outbound, self._outbound_rows)]
-        self._watch = Timekeeper("publisher-watch", [watch for watch in watches if watch], self._fail)
+        routes = {self._topic(handler.route.topic): handler.route for handler in handlers}
+        qos_watch = QosWatch(routes, self._middleware.endpoints, self.account, self._counters.warnings)
+        self._watch = Timekeeper("graph-watch", [*filter(None, watches), qos_watch], self._fail)
         self._warn_of_small_buffer()
         self._timekeeper.__enter__()
         self._watch.__enter__()

@@ -35,15 +35,15 @@ class Message:
 
 
 def how_to_install(message_type: type[Message]) -> str:
-    """Return an instruction to install the type support of a message in ROS 2.
+    """Return an instruction to install or update the type support of a message in ROS 2.
 
-    The message's package is either generated from the table or a package of ROS 2.
+    The message's package is either generated from the table or a package of ROS 2, which apt installs.
     """
     generated, ours, _ = message_type.__module__.partition(".messages.")
     if ours:
-        return f"build {generated.replace('.', '/')}/ros with colcon and source its setup.bash"
+        return f"run `colcon build --base-paths {generated.replace('.', '/')}/ros` and source its setup.bash"
     package = message_type.__msgtype__.partition("/")[0]
-    return f"install ROS 2's package {package} and source its setup.bash"
+    return f"run `apt install ros-$ROS_DISTRO-{package.replace('_', '-')}`"
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +156,18 @@ def fields_of(message_type: type[Message]) -> tuple[Field, ...]:
         for name, hint in hints.items()
         if get_origin(hint) is not ClassVar and not name.startswith("__")
     )
+
+
+def messages_in(message_type: type[Message]) -> list[type[Message]]:
+    """Return the message classes inside a message at any depth. Each occurs once, in the order of first use."""
+    found: dict[type[Message], None] = {}
+    for field in fields_of(message_type):
+        inner: FieldType = field.type
+        while isinstance(inner, (Sequence, Array)):
+            inner = inner.element
+        if isinstance(inner, type):
+            found |= dict.fromkeys((inner, *messages_in(inner)))
+    return list(found)
 
 
 def type_of(hint: Any) -> FieldType:

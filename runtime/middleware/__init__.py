@@ -11,6 +11,7 @@ import platform
 from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.middleware.protocol import (
     Callback,
+    Endpoint,
     Middleware,
     NodeIdentity,
     NodeParameters,
@@ -21,6 +22,7 @@ from roverlink.runtime.middleware.protocol import (
 __all__ = [
     "NAMES",
     "Callback",
+    "Endpoint",
     "Middleware",
     "NodeIdentity",
     "NodeParameters",

@@ -12,8 +12,8 @@ import logging
 import os
 import threading
 import time
-from collections.abc import Sequence
-from functools import cache
+from collections.abc import Iterable, Sequence
+from functools import cache, cached_property
 from typing import Any, NamedTuple
 
 from cyclonedds.core import DDSException, GuardCondition, ReadCondition, WaitSet
@@ -32,11 +32,12 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.rcl_interfaces import Parameter, ParameterEvent
 from roverlink.runtime.middleware.cyclone import EVERYTHING, RawReader, RawWriter, delete, delete_at_exit
+from roverlink.runtime.middleware.dds_graph import DdsGraph
 from roverlink.runtime.middleware.dds_services import DdsServices
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
 from roverlink.runtime.middleware.parameter_services import ParameterServices
-from roverlink.runtime.middleware.protocol import Callback, NodeIdentity, NodeParameters
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, NodeIdentity, NodeParameters
 
 _LOCALHOST_ONLY = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'
@@ -115,6 +116,9 @@ class DdsMiddleware:
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
         self._thread.start()
 
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:
+        """Accept all message types: DDS needs no interface packages."""
+
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> DdsPublisher:
         """Create a DDS writer for a fully qualified topic."""
         policies = dds_qos(qos, writing=True, type_hash=message_type.__typehash__)
@@ -139,6 +143,10 @@ class DdsMiddleware:
         self._waitset.attach(condition)
         self._announcer.add_reader(reader)
         return raw_reader
+
+    def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
+        """Return the publishers or the subscriptions of a fully qualified topic that DDS has found so far."""
+        return self._graph.endpoints(topic, publishing)
 
     def close(self) -> None:
         """Leave the ROS 2 graph. First wait up to 0.3 s for subscribers to acknowledge the last messages."""
@@ -171,6 +179,11 @@ class DdsMiddleware:
 
         services = ParameterServices(parameters, publish).services()
         return DdsServices(self._participant, self._announcer, node.full_name, services)
+
+    @cached_property
+    def _graph(self) -> DdsGraph:
+        # Made when it is first used, because most commands never ask for it.
+        return DdsGraph(self._participant, self._announcer.topic, self._announcer.types.participant)
 
     def _topic(self, topic: str, message_type: type[Message]) -> Topic[Any]:
         # ROS 2 marks its topics with the prefix `rt`, and services with `rq` and `rr` (design.ros2.org, "Topic and

@@ -30,8 +30,9 @@ _UNLIMITED = -1
 _KEPT_TO_READ = 256
 """Smallest history depth of our readers, in samples.
 
-The taking thread may wait for a core for milliseconds, in which more samples than a topic's usual ten arrive. The depth
-of a reader is local: no other node sees it.
+The taking thread may wait for a core for milliseconds, in which more samples than a topic's usual ten arrive. Cyclone
+DDS announces this depth to other nodes instead of the table's. It has one depth for both: the resource limits can only
+lower the number of samples that it keeps, and DDS forbids to change the depth of a reader.
 """
 
 _DDS_TYPES: dict[str, Any] = {

@@ -57,12 +57,12 @@ class GraphAnnouncer:
     def __init__(self, participant: DomainParticipant, node: NodeIdentity) -> None:
         long = os.environ.get("ROS_DISTRO", "humble") in _LONG_GID_DISTRIBUTIONS
         self._gid_bytes = _LONG_GID_BYTES if long else _GUID_BYTES
-        self._types = GraphTypes(self._gid_bytes)
+        self.types = GraphTypes(self._gid_bytes)
         self._participant, self._node = participant, node
         self._readers: list[Any] = []
         self._writers: list[Any] = []
-        topic = Topic(participant, "ros_discovery_info", dds_type(self._types.participant))
-        self._entity: DataWriter[Any] = DataWriter(participant, topic, qos=dds_qos(_QOS, writing=True))
+        self.topic: Topic[Any] = Topic(participant, "ros_discovery_info", dds_type(self.types.participant))
+        self._entity: DataWriter[Any] = DataWriter(participant, self.topic, qos=dds_qos(_QOS, writing=True))
         self._writer = RawWriter(self._entity)
         # Once without endpoints, so that the node is listed before its first topic.
         self._announce()
@@ -80,9 +80,9 @@ class GraphAnnouncer:
     def _gid(self, entity: Entity) -> Any:
         """Return the GID of a DDS entity: its GUID, padded with zeros to the size of a GID."""
         # The GUID of RTPS has 16 bytes: 12 of the participant and 4 of the entity. Humble's rmw has room for 24.
-        return self._types.gid(entity.guid.bytes.ljust(self._gid_bytes, b"\0"))
+        return self.types.gid(entity.guid.bytes.ljust(self._gid_bytes, b"\0"))
 
     def _announce(self) -> None:
         # The topic keeps one sample for each participant, so each announcement lists all endpoints.
-        node = self._types.node(self._node.namespace, self._node.name, self._readers, self._writers)
-        self._writer.write([cdr.encode(self._types.participant(self._gid(self._participant), [node]))])
+        node = self.types.node(self._node.namespace, self._node.name, self._readers, self._writers)
+        self._writer.write([cdr.encode(self.types.participant(self._gid(self._participant), [node]))])

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.middleware.protocol import Callback
+from roverlink.runtime.middleware.protocol import Callback, Endpoint
 
 Callbacks = list[Callback]
 
@@ -61,6 +61,9 @@ class MemoryMiddleware:
         self._own: list[tuple[Callbacks, Callback]] = []
         self._published: list[str] = []
 
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:
+        """Accept all message types."""
+
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> MemoryPublisher:
         """Create a publisher on a topic."""
         self._published.append(topic)
@@ -75,6 +78,10 @@ class MemoryMiddleware:
         callbacks.append(callback)
         self._own.append((callbacks, callback))
         return MemorySubscription(self._graph, topic)
+
+    def endpoints(self, topic: str, publishing: bool) -> tuple[Endpoint, ...]:
+        """Return nothing: topics in memory have no QoS."""
+        return ()
 
     def close(self) -> None:
         """Unsubscribe from all topics and remove the publishers."""

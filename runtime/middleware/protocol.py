@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -54,6 +54,18 @@ class NodeParameters(Protocol):
         """
 
 
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """Publisher or subscription of a topic, as the ROS 2 graph shows it."""
+
+    node: str
+    """Full name of the node; empty if the name is not known yet."""
+    qos: Qos
+    """Reliability and durability; the graph does not show history and depth."""
+    demands: tuple[str, ...] = ()
+    """Further QoS policies of a subscription that no publisher of roverlink satisfies."""
+
+
 class Publisher(Protocol):
     """Publisher on one topic."""
 
@@ -81,6 +93,9 @@ class Subscription(Protocol):
 class Middleware(Protocol):
     """Connection to the ROS 2 graph as one node. A context manager: on exit the node leaves the graph."""
 
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:
+        """Raise `MiddlewareError` if ROS 2 lacks a message type, or has one with other fields."""
+
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
         """Create a publisher for a fully qualified topic."""
 
@@ -90,6 +105,12 @@ class Middleware(Protocol):
         """Call ``callback`` with serialized messages of a fully qualified topic, on a thread of the middleware.
 
         If the middleware supports priorities, topics with a larger ``priority`` are served first.
+        """
+
+    def endpoints(self, topic: str, publishing: bool) -> Sequence[Endpoint]:
+        """Return the publishers of a fully qualified topic that are known now; its subscriptions if not ``publishing``.
+
+        Must be called by one thread at a time.
         """
 
     def close(self) -> None:

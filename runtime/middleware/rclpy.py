@@ -7,9 +7,8 @@ message only through the class that rosidl generated for the message.
 from __future__ import annotations
 
 import contextlib
-import importlib
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import rclpy
@@ -20,10 +19,15 @@ from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import MiddlewareError, SetupError
+from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.core.messages import Message, how_to_install
-from roverlink.runtime.middleware.protocol import Callback, NodeIdentity, NodeParameters
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.middleware.interface_packages import installed_class
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, NodeIdentity, NodeParameters
+
+# Names that the ROS 2 middlewares give to the node of an endpoint until they know it.
+_UNKNOWN_NODES = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
+_INFINITE_NS = 2**63 - 1  # RMW_DURATION_INFINITE
 
 
 class RclpyPublisher:
@@ -89,9 +93,14 @@ class RclpyMiddleware:
         # rclpy stores everything that it applies.
         self._node.add_on_set_parameters_callback(change)
 
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:
+        """Compare the message types with the installed interface packages."""
+        for message_type in message_types:
+            installed_class(message_type)
+
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> RclpyPublisher:
         """Create a publisher on a fully qualified topic."""
-        return RclpyPublisher(self._node.create_publisher(_ros_class(message_type), topic, _profile(qos)))
+        return RclpyPublisher(self._node.create_publisher(installed_class(message_type), topic, _profile(qos)))
 
     def subscribe(
         self,
@@ -104,9 +113,16 @@ class RclpyMiddleware:
         """Call ``callback`` with each serialized message of a topic, on the thread that spins the node."""
         # raw=True gives serialized messages, so rclpy does not build Python objects that nobody needs.
         self._node.create_subscription(
-            _ros_class(message_type), topic, lambda message: callback([message]), _profile(qos), raw=True
+            installed_class(message_type), topic, lambda message: callback([message]), _profile(qos), raw=True
         )
         return RclpySubscription(self._node, topic)
+
+    def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
+        """Return the publishers or the subscriptions of a topic that rclpy has found so far."""
+        if publishing:
+            return [Endpoint(_name(info), _qos(info)) for info in self._node.get_publishers_info_by_topic(topic)]
+        found = self._node.get_subscriptions_info_by_topic(topic)
+        return [Endpoint(_name(info), _qos(info), tuple(_strict(info.qos_profile))) for info in found]
 
     def close(self) -> None:
         """Stop spinning and destroy the node."""
@@ -131,17 +147,6 @@ class RclpyMiddleware:
             self._executor.spin()
 
 
-def _ros_class(message_type: type[Message]) -> Any:
-    """Return the class that rosidl generated for a message, from the installed interface package."""
-    package, _, name = message_type.__msgtype__.split("/")
-    try:
-        return getattr(importlib.import_module(f"{package}.msg"), name)
-    except (ImportError, AttributeError) as error:
-        raise MiddlewareError(
-            f"the interface {message_type.__msgtype__} is not installed ({error}); {how_to_install(message_type)}"
-        ) from error
-
-
 def _profile(qos: Qos) -> QoSProfile:
     return QoSProfile(
         reliability=ReliabilityPolicy[qos.reliability.upper()],
@@ -149,3 +154,25 @@ def _profile(qos: Qos) -> QoSProfile:
         history=HistoryPolicy[qos.history.upper()],
         depth=qos.depth,
     )
+
+
+def _name(info: Any) -> str:
+    known = info.node_name not in _UNKNOWN_NODES
+    return NodeIdentity(info.node_name, info.node_namespace).full_name if known else ""
+
+
+def _qos(info: Any) -> Qos:
+    return Qos(info.qos_profile.reliability.name.lower(), info.qos_profile.durability.name.lower())
+
+
+def _strict(profile: QoSProfile) -> Iterator[str]:
+    """Yield the QoS policies of a subscription that a publisher with ROS 2's defaults does not satisfy."""
+    if _is_limited(profile.deadline.nanoseconds):
+        yield "deadline"
+    if profile.liveliness.name == "MANUAL_BY_TOPIC" or _is_limited(profile.liveliness_lease_duration.nanoseconds):
+        yield "liveliness"
+
+
+def _is_limited(nanoseconds: int) -> bool:
+    # rmw has two values for "no limit": zero if nobody has set the duration, and the largest number.
+    return 0 < nanoseconds < _INFINITE_NS

@@ -5,12 +5,12 @@ The bridge need not know it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.middleware.protocol import Callback, Middleware, Publisher, Subscription
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, Publisher, Subscription
 
 Tap = Callable[[Sequence[bytes]], None]
 """Function that takes messages of one topic, oldest first. It must return at once."""
@@ -32,6 +32,10 @@ class TappedMiddleware:
     def __init__(self, middleware: Middleware, listener: Listener) -> None:
         self._middleware, self._listener = middleware, listener
 
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:
+        """Let the wrapped middleware check the message types."""
+        self._middleware.check_types(message_types)
+
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
         """Create a publisher that passes the messages it has published to the listener."""
         return _TappedPublisher(
@@ -49,6 +53,10 @@ class TappedMiddleware:
             callback(messages)
 
         return self._middleware.subscribe(topic, message_type, qos, tapped, priority)
+
+    def endpoints(self, topic: str, publishing: bool) -> Sequence[Endpoint]:
+        """Return the publishers or the subscriptions of a topic that the wrapped middleware knows."""
+        return self._middleware.endpoints(topic, publishing)
 
     def close(self) -> None:
         """Close the wrapped middleware, so that the node leaves the ROS 2 graph."""

@@ -47,6 +47,7 @@ def _node_status(state: State) -> DiagnosticStatus:
         **{f"forwarded.{peer}": count for peer, count in state.forwarded.items()},
         **{f"unsent.{peer}": count for peer, count in state.unsent.items()},
         **{f"dropped.{reason}": count for reason, count in state.dropped.items()},
+        **{f"qos_mismatches.{topic}": count for topic, count in state.qos_mismatches.items()},
         "kernel_drops": state.kernel_drops,
         "socket_waiting_bytes": state.socket_waiting,
         "socket_size_bytes": state.socket_size,
@@ -74,6 +75,7 @@ def _row_status(node: str, row: RowState) -> DiagnosticStatus:
         **({} if row.age is None else {"age": f"{row.age:.2f}"}),
         **({} if row.expect_rate is None else {"expect_rate": f"{row.expect_rate:g}"}),
         **{f"dropped.{reason}": count for reason, count in row.dropped.items()},
+        **({"qos_mismatches": row.qos_mismatches} if row.qos_mismatches else {}),
     }
     return _status(row.level, f"{node}: {row.name}", row.message, row.peer, values)
 

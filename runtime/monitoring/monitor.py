@@ -8,7 +8,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 from roverlink.runtime.bridge.account import Account
@@ -125,6 +125,7 @@ class Monitor:
             forwarded=dict(account.forwarded),
             unsent=dict(account.unsent),
             dropped=dict(account.dropped),
+            qos_mismatches={topic: len(texts) for topic, texts in account.qos_mismatches.items()},
             kernel_drops=socket.drops,
             socket_waiting=socket.waiting,
             socket_size=socket.size,
@@ -137,12 +138,11 @@ class Monitor:
     def _overall(self, recording: Recording | None) -> tuple[Level, str]:
         if recording is not None and recording.failure is not None:
             return Level.ERROR, f"the recording stopped: {recording.failure}"
-        lost = self._samples[-1].lost - self._samples[0].lost
-        return (
-            (Level.WARN, f"{lost} datagrams or messages lost in the last {WINDOW_S:.0f} s")
-            if lost
-            else (Level.OK, "nothing lost")
-        )
+        if lost := self._samples[-1].lost - self._samples[0].lost:
+            return Level.WARN, f"{lost} datagrams or messages lost in the last {WINDOW_S:.0f} s"
+        if topics := ", ".join(self._bridge.account.qos_mismatches):
+            return Level.WARN, f"the QoS of other nodes does not match on {topics}"
+        return Level.OK, "nothing lost"
 
     def _row(self, route: Route) -> RowState:
         first, last = self._samples[0], self._samples[-1]
@@ -152,7 +152,9 @@ class Monitor:
         age = None if seen is None else self._clock() - seen
         dropped = {reason: count for (row, reason), count in sorted(last.dropped.items()) if row == name}
         fresh = {reason: count - first.dropped[name, reason] for reason, count in dropped.items()}
-        level, message = _assess(route.expect_rate, rate, age, {reason: n for reason, n in fresh.items() if n})
+        mismatches = self._bridge.account.qos_mismatches.get(route.topic, ())
+        fresh = {reason: count for reason, count in fresh.items() if count}
+        level, message = _assess(route.expect_rate, rate, age, fresh, mismatches)
         return RowState(
             number=route.number,
             name=name,
@@ -164,20 +166,25 @@ class Monitor:
             age=age,
             expect_rate=route.expect_rate,
             dropped=dropped,
+            qos_mismatches=len(mismatches),
             level=level,
             message=message,
         )
 
 
-def _assess(expected: float | None, rate: float, age: float | None, fresh: dict[str, int]) -> tuple[Level, str]:
+def _assess(
+    expected: float | None, rate: float, age: float | None, fresh: dict[str, int], mismatches: Sequence[str]
+) -> tuple[Level, str]:
     """Return the level of a row and, as text, the reason for it.
 
     ``expected`` and ``rate`` are in messages a second. ``age`` is the time since the last message in seconds, or None.
-    ``fresh`` holds the messages dropped recently, by reason.
+    ``fresh`` holds the messages dropped recently, by reason. ``mismatches`` says which nodes have no matching QoS.
     """
     if fresh:
         drops = ", ".join(f"{reason} {count}" for reason, count in fresh.items())
         return (Level.WARN if rate else Level.ERROR), f"dropped in the last {WINDOW_S:.0f} s: {drops}"
+    if mismatches:
+        return Level.WARN, "; ".join(mismatches)
     if expected is None:
         return Level.OK, "" if age is not None else "no message yet"
     silence = max(_SILENT_PERIODS / expected, WINDOW_S)

@@ -65,6 +65,9 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     yield "dropped_total", "Datagrams that were not bridged.", _by("reason", state.dropped)
     yield "forwarded_total", "Raw datagrams forwarded to a peer.", _by("peer", state.forwarded)
     yield "unsent_total", "Datagrams that the network refused to send.", _by("peer", state.unsent)
+    yield "qos_mismatches", "Publishers and subscriptions of other nodes whose QoS does not match.", _by(
+        "topic", state.qos_mismatches
+    )
     yield "socket_waiting_bytes", "Bytes waiting in the socket's receive buffer.", [({}, state.socket_waiting)]
     yield "socket_size_bytes", "Size of the socket's receive buffer.", [({}, state.socket_size)]
     rows = [({"row": row.name, "number": row.number, "direction": row.direction}, row) for row in state.rows]

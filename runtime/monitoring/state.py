@@ -37,6 +37,8 @@ class RowState:
     """Messages a second that the table expects at least."""
     dropped: Mapping[str, int]
     """Messages that were not bridged, by reason."""
+    qos_mismatches: int
+    """Number of publishers or subscriptions of other nodes whose QoS does not match the row's."""
     level: Level
     message: str
 
@@ -67,6 +69,8 @@ class State:
     """Datagrams that the network refused, by peer."""
     dropped: Mapping[str, int]
     """Datagrams that were not bridged, by reason, including those of no known row."""
+    qos_mismatches: Mapping[str, int]
+    """Number of publishers and subscriptions of other nodes whose QoS does not match, by topic in the table."""
     kernel_drops: int
     socket_waiting: int
     """Bytes waiting in the socket's receive buffer."""

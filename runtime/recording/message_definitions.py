@@ -16,15 +16,13 @@ from roverlink.runtime.core.cdr import type_name
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.messages import (
     PRIMITIVES,
-    Array,
     Bound,
-    FieldType,
     Length,
     Message,
-    Sequence,
     UInt8,
     default_of,
     fields_of,
+    messages_in,
     type_of,
 )
 
@@ -40,7 +38,7 @@ _FIELD = re.compile(
 def definition_of(message_type: type[Message]) -> str:
     """Return the definition of a message class, followed by the definitions of all messages inside it."""
     parts = [_fields_text(message_type)]
-    for nested in _nested(message_type):
+    for nested in messages_in(message_type):
         parts += [_SEPARATOR, f"MSG: {_short(nested.__msgtype__)}", _fields_text(nested)]
     return "\n".join(parts)
 
@@ -53,24 +51,6 @@ def _fields_text(message_type: type[Message]) -> str:
 def _short(type_name: str) -> str:
     """Return ``comms/msg/SensorState[3]`` as ``comms/SensorState[3]``, the form that all MCAP readers accept."""
     return type_name.replace("/msg/", "/")
-
-
-def _nested(message_type: type[Message]) -> list[type[Message]]:
-    """Return the message classes inside a message at any depth. Each occurs once, in the order of first use."""
-    found: dict[type[Message], None] = {}
-    for part in _parts(message_type):
-        found.setdefault(part)
-    return list(found)
-
-
-def _parts(message_type: type[Message]) -> Iterator[type[Message]]:
-    for field in fields_of(message_type):
-        inner: FieldType = field.type
-        while isinstance(inner, (Sequence, Array)):
-            inner = inner.element
-        if isinstance(inner, type):
-            yield inner
-            yield from _parts(inner)
 
 
 # --- reading ----------------------------------------------------------------------------------------------------

@@ -209,7 +209,7 @@ def test_a_topic_as_csv_and_parquet(run: Path, capsys: pytest.CaptureFixture[str
     ("arguments", "expected"),
     [
         (["info", "nowhere.mcap"], "nowhere.mcap: no such file"),
-        (["export", "{run}", "--topic", "imu_dat"], "the recording has no topic 'imu_dat'; did you mean /imu_data?"),
+        (["export", "{run}", "--topic", "imu_dat"], "the recording has no topic 'imu_dat'; did you mean '/imu_data'?"),
         (["export", "{run}", "--topic", "imu_data", "--out", "/nowhere/x.csv"], "/nowhere/x.csv: cannot write"),
         (["replay", "{run}", "--to", "x"], "'x' is not of the form HOST:PORT"),
         (["record", "run.bag", "--middleware", "memory"], "run.bag: the name of a recording must end with .mcap"),

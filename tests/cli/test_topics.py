@@ -13,12 +13,15 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from needs import needs_dds
+from polling import wait_until
 
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
 from generated.registry import REGISTRY
 from roverlink import topic_types
 from roverlink.__main__ import main
 from roverlink.runtime import Qos, SetupError
+from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.text.values import message_to_values
 
 Start = Callable[..., Any]
@@ -83,6 +86,27 @@ def test_a_best_effort_publisher_is_heard_where_it_is_asked_for(start: Start) ->
     """`--best-effort` subscribes as sensor drivers publish; it hears reliable publishers as well."""
     printed = _crossed(start, ("drive_motor", "--best-effort", "--count", 1, "--json"), ("drive_motor",))
     assert json.loads(printed[0]) == {"distance_to_go": 0.0, "turning_radius": 0.0}
+
+
+@needs_dds
+@pytest.mark.parametrize("reliability", ["best_effort", "reliable"])
+@pytest.mark.parametrize("durability", ["transient_local", "volatile"])
+def test_echo_adapts_to_the_publisher(
+    start: Start, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch, reliability: str, durability: str
+) -> None:
+    """Any publisher is heard; what a latched and reliable one has published before echo started is printed too."""
+    for name in ("ROS_LOCALHOST_ONLY", "ROS_DOMAIN_ID"):
+        monkeypatch.setenv(name, environment[name])
+    message = cdr.encode(DrivingBoardMotorMessage(distance_to_go=2.5))
+    with open_middleware("dds", NodeIdentity("driver")) as driver:
+        publisher = driver.publisher("/drive_motor", DrivingBoardMotorMessage, Qos(reliability, durability))
+        publisher.publish([message])
+        listener = start("echo", "drive_motor", "--json", "--count", 1)
+        if (reliability, durability) != ("reliable", "transient_local"):
+            wait_until(publisher.has_subscribers, "echo")
+            publisher.publish([message])
+        assert listener.end() == 0
+    assert json.loads(listener.output[0])["distance_to_go"] == 2.5
 
 
 @needs_dds

@@ -20,10 +20,12 @@ from needs import needs_dds
 from polling import wait_until
 from prometheus_client.parser import text_string_to_metric_families
 
-from generated.messages import ImuSensorInformation
+from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
+from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.recording.message_definitions import definition_of
 
 Start = Callable[..., Any]
@@ -94,6 +96,27 @@ def test_top_shows_the_bridge(start: Start, done: Start) -> None:
         assert row["count"] > 0
         live.wait_for('"node"', live.output)
         assert live.interrupt() == 0
+    assert program.interrupt() == 0
+
+
+@needs_dds
+def test_a_node_whose_qos_does_not_match_is_shown(
+    start: Start, done: Start, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A best-effort publisher of commands: in the log, in the status of the node and in that of the row."""
+    for name in ("ROS_LOCALHOST_ONLY", "ROS_DOMAIN_ID"):
+        monkeypatch.setenv(name, environment[name])
+    program = start("run", "--middleware", "dds", *_FREE_PORT)
+    why = "no messages come from a publisher of /joystick (reliability: reliable required, best_effort offered)"
+    with open_middleware("dds", NodeIdentity("joystick")) as joystick:
+        joystick.publisher("/drive_motor", DrivingBoardMotorMessage, Qos(reliability="best_effort"))
+        program.wait_for(f"/drive_motor: {why}; change the QoS of one side")
+        code, output, _ = done("top", "--once", "--json", "--middleware", "dds", "--timeout", 60)
+    page = json.loads(output)
+    row = next(row for row in page["rows"] if row["name"] == "drive_motor")
+    assert (code, row["level"], row["message"], row["qos_mismatches"]) == (1, "WARN", why, 1)
+    assert page["node"]["message"] == "the QoS of other nodes does not match on drive_motor"
+    assert page["node"]["qos_mismatches.drive_motor"] == 1
     assert program.interrupt() == 0
 
 

@@ -136,6 +136,17 @@ def test_what_is_dropped_is_a_warning_for_two_seconds_and_an_error_where_nothing
     assert bridge.monitor.state().level == Level.OK
 
 
+def test_a_node_whose_qos_does_not_match_is_a_warning() -> None:
+    """The row says why; on an extra topic, only the status of the node says it."""
+    bridge = _Bridge(imu_info=40)
+    bridge.let(3, imu_info=40)
+    bridge.account.qos_mismatches = {"imu_data": ["a subscription of /viz gets no messages"], "imu/mag": ["another"]}
+    row = bridge.row("imu_info")
+    assert (row.level, row.message, row.qos_mismatches) == (Level.WARN, "a subscription of /viz gets no messages", 1)
+    state = bridge.monitor.state()
+    assert (state.level, state.message) == (Level.WARN, "the QoS of other nodes does not match on imu_data, imu/mag")
+
+
 def test_a_recording_that_has_ended_is_an_error() -> None:
     """It is the one thing that nobody can make good in the evening."""
     bridge = _Bridge()
@@ -178,6 +189,7 @@ def _busy() -> State:
     bridge.kernel_drops = 11
     bridge.account.dropped.update({"malformed": 4, "wrong_direction": 5})
     bridge.account.dropped_of_row["arm_ctrl", "wrong_direction"] = 5
+    bridge.account.qos_mismatches = {"gps_data": ["a subscription of /viz gets no messages (durability: ...)"]}
     bridge.let(3, imu_info=40, gps_info=4)
     bridge.let(2.5, imu_info=20)
     bridge.account.sent["drive_motor"] += 3
@@ -234,6 +246,8 @@ def test_prometheus_reads_the_metrics() -> None:
     assert kinds["roverlink_handling_seconds"] == "histogram"
     rates = {sample.labels["row"]: sample.value for sample in families["roverlink_rate"].samples}
     assert rates["imu_info"] == 20
+    (mismatch,) = families["roverlink_qos_mismatches"].samples
+    assert (mismatch.labels, mismatch.value) == ({"topic": "gps_data"}, 1)
     (drop,) = families["roverlink_row_dropped"].samples
     assert (drop.labels["row"], drop.labels["reason"], drop.value) == ("arm_ctrl", "wrong_direction", 5)
     buckets = [

@@ -91,6 +91,7 @@ def _account() -> Account:
         stops=Counter(drive_motor=3),
         extra_published=Counter({"imu/mag": 4}),
         extra_unpublished=Counter({"gps/fix": 1}),
+        qos_mismatches={"imu_data": ["a subscription of /viz gets no messages"]},
         kernel_drops=7,
     )
 
@@ -113,6 +114,7 @@ def test_the_account_as_plain_values() -> None:
         "unsent": {"hardware": 1},
         "extra_published": {"imu/mag": 4},
         "extra_unpublished": {"gps/fix": 1},
+        "qos_mismatches": {"imu_data": 1},
         "kernel_drops": 7,
         "by_payload": {"published": {"gps_info": 1, "imu_info": 4}, "sent": {"drive_motor": 2}},
     }

@@ -9,7 +9,7 @@ import re
 import socket
 import threading
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import pytest
@@ -19,7 +19,7 @@ from tables import unguarded
 
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
-from roverlink.runtime import Bridge, Qos, Registry, SetupError, Translator
+from roverlink.runtime import Bridge, MiddlewareError, Qos, Registry, SetupError, Translator
 from roverlink.runtime.bridge.bridge import Handle, Observer, Send
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
@@ -421,6 +421,25 @@ def test_a_destination_that_does_not_resolve_is_told() -> None:
     """A wrong `dst_ip` is told at start, by its name."""
     with pytest.raises(SetupError, match=r"the destination 'rover\.invalid' does not resolve"):
         _Rig(dst_ip="rover.invalid")
+
+
+class _Stale(MemoryMiddleware):
+    """A ROS 2 with other message types; it has no topics before that is known."""
+
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:
+        raise MiddlewareError(f"{len(list(message_types))} message types are not the generated ones")
+
+    def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Any:
+        pytest.fail("a publisher was opened")
+
+    subscribe = publisher  # type: ignore[assignment]  # neither is called
+
+
+def test_message_types_are_checked_before_any_topic_is_open() -> None:
+    """All rows and extra topics are checked; the bridge does not start, and passes nothing on."""
+    count = len(REGISTRY.handlers) + len(REGISTRY.extra_topics)
+    with pytest.raises(MiddlewareError, match=rf"^{count} message types"), _Rig(middleware=_Stale()):
+        pass
 
 
 class _Broken(MemoryMiddleware):

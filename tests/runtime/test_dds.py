@@ -22,7 +22,7 @@ from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import from_rosbags
-from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
+from roverlink.runtime.middleware import Endpoint, Middleware, NodeIdentity, open_middleware
 from roverlink.runtime.text.values import message_to_values
 
 pytest.importorskip("cyclonedds", reason=NO_DDS)
@@ -96,6 +96,32 @@ def _gathered(middleware: Middleware, topic: str, message_type: type[Message], q
     seen: list[bytes] = []
     middleware.subscribe(topic, message_type, qos or Qos(), seen.extend)
     return seen
+
+
+# --- the graph --------------------------------------------------------------------------------------------------
+
+
+def test_endpoints_have_the_names_of_their_nodes_and_their_qos(join: Open, topic: str) -> None:
+    """Another node's publisher or subscription is listed until it leaves."""
+    ours, other = join(), join("joystick", "/base")
+    qos = Qos(reliability="best_effort", durability="transient_local")
+    other.publisher(topic, ImuSensorInformation, qos)
+    _gathered(other, f"{topic}_back", ImuSensorInformation)
+    wait_until(lambda: ours.endpoints(topic, True) == [Endpoint("/base/joystick", qos)], "the publisher")
+    wait_until(
+        lambda: ours.endpoints(f"{topic}_back", False) == [Endpoint("/base/joystick", Qos())], "the subscription"
+    )
+    assert (ours.endpoints(topic, False), ours.endpoints(f"{topic}_back", True)) == ([], [])
+    other.close()
+    wait_until(lambda: not ours.endpoints(topic, True), "the publisher to leave")
+
+
+def test_a_program_without_a_node_is_listed_without_a_name(join: Open, topic: str) -> None:
+    """A plain DDS reader has no node."""
+    ours = join()
+    with _Peer("read", "--topic", f"rt{topic}", "--count", 1) as peer:
+        peer.says()
+        wait_until(lambda: ours.endpoints(topic, False) == [Endpoint("", Qos())], "the reader")
 
 
 # --- the wire ---------------------------------------------------------------------------------------------------

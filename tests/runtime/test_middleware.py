@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 import sys
 import threading
@@ -9,7 +10,7 @@ import types
 from collections.abc import Iterator, Sequence
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import pytest
 from polling import PATIENCE_S, wait_until
@@ -18,10 +19,10 @@ from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
 from generated.registry import REGISTRY
 from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.messages import Bound, Float64, Length, Message
 from roverlink.runtime.interfaces import rcl_interfaces
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
-from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.middleware import Endpoint, NodeIdentity, open_middleware
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
@@ -153,6 +154,32 @@ class _ExternalShutdown(Exception):  # noqa: N818  # as rclpy names it
     """Somebody else has shut ROS 2 down."""
 
 
+_IMU_FIELDS = {
+    **dict.fromkeys([f"{sensor}_{axis}" for sensor in ("accel", "gyro", "mag") for axis in "xyz"], "float"),
+    "is_calibrated": "boolean",
+    "state": "comms/SensorState",
+    "error_code": "uint8",
+}
+
+
+def _generated(fields: dict[str, str]) -> Any:
+    """What we use of a class that rosidl generated."""
+    return types.SimpleNamespace(get_fields_and_field_types=lambda: fields)
+
+
+def _graph_endpoint(node: str, reliability: str, deadline: int = 0, lease: int = 2**63 - 1) -> Any:
+    """What we use of a TopicEndpointInfo; the durations are in nanoseconds."""
+    named, nanoseconds = types.SimpleNamespace, types.SimpleNamespace
+    profile = types.SimpleNamespace(
+        reliability=named(name=reliability),
+        durability=named(name="VOLATILE"),
+        deadline=nanoseconds(nanoseconds=deadline),
+        liveliness=named(name="AUTOMATIC"),
+        liveliness_lease_duration=nanoseconds(nanoseconds=lease),
+    )
+    return types.SimpleNamespace(node_name=node, node_namespace="/", qos_profile=profile)
+
+
 class _Ros:
     """What rclpy offers of what we use, with the signatures of ROS 2 Humble, and a record of its use."""
 
@@ -164,6 +191,8 @@ class _Ros:
         self.published: list[tuple[str, bytes]] = []
         self.spinning, self.end_spin = threading.Event(), threading.Event()
         self.shut_down_from_outside = False
+        self.imu = _generated(_IMU_FIELDS)
+        self.endpoint = _graph_endpoint("joystick", "BEST_EFFORT")
 
     def modules(self) -> dict[str, types.ModuleType]:
         """The modules that are imported."""
@@ -192,7 +221,7 @@ class _Ros:
             SetParametersResult=rcl_interfaces.SetParametersResult,
         )
         comms.__path__ = []
-        messages.__dict__.update(ImuSensorInformation="the class of ImuSensorInformation")
+        messages.__dict__.update(ImuSensorInformation=self.imu, SensorState=_generated({"state": "uint8"}))
         made = (root, executors, qos, signals, serialization, rcl, rcl_messages, comms, messages)
         return {module.__name__: module for module in made}
 
@@ -235,6 +264,12 @@ class _Ros:
     ) -> None:
         self.calls.append(("create_subscription", msg_type, topic, qos_profile, raw))
         self.subscriptions[topic] = callback
+
+    def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[Any]:
+        return [self.endpoint] if topic_name == "/cmd" else []
+
+    def get_subscriptions_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[Any]:
+        return [self.endpoint] if topic_name == "/imu" else []
 
     def executor(self, *, context: Any = None) -> _Ros:
         self.calls.append(("executor", context))
@@ -314,7 +349,7 @@ def test_rclpy_publishes_serialized_messages(ros: _Ros) -> None:
     kind, message_class, topic, profile = ros.calls[-1]
     assert (kind, message_class, topic) == (
         "create_publisher",
-        "the class of ImuSensorInformation",
+        ros.imu,
         "/rover/imu_data",
     )
     assert {name: getattr(value, "name", value) for name, value in profile.items()} == {
@@ -335,7 +370,7 @@ def test_rclpy_subscribes_to_serialized_messages(ros: _Ros) -> None:
     seen: list[bytes] = []
     open_middleware("rclpy", _NODE).subscribe("/imu_data", ImuSensorInformation, Qos(), seen.extend)
     kind, message_class, topic, profile, raw = ros.calls[-1]
-    assert (kind, message_class, topic) == ("create_subscription", "the class of ImuSensorInformation", "/imu_data")
+    assert (kind, message_class, topic) == ("create_subscription", ros.imu, "/imu_data")
     assert raw is True
     assert {name: getattr(value, "name", value) for name, value in profile.items()} == {
         "reliability": "RELIABLE",
@@ -345,6 +380,15 @@ def test_rclpy_subscribes_to_serialized_messages(ros: _Ros) -> None:
     }
     ros.subscriptions["/imu_data"](b"message")
     assert seen == [b"message"]
+
+
+def test_rclpy_lists_the_endpoints_of_a_topic(ros: _Ros) -> None:
+    """Node and QoS of each publisher or subscription; what no publisher of ours offers is a demand."""
+    middleware = open_middleware("rclpy", _NODE)
+    assert middleware.endpoints("/imu", True) == []
+    assert middleware.endpoints("/cmd", True) == [Endpoint("/joystick", Qos("best_effort"))]
+    ros.endpoint = _graph_endpoint("_NODE_NAME_UNKNOWN_", "RELIABLE", deadline=1, lease=1)
+    assert middleware.endpoints("/imu", False) == [Endpoint("", Qos(), ("deadline", "liveliness"))]
 
 
 def test_rclpy_spins_while_it_is_entered(ros: _Ros) -> None:
@@ -380,12 +424,53 @@ def test_an_interface_that_is_not_built_is_told(ros: _Ros) -> None:
         middleware.subscribe("/imu_data", ImuSensorInformation, Qos(), lambda data: None)
     module = "my_rover.generated.messages.moved"
     moved = type("Moved", (Message,), {"__module__": module, "__msgtype__": "rover/msg/Moved"})
-    with pytest.raises(MiddlewareError, match=r"build my_rover/generated/ros with colcon"):
+    with pytest.raises(MiddlewareError, match=r"colcon build --base-paths my_rover/generated/ros`"):
         middleware.publisher("/moved", moved, Qos())
-    with pytest.raises(MiddlewareError, match=r"install ROS 2's package tf2_msgs "):
+    with pytest.raises(MiddlewareError, match=r"apt install ros-\$ROS_DISTRO-tf2-msgs`"):
         middleware.publisher("/tf", TFMessage, Qos())
 
 
 def test_auto_takes_rclpy_where_it_imports(ros: _Ros) -> None:
     """With ROS 2 at hand, `auto` is rclpy."""
     assert type(open_middleware("auto", _NODE)).__name__ == "RclpyMiddleware"
+
+
+_WITHOUT_MAG_Z = {name: kind for name, kind in _IMU_FIELDS.items() if name != "mag_z"}
+
+
+@pytest.mark.parametrize(
+    ("name", "installed", "difference"),
+    [
+        ("ImuSensorInformation", _WITHOUT_MAG_Z, "comms/msg/ImuSensorInformation has no field mag_z"),
+        ("ImuSensorInformation", _IMU_FIELDS | {"heat": "float"}, "has a field heat that is unknown here"),
+        ("ImuSensorInformation", _WITHOUT_MAG_Z | {"mag_z": "float"}, "have another order"),
+        ("ImuSensorInformation", _IMU_FIELDS | {"mag_z": "double"}, "mag_z .* has the type double instead of float"),
+        (
+            "SensorState",
+            {"state": "uint8[2]"},
+            r"state of comms/msg/SensorState has the type uint8\[2\] instead of uint8",
+        ),
+    ],
+)
+def test_a_stale_interface_is_told(ros: _Ros, name: str, installed: dict[str, str], difference: str) -> None:
+    """An installed message whose fields differ from the generated ones is refused, nested messages included."""
+    setattr(sys.modules["comms.msg"], name, _generated(installed))
+    with pytest.raises(MiddlewareError, match=rf"ImuSensorInformation is not the one .*{difference}.*colcon build"):
+        open_middleware("rclpy", _NODE).publisher("/imu_data", ImuSensorInformation, Qos())
+
+
+def test_interfaces_of_ros_2_are_compared_too(ros: _Ros, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Strings, sequences and arrays are spelled as rosidl spells them; a package that is missing comes by apt."""
+    fields = {"position": "double[3]", "name": "sequence<string>", "raw": "sequence<uint8, 8>", "unit": "string<4>"}
+    package, messages = types.ModuleType("probe_msgs"), types.ModuleType("probe_msgs.msg")
+    package.__path__ = []
+    messages.__dict__.update(Probe=_generated(fields))
+    kinds = [Annotated[list[Float64], Length(3)], list[str], Annotated[bytes, Bound(8)], Annotated[str, Bound(4)]]
+    namespace = {"__msgtype__": "probe_msgs/msg/Probe"}
+    probe = dataclasses.make_dataclass("Probe", zip(fields, kinds), bases=(Message,), namespace=namespace)
+    middleware = open_middleware("rclpy", _NODE)
+    with pytest.raises(MiddlewareError, match=r"apt install ros-\$ROS_DISTRO-probe-msgs`"):
+        middleware.publisher("/probe", probe, Qos())
+    for module in (package, messages):
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+    middleware.publisher("/probe", probe, Qos())

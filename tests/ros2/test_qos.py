@@ -1,0 +1,58 @@
+"""Nodes of ROS 2 whose QoS differs from the bridge's, or that only some subscriptions match."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+import pytest
+from judge import Bridge, Judge, interface
+from polling import wait_until
+from programs import Start as Run
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+Start = Callable[..., Bridge]
+
+_IMU = "comms/msg/ImuSensorInformation"
+_MOTOR = "comms/msg/DrivingBoardMotorMessage"
+_BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+_LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def test_nodes_that_cannot_match_are_warned_of(judge: Judge, bridge: Start) -> None:
+    """A best-effort publisher of commands and a subscription that wants old messages: by node and policy."""
+    running = bridge()
+    judge.node.create_publisher(interface(_MOTOR), "/drive_motor", _BEST_EFFORT)
+    judge.hear("/imu_data", _IMU, _LATCHED)
+    running.program.wait_for("/drive_motor: no messages come from a publisher of /judge (reliability: ")
+    running.program.wait_for("/imu_data: a subscription of /judge gets no messages (durability: ")
+
+
+def test_nodes_that_cannot_match_are_in_diagnostics(judge: Judge, bridge: Start) -> None:
+    """The status of the row is a warning and counts them, until they have left."""
+    heard = judge.hear("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
+    bridge()
+    publisher = judge.node.create_publisher(interface(_MOTOR), "/drive_motor", _BEST_EFFORT)
+
+    def count() -> str | None:
+        statuses = heard.values[-1]["status"] if heard.values else []
+        row = next((one for one in statuses if one["name"].endswith(": drive_motor")), {"values": []})
+        return next((pair["value"] for pair in row["values"] if pair["key"] == "qos_mismatches"), None)
+
+    wait_until(lambda: count() == "1", "the mismatch in /diagnostics")
+    judge.node.destroy_publisher(publisher)
+    wait_until(lambda: count() is None, "the mismatch to leave /diagnostics")
+
+
+@pytest.mark.parametrize("profile", [_BEST_EFFORT, _LATCHED, QoSProfile(depth=10)], ids=["fast", "latched", "default"])
+def test_echo_hears_any_publisher(judge: Judge, start: Run, middleware: str, profile: QoSProfile) -> None:
+    """`roverlink echo` adapts its QoS to the publisher; of a latched one, it prints what was published before."""
+    publisher = judge.node.create_publisher(interface(_MOTOR), "/drive_motor", profile)
+    message = interface(_MOTOR)(distance_to_go=2.5)
+    publisher.publish(message)
+    echo = start("echo", "drive_motor", "--json", "--count", 1, "--middleware", middleware)
+    if profile is not _LATCHED:
+        wait_until(publisher.get_subscription_count, "echo")
+        publisher.publish(message)
+    assert json.loads(echo.wait_for("distance_to_go", echo.output))["distance_to_go"] == 2.5
+    assert echo.end() == 0
