@@ -103,7 +103,7 @@ def test_the_example_of_each_help_is_understood(
         (["pub", "a", "--rate=-1"], "'-1' is not a frequency above 0"),
         (["pub", "a", "--wait", "nan"], "'nan' is not a duration in seconds"),
         (["demo", "--seconds", "soon"], "'soon' is not a duration in seconds"),
-        (["demo", "--middleware", "rclpy"], "invalid choice: 'rclpy'"),
+        (["demo", "--middleware", "auto"], "invalid choice: 'auto'"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )

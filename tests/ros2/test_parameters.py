@@ -140,12 +140,14 @@ def test_a_cyclone_client_sees_the_parameter_services(judge: Judge, bridge: Star
     wait_until(lambda: offered() == wanted, f"{wanted}")
 
 
+_LOG = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # lines from before we subscribe, too
+
+
 def test_the_log_is_on_rosout(judge: Judge, bridge: Start) -> None:
     """A late joiner too gets the lines that are on the console, as the log of the node; the console has them once."""
     running = bridge()
     first = running.program.wait_for("fingerprint of table and schema")
-    qos = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    heard = judge.hear("/rosout", "rcl_interfaces/msg/Log", qos)
+    heard = judge.hear("/rosout", "rcl_interfaces/msg/Log", _LOG)
     text = first.partition("]: ")[2]
     wait_until(lambda: text in [line["msg"] for line in heard.values], f"{text!r} on /rosout")
     line = next(line for line in heard.values if line["msg"] == text)
@@ -156,7 +158,7 @@ def test_the_log_is_on_rosout(judge: Judge, bridge: Start) -> None:
 
 def test_the_log_stays_off_rosout_if_the_user_wants(judge: Judge, bridge: Start) -> None:
     """With `--disable-rosout-logs`, no line of the bridge is on /rosout."""
-    heard = judge.hear("/rosout", "rcl_interfaces/msg/Log")
+    heard = judge.hear("/rosout", "rcl_interfaces/msg/Log", _LOG)
     first = bridge("--disable-rosout-logs").program.wait_for("fingerprint of table and schema")
     judge.wait_for_node("/udp_forwarder")
     bridge("-r", "__node:=loud").program.wait_for("fingerprint of table and schema")
