@@ -9,10 +9,10 @@ SOAK_SECONDS ?= 600
 FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime vision roverlink bench tests docs
 
-.PHONY: help demo test test-slow test-vision ros-package soak fuzz lint bench bench-vision pictures generate docs docs-reference clean
+.PHONY: help demo test test-slow test-vision test-aarch64 ros-package soak fuzz lint bench bench-vision pictures generate docs docs-reference clean
 
 help:  ## this list
-	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
+	@sed -n 's/^\([a-z0-9-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
 
 demo: $(VENV)/ready-demo  ## bridge all messages on loopback for 15 s, shown live
 	$(BIN)/roverlink demo
@@ -25,6 +25,9 @@ test-slow: $(VENV)/ready-dev  ## the tests that take minutes
 
 test-vision: $(VENV)/ready-dev  ## the tests of the camera programs; OPENCV=4.11 with that version of OpenCV
 	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py tests/cli/test_aruco_calibrate.py
+
+test-aarch64:  ## roverlink from its wheel on an aarch64 that QEMU emulates; needs root
+	tests/aarch64/run.sh
 
 ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
 	$(BIN)/python tests/ros/build.py
@@ -66,7 +69,7 @@ docs-reference: $(VENV)/ready-dev  ## write the reference tables in docs/ from t
 	$(BIN)/python docs/site/committed_tables.py
 
 clean:  ## remove what was made here, the environment included
-	rm -rf $(VENV) build .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .aarch64 build .mypy_cache .pytest_cache .ruff_cache .hypothesis
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
