@@ -10,7 +10,7 @@ SOAK_SECONDS ?= 600
 FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime vision roverlink bench tests docs
 
-.PHONY: help demo test test-slow test-vision test-ros2 ros-package soak fuzz lint bench bench-vision pictures generate docs docs-reference clean
+.PHONY: help demo test test-slow test-vision test-ros2 test-aarch64 ros-package soak fuzz lint bench bench-vision pictures generate docs docs-reference clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -29,6 +29,9 @@ test-vision: $(VENV)/ready-dev  ## the tests of the camera programs; OPENCV=4.11
 
 test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2=jazzy for one of them
 	$(PYTHON) tests/ros2/run.py $(ROS2)
+
+test-aarch64:  ## roverlink from its wheel on an aarch64 that QEMU emulates; needs root
+	tests/aarch64/run.sh
 
 ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
 	$(BIN)/python tests/ros/build.py
@@ -70,7 +73,7 @@ docs-reference: $(VENV)/ready-dev  ## write the reference tables in docs/ from t
 	$(BIN)/python docs/site/committed_tables.py
 
 clean:  ## remove what was made here, the environment included
-	rm -rf $(VENV) .ros2 build .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .ros2 .aarch64 build .mypy_cache .pytest_cache .ruff_cache .hypothesis
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \

@@ -305,7 +305,7 @@ def _spelled(type: FieldType) -> str:
 
 
 def _does_not_run(environment: dict[str, str]) -> Iterator[str]:
-    """Start the bridge as `ros2 run` does: by the package's name in the index, and the program in its lib folder."""
+    """Look for the launch files, and start the bridge as `ros2 run` does: by the package's name in the index."""
     package = REGISTRY.package
     prefixes = [Path(prefix) for prefix in environment["AMENT_PREFIX_PATH"].split(":")]
     marker = Path("share", "ament_index", "resource_index", "packages", package)
@@ -313,6 +313,10 @@ def _does_not_run(environment: dict[str, str]) -> Iterator[str]:
     if not found or not os.access(found[0], os.X_OK):
         yield f"ros2 run {package} {package}_node would find no program"
         return
+    shared = found[0].parents[2] / "share" / package
+    for file in (f"launch/{package}.launch.py", f"launch/{package}_launch.yaml", "config/udp.yaml"):
+        if not (shared / file).is_file():
+            yield f"ros2 launch would not find {shared / file}"
     path = f"{Path(sys.executable).parent}:{environment['PATH']}"
     ours = {**environment, "PATH": path, "PYTHONPATH": f"{ROOT}:{environment.get('PYTHONPATH', '')}"}
     command = [found[0], "--json", "--middleware", "memory", "--ros-args", "-p", "listen_port:=0"]

@@ -1,4 +1,4 @@
-"""The ROS 2 package: its .msg texts read alike everywhere, and its program and launch file start the bridge.
+"""The ROS 2 package: its .msg texts read alike everywhere, and its program and launch files start the bridge.
 
 That it builds is for `make ros-package`, which needs ROS 2's own tools.
 """
@@ -12,21 +12,28 @@ import runpy
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 from typing import Any
 
 import pytest
+import yaml
 from golden import ROOT, compiled, passing_cases
 from needs import NO_ROS
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import get_types_from_msg
 
+from generated.registry import REGISTRY
 from roverlink.generator.ir.model import RosMessage, RosType
 from roverlink.generator.pipeline import Compiled, compile_table
+from roverlink.runtime import NODE
+from roverlink.runtime.ros_arguments import parameters, ros_args
 
 _SYSTEM_PYTHON = Path("/usr/bin/python3")
 _EMPTY = "structure_needs_at_least_one_member"
-_PROGRAM = ROOT / "generated" / "ros" / "comms" / "scripts" / "comms_node.py"
+_PACKAGE = ROOT / "generated" / "ros" / "comms"
+_PROGRAM = _PACKAGE / "scripts" / "comms_node.py"
+_Entry = dict[str, Any]
+"""An action of a YAML launch file: its kind, with its attributes."""
 
 
 @pytest.fixture(scope="module")
@@ -113,26 +120,77 @@ def test_the_program_says_where_roverlink_is_missing() -> None:
     assert sys.executable in done.stderr
 
 
-def test_the_launch_file_starts_the_program_with_the_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`ros2 launch comms comms.launch.py` is one node of the package, with its file of parameters unless told."""
-    recorded: dict[str, Any] = {
-        "launch": {"LaunchDescription": list},
-        "launch.actions": {"DeclareLaunchArgument": lambda name, default_value: (name, default_value)},
-        "launch.substitutions": {"LaunchConfiguration": lambda name: f"<{name}>"},
-        "launch_ros": {},
-        "launch_ros.actions": {"Node": SimpleNamespace},
+def test_the_launch_files_start_the_program_with_their_arguments(launch_in_python: list[_Entry]) -> None:
+    """The Python file and the YAML file have the same arguments with descriptions, and start one node with them."""
+    launch_in_yaml = yaml.safe_load((_PACKAGE / "launch" / "comms_launch.yaml").read_text(encoding="utf-8"))["launch"]
+    *arguments, group = launch_in_yaml
+    (params_file,) = (entry["arg"] for entry in arguments if entry["arg"]["name"] == "params_file")
+    params_file["default"] = params_file["default"].replace("$(dirname)/..", str(_PACKAGE))
+
+    assert launch_in_python == launch_in_yaml
+    assert Path(params_file["default"]).is_file()
+    assert all(entry["arg"]["description"] for entry in arguments)
+    *overrides, node = group["group"]
+    assert [entry["set_parameter"]["name"] for entry in overrides] == [
+        "listen_address",
+        "listen_port",
+        "dst_ip",
+        "dst_a_port",
+        "dst_b_port",
+    ]
+    assert overrides[2]["set_parameter"] == {
+        "name": "dst_ip",
+        "value": "$(var dst_ip)",
+        "if": """$(eval "'$(var dst_ip)' != ''")""",
     }
-    for name, content in recorded.items():
+    assert node["node"] == {
+        "pkg": "comms",
+        "exec": "comms_node",
+        "namespace": "$(var namespace)",
+        "args": "--middleware $(var middleware)",
+        "ros_args": "--log-level $(var log_level) --params-file $(var params_file)",
+        "output": "screen",
+    }
+
+
+@pytest.fixture
+def launch_in_python(monkeypatch: pytest.MonkeyPatch) -> list[_Entry]:
+    """The description that the Python launch file returns, written in the grammar of YAML launch files."""
+    grammar: dict[str, Any] = {
+        "launch": {"LaunchDescription": list},
+        "launch.actions": {"DeclareLaunchArgument": _declared, "GroupAction": lambda actions: {"group": actions}},
+        "launch.conditions": {"IfCondition": str},
+        "launch.substitutions": {
+            "LaunchConfiguration": "$(var {})".format,
+            "PythonExpression": lambda parts: f'$(eval "{"".join(parts)}")',
+        },
+        "launch_ros": {},
+        "launch_ros.actions": {"Node": _node, "SetParameter": _set_parameter},
+    }
+    for name, content in grammar.items():
         module = ModuleType(name)
         vars(module).update(content)
         monkeypatch.setitem(sys.modules, name, module)
-    launch = ROOT / "generated" / "ros" / "comms" / "launch" / "comms.launch.py"
-    (argument, default), node = runpy.run_path(str(launch))["generate_launch_description"]()
-    assert argument == "params_file"
-    assert Path(default).is_file()
-    assert vars(node) == {
-        "package": "comms",
-        "executable": "comms_node",
-        "parameters": ["<params_file>"],
-        "output": "screen",
-    }
+    path = _PACKAGE / "launch" / "comms.launch.py"
+    entries: list[_Entry] = runpy.run_path(str(path))["generate_launch_description"]()
+    return entries
+
+
+def _declared(name: str, default_value: str, description: str) -> _Entry:
+    return {"arg": {"name": name, "default": default_value, "description": description}}
+
+
+def _set_parameter(name: str, value: str, condition: str) -> _Entry:
+    return {"set_parameter": {"name": name, "value": value, "if": condition}}
+
+
+def _node(package: str, executable: str, arguments: list[str], ros_arguments: list[str], **same: str) -> _Entry:
+    args = {"args": " ".join(arguments), "ros_args": " ".join(ros_arguments)}
+    return {"node": {"pkg": package, "exec": executable, **args, **same}}
+
+
+@pytest.mark.parametrize("namespace", ["/", "/rover"])
+def test_the_file_of_parameters_is_for_the_node_in_any_namespace(namespace: str) -> None:
+    """`namespace:=rover` keeps the values of params_file; config/udp.yaml has the default of every parameter."""
+    ros = ros_args.parse(["--params-file", str(_PACKAGE / "config" / "udp.yaml"), "-r", f"__ns:={namespace}"], NODE)
+    assert ros.parameters == parameters.defaults(REGISTRY)

@@ -1,4 +1,4 @@
-"""Target `ros2`: the ROS 2 interface package with its messages, build files, launch file and parameters."""
+"""Target `ros2`: the ROS 2 interface package with its messages, build files, launch files and parameters."""
 
 from __future__ import annotations
 
@@ -8,6 +8,17 @@ from roverlink.generator import ir
 from roverlink.generator.emit.render import Files, header, render
 from roverlink.generator.ir.msg_types import msg_type
 from roverlink.generator.node_parameters import node_parameters
+
+_LAUNCH_ARGUMENTS = {
+    "middleware": ("auto", "auto (rclpy if it can be imported, otherwise dds), dds, rclpy or memory"),
+    "namespace": ("", "ROS 2 namespace of the node and its topics"),
+    "log_level": ("info", "debug, info, warn, error or fatal"),
+}
+"""Default and description of each argument of the launch files that is not a parameter of the node."""
+
+_PARAMS_FILE = "YAML file with the parameters of the node"
+_ADDRESSES = ("listen_address", "listen_port", "dst_ip")
+"""Parameters that are also arguments of the launch files, besides the peers' ports. Computers differ in them."""
 
 
 def emit(bridge: ir.Bridge) -> Files:
@@ -38,13 +49,31 @@ def emit(bridge: ir.Bridge) -> Files:
         others=others,
         spoken=sorted({interface.package for interface in bridge.interfaces} - {*others}),
     )
-    yield f"{folder}/launch/{bridge.package}.launch.py", render("launch.py.j2", header=comment, package=bridge.package)
+    for path, template in (
+        (f"{bridge.package}.launch.py", "launch.py.j2"),
+        (f"{bridge.package}_launch.yaml", "launch.yaml.j2"),
+    ):
+        yield f"{folder}/launch/{path}", render(
+            template,
+            header=comment,
+            package=bridge.package,
+            arguments=_LAUNCH_ARGUMENTS,
+            params_file=_PARAMS_FILE,
+            addresses=_addresses(bridge),
+        )
     yield f"{folder}/scripts/{bridge.package}_node.py", render(
         "node.py.j2", header=comment, registry=f"{bridge.folder}/registry.py"
     )
     yield f"{folder}/config/udp.yaml", render(
         "udp.yaml.j2", header=comment, parameters=node_parameters(), peers=bridge.peers
     )
+
+
+def _addresses(bridge: ir.Bridge) -> dict[str, str]:
+    """Return the description of each launch argument that overrides a parameter, by the parameter's name."""
+    described = {name: node_parameters()[name]["description"] for name in _ADDRESSES}
+    described |= {peer.parameter: f"UDP port of {peer.name}" for peer in bridge.peers}
+    return {name: f"{text} (if empty: the value in params_file)" for name, text in described.items()}
 
 
 def _msg(bridge: ir.Bridge, message: ir.RosMessage) -> str:
