@@ -5,14 +5,15 @@ OPENCV ?=
 VENV ?= $(if $(OPENCV),.venv-opencv-$(OPENCV),.venv)
 OPENCV_PIN := $(if $(OPENCV),'opencv-contrib-python-headless==$(OPENCV).*')
 BIN := $(VENV)/bin
+ROS2 ?=
 SOAK_SECONDS ?= 600
 FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime vision roverlink bench tests docs
 
-.PHONY: help demo test test-slow test-vision ros-package soak fuzz lint bench bench-vision pictures generate docs docs-reference clean
+.PHONY: help demo test test-slow test-vision test-ros2 ros-package soak fuzz lint bench bench-vision pictures generate docs docs-reference clean
 
 help:  ## this list
-	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
+	@sed -n 's/^\([a-z0-9-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
 
 demo: $(VENV)/ready-demo  ## bridge all messages on loopback for 15 s, shown live
 	$(BIN)/roverlink demo
@@ -25,6 +26,9 @@ test-slow: $(VENV)/ready-dev  ## the tests that take minutes
 
 test-vision: $(VENV)/ready-dev  ## the tests of the camera programs; OPENCV=4.11 with that version of OpenCV
 	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py tests/cli/test_aruco_calibrate.py
+
+test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2=jazzy for one of them
+	$(PYTHON) tests/ros2/run.py $(ROS2)
 
 ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
 	$(BIN)/python tests/ros/build.py
@@ -66,7 +70,7 @@ docs-reference: $(VENV)/ready-dev  ## write the reference tables in docs/ from t
 	$(BIN)/python docs/site/committed_tables.py
 
 clean:  ## remove what was made here, the environment included
-	rm -rf $(VENV) build .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .ros2 build .mypy_cache .pytest_cache .ruff_cache .hypothesis
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \

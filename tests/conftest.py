@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
+from domains import claimed_domain
 from needs import SLOW
+from programs import Program, Start
+
+_REPOSITORY = Path(__file__).parents[1]
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -53,3 +59,51 @@ def _cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
         yield
+
+
+@pytest.fixture
+def domain() -> Iterator[int]:
+    """A DDS domain that nobody else on this host is in, ours until the test ends."""
+    with contextlib.ExitStack() as held:
+        yield claimed_domain(held)
+
+
+@pytest.fixture
+def environment() -> dict[str, str]:
+    """An environment without ROS 2, on this host alone, in a domain of this test worker's."""
+    dropped = ("ROS_", "RMW_", "CYCLONEDDS", "PYTHONUNBUFFERED")  # output is buffered, as it is for users
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(dropped)}
+    return {
+        **kept,
+        "PYTHONFAULTHANDLER": "1",
+        "ROS_LOCALHOST_ONLY": "1",
+        "ROS_DOMAIN_ID": str(51 + os.getpid() % 49),
+        "COLUMNS": "200",
+    }
+
+
+@pytest.fixture
+def start(environment: dict[str, str]) -> Iterator[Start]:
+    """Starts `roverlink` with arguments; ends what still runs when the test is over."""
+    programs: list[Program] = []
+
+    def start(*arguments: object, folder: Path = _REPOSITORY, **more: str) -> Program:
+        program = Program(arguments, {**environment, **more}, folder)
+        programs.append(program)
+        return program
+
+    yield start
+    for program in programs:
+        program.kill()
+
+
+@pytest.fixture
+def done(start: Start) -> Start:
+    """Runs `roverlink` with arguments to its end; its exit code, standard output and standard error."""
+
+    def done(*arguments: object, **more: object) -> tuple[int, str, str]:  # type: ignore[misc]
+        program = start(*arguments, **more)
+        code = program.end()
+        return code, "\n".join(program.output), "\n".join(program.errors)
+
+    return done  # type: ignore[return-value]

@@ -11,6 +11,7 @@ SLOW = "slow (make test-slow)"
 NO_DDS = "need Cyclone DDS (no wheel for this machine)"
 NO_OPENCV = "need OpenCV (pip install 'roverlink[vision]')"
 NO_ROS = "need ROS 2's tools and C++ libraries (xargs apt-get install <tests/ros/debian-packages)"
+NO_RCLPY = "need a real ROS 2 (make test-ros2)"
 NOT_LINUX = "need Linux"
 
 needs_dds = pytest.mark.skipif(not find_spec("cyclonedds"), reason=NO_DDS)

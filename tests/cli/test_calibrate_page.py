@@ -12,12 +12,12 @@ from typing import Any
 import pytest
 from needs import NO_OPENCV
 from polling import wait_until
+from programs import Start
 
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 
 from bench.vision.browser import PATIENCE_S  # noqa: E402  # below what skips where it is not needed
 from bench.vision.moving_board import LENS, pictures  # noqa: E402
-from tests.cli.conftest import Start  # noqa: E402
 from tests.vision.browsing import visiting  # noqa: E402
 from tests.vision.webcam import Webcam  # noqa: E402
 

@@ -1,0 +1,164 @@
+"""Test the bridge against a real ROS 2, whose wheels come from PyPI: `make test-ros2`.
+
+Each distribution gets an environment in `.ros2/`, with the wheels and with roverlink. CMake and rosidl build the
+interface package in `generated/ros` against it. Then pytest runs in this environment: rclpy nodes with the classes that
+rosidl generated judge what `roverlink run` does. Environment and package are made again only where what goes into them
+has changed.
+
+    python tests/ros2/run.py                    both distributions
+    python tests/ros2/run.py jazzy -k graph     one of them, with arguments for pytest
+
+Exit code 0: all tests passed; 1: a test failed; 2: a tool is missing, or the wheels cannot be installed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import sysconfig
+import venv
+from collections.abc import Iterable
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+HERE = Path(__file__).parent
+ENVIRONMENTS = ROOT / ".ros2"
+PACKAGE = ROOT / "generated" / "ros" / "comms"
+DISTRIBUTIONS = ("jazzy", "kilted")
+
+
+def main() -> int:
+    """Prepare the distributions and run the tests in each."""
+    parser = argparse.ArgumentParser(description="Test the bridge against a real ROS 2 from PyPI.")
+    parser.add_argument("distributions", nargs="*", metavar="DISTRIBUTION", help=f"of {', '.join(DISTRIBUTIONS)}")
+    arguments, for_pytest = parser.parse_known_args()
+    wanted = arguments.distributions or DISTRIBUTIONS
+    if unknown := set(wanted) - set(DISTRIBUTIONS):
+        parser.error(f"unknown: {', '.join(unknown)} (known: {', '.join(DISTRIBUTIONS)})")
+    if missing := _missing():
+        print(missing, file=sys.stderr)
+        return 2
+    failed = False
+    for distribution in wanted:
+        try:
+            prepare(distribution)
+        except subprocess.CalledProcessError as error:
+            print(f"ROS 2 {distribution} was not prepared: {error}", file=sys.stderr)
+            return 2
+        print(f"== ROS 2 {distribution}", flush=True)
+        failed |= run(distribution, "-m", "pytest", str(HERE), "-n", "auto", *for_pytest)
+    return int(failed)
+
+
+def _missing() -> str:
+    """Say what this machine lacks; empty if nothing."""
+    if platform.machine() != "x86_64":
+        return f"PyPI has the wheels of ROS 2 for x86_64 only, and this machine is {platform.machine()}"
+    if not (3, 10) <= sys.version_info[:2] <= (3, 13):
+        return f"PyPI has the wheels of ROS 2 for Python 3.10 to 3.13, and this is {platform.python_version()}"
+    packages = [] if shutil.which("g++") and shutil.which("make") else ["g++", "make"]
+    if not Path(sysconfig.get_path("include"), "Python.h").is_file():
+        packages.append(f"python3.{sys.version_info.minor}-dev")
+    return f"to build the interface package, install: apt-get install {' '.join(packages)}" if packages else ""
+
+
+# --- what is made once ------------------------------------------------------------------------------------------------
+
+
+def prepare(distribution: str) -> None:
+    """Make a distribution's environment and interface package, unless they are there."""
+    folder = ENVIRONMENTS / distribution
+    inputs = [ROOT / "pyproject.toml", HERE / "tools.txt", HERE / f"{distribution}.txt"]
+    if _is_new(folder / "installed", f"{sys.version}{_checksum(inputs)}"):
+        _install(distribution, folder)
+        _done(folder / "installed", f"{sys.version}{_checksum(inputs)}")
+    sources = _checksum(path for path in PACKAGE.rglob("*") if path.is_file())
+    if _is_new(folder / "overlay" / "built", sources):
+        _build(distribution, folder)
+        _done(folder / "overlay" / "built", sources)
+
+
+def _checksum(files: Iterable[Path]) -> str:
+    """Return a checksum of files: of their names and contents."""
+    whole = hashlib.sha256()
+    for path in sorted(files):
+        whole.update(f"{path.relative_to(ROOT)}\0{path.stat().st_size}\0".encode() + path.read_bytes())
+    return whole.hexdigest()
+
+
+def _is_new(stamp: Path, key: str) -> bool:
+    return not stamp.is_file() or stamp.read_text() != key
+
+
+def _done(stamp: Path, key: str) -> None:
+    stamp.write_text(key)
+
+
+def _install(distribution: str, folder: Path) -> None:
+    print(f"installing ROS 2 {distribution} in {folder.relative_to(ROOT)}", flush=True)
+    venv.create(folder, clear=True, with_pip=True)
+    pip = [folder / "bin" / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    extras = f"ros-{distribution},standard,vision"
+    subprocess.run(
+        [*pip, "--requirement", HERE / f"{distribution}.txt", "--editable", f".[{extras}]"], cwd=ROOT, check=True
+    )
+
+
+def _build(distribution: str, folder: Path) -> None:
+    """Build the interface package and install it into the overlay."""
+    print(f"building {PACKAGE.relative_to(ROOT)} for ROS 2 {distribution}", flush=True)
+    build, overlay, python = folder / "build", folder / "overlay", folder / "bin" / "python"
+    for stale in (build, overlay):
+        shutil.rmtree(stale, ignore_errors=True)
+    build.mkdir()
+    settings = {
+        "CMAKE_PREFIX_PATH": folder,
+        "CMAKE_INSTALL_PREFIX": overlay,
+        "BUILD_TESTING": "OFF",
+        "Python3_EXECUTABLE": python,
+        "PYTHON_EXECUTABLE": python,  # what the older of ROS 2's CMake files read
+    }
+    options = [f"-D{name}={value}" for name, value in settings.items()]
+    with (folder / "build.log").open("w") as log:
+        for arguments in (
+            ["-S", PACKAGE, "-B", build, *options],
+            ["--build", build, "--parallel", str(os.cpu_count() or 1)],
+            ["--install", build],
+        ):
+            command = [folder / "bin" / "cmake", *arguments]
+            if subprocess.run(command, env=environment(distribution), stdout=log, stderr=log).returncode:
+                print("".join((folder / "build.log").read_text().splitlines(keepends=True)[-40:]), file=sys.stderr)
+                raise subprocess.CalledProcessError(1, "cmake")
+
+
+# --- what runs in it --------------------------------------------------------------------------------------------------
+
+
+def environment(distribution: str) -> dict[str, str]:
+    """Return the environment of a shell in which the distribution and the interface package are sourced."""
+    folder = ENVIRONMENTS / distribution
+    overlay = folder / "overlay"
+    modules = next(folder.glob("lib/python3.*")).name
+    return {
+        **os.environ,
+        "ROS_DISTRO": distribution,
+        "AMENT_PREFIX_PATH": f"{overlay}:{folder}",
+        "LD_LIBRARY_PATH": f"{overlay}/lib:{folder}/lib",
+        "PYTHONPATH": f"{overlay}/lib/{modules}/site-packages",
+        "PATH": f"{folder}/bin:{os.environ['PATH']}",
+    }
+
+
+def run(distribution: str, *arguments: str) -> int:
+    """Run Python in a distribution's environment; return the exit code."""
+    python = ENVIRONMENTS / distribution / "bin" / "python"
+    return subprocess.run([python, *arguments], cwd=ROOT, env=environment(distribution)).returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())
