@@ -12,9 +12,8 @@ import logging
 import os
 import threading
 import time
-from collections.abc import Sequence
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 from cyclonedds.core import DDSException, GuardCondition, ReadCondition, WaitSet
 from cyclonedds.domain import Domain, DomainParticipant
@@ -32,6 +31,7 @@ from roverlink.runtime.middleware.cyclone import EVERYTHING, RawReader, RawWrite
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
 from roverlink.runtime.middleware.protocol import Callback, NodeIdentity
+from roverlink.runtime.middleware.serving import ServedTopic, serve
 
 _LOCALHOST_ONLY = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'
@@ -51,10 +51,6 @@ _WITHOUT_FAST_TYPES = (
     "</CycloneDDS>"
 )
 _LARGEST_DOMAIN = 232  # ports are 7400 + 250 * domain and up (RTPS 2.2, 9.6.1); above 232 they exceed 65535
-# All messages of a take go to one callback. Large enough to keep up with a burst, small enough that other topics get
-# their turn.
-_TAKE = 64  # most samples taken at a time
-_TAKE_BEHIND = 8  # the same for a topic of low priority: urgent topics wait until these are handled
 _LEAVE_S = 0.3  # time for subscribers to acknowledge the last messages
 
 
@@ -68,19 +64,6 @@ class DdsPublisher:
     def has_subscribers(self) -> bool:
         """Return true if DDS has found a reader that matches this writer."""
         return bool(self._writer.get_matched_subscriptions())
-
-
-class _Topic(NamedTuple):
-    """Subscribed topic: its reader, its callback and its priority."""
-
-    reader: RawReader
-    callback: Callback
-    priority: int
-
-    def serve(self, most: int) -> None:
-        """Take at most ``most`` received messages, oldest first, and call the callback with them."""
-        if messages := self.reader.take(most):
-            self.callback(messages)
 
 
 class DdsMiddleware:
@@ -99,7 +82,7 @@ class DdsMiddleware:
         self._stopped = GuardCondition(self._participant)
         self._waitset.attach(self._stopped)
         self._writers: list[RawWriter] = []
-        self._topics: tuple[_Topic, ...] = ()
+        self._topics: tuple[ServedTopic, ...] = ()
         self._conditions: list[ReadCondition] = []
         self._open = True
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
@@ -122,7 +105,7 @@ class DdsMiddleware:
         reader = DataReader(self._participant, self._topic(topic, message_type), qos=policies)
         condition = ReadCondition(reader, EVERYTHING)
         raw_reader = RawReader(reader)
-        read = _Topic(raw_reader, callback, priority)
+        read = ServedTopic(raw_reader, callback, priority)
         self._topics = tuple(sorted((*self._topics, read), key=lambda one: one.priority, reverse=True))
         # The package deletes an entity in DDS when Python collects it (see `cyclone`), so everything is kept here.
         self._conditions.append(condition)
@@ -159,20 +142,7 @@ class DdsMiddleware:
         # A guard condition stays triggered until it is taken, so a stop before the wait ends it, too.
         while not self._stopped.read():
             self._waitset.wait(duration(infinite=True))
-            _serve(self._topics)
-
-
-def _serve(topics: Sequence[_Topic]) -> None:
-    """Call the callback of each topic once, with at most one batch of messages.
-
-    A topic with many messages therefore delays neither the other topics nor `close`. Before each topic, all topics with
-    a higher priority are served again, so they wait for one small batch at most.
-    """
-    for index, topic in enumerate(topics):
-        urgent = [other for other in topics[:index] if other.priority > topic.priority]
-        for other in urgent:
-            other.serve(_TAKE_BEHIND)
-        topic.serve(_TAKE_BEHIND if urgent else _TAKE)
+            serve(self._topics, self._topics)
 
 
 def _domain_id() -> int:
