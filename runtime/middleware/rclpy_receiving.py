@@ -5,7 +5,7 @@ condition, and builds a wait set with every entity of the node. This thread wait
 subscriptions only, and takes all messages that have arrived. The executor serves the rest of the node.
 
 rclpy does not document its wait set. These facts were read in its sources, and are the same in Humble (3.3), Jazzy
-(7.1), Kilted (9.1) and Rolling of December 2024:
+(7.1) and Rolling of December 2024; Kilted (9.1) and Jazzy pass the tests in ``tests/ros2``:
 - ``rclpy/executors.py``: `WaitSet` is filled by ``clear_entities`` and ``add_subscription``. Each ``wait`` removes the
   entities that are not ready, so they are added again before the next.
 - ``rclpy/executors.py``: an executor waits for an entity only if the entity's callback group allows it.
