@@ -16,8 +16,10 @@ SETTINGS = (
     Setting("forwards", "UDP -> DDS, no subscriber, two raw forwards", forwards=True),
     ALONE,
     Setting("outbound", "DDS -> UDP", outbound=True, observed=True),
+    Setting("rclpy", "UDP -> ROS 2 with rclpy, a subscriber, no forwards", observed=True, rclpy=True),
+    Setting("rclpy out", "ROS 2 with rclpy -> UDP", outbound=True, observed=True, rclpy=True),
 )
-QUICK_SETTINGS = ("full", "alone", "outbound")
+QUICK_SETTINGS = ("full", "alone", "outbound", "rclpy", "rclpy out")
 
 RATES = (1_000, 2_000, 5_000, 10_000, 15_000, 20_000, 30_000, 40_000, 60_000, 80_000, 100_000, 150_000, 200_000)
 QUICK_RATES = (1_000, 5_000, 20_000, 30_000, 60_000)
@@ -53,7 +55,12 @@ def measure(lab: Lab) -> SectionResult:
 
 
 def _measure_setting(lab: Lab, setting: Setting) -> Iterator[Point]:
-    contestants = [contestant for contestant in lab.contestants if contestant.bridges or setting is ALONE]
+    # Without a subscriber, nobody on the ROS 2 side has to understand a contestant, so all take part.
+    contestants = [
+        contestant
+        for contestant in lab.contestants
+        if setting is ALONE or (contestant.bridges and contestant.rclpy is setting.rclpy)
+    ]
     if not contestants:
         return
     with open_rig(lab, setting) as rig:

@@ -14,6 +14,7 @@ from typing import Any
 
 import yaml
 
+from bench import ros2
 from bench.errors import BenchError
 from bench.native import Programs
 from bench.wire import IMU_STAMP
@@ -35,7 +36,8 @@ class Contestant:
     """One way to build the bridge.
 
     `command` takes the ports, and whether each datagram is forwarded raw to A and B. `count` is the JSON key of the
-    number of handled datagrams; the floor only receives.
+    number of handled datagrams; the floor only receives. `rclpy` means that it publishes with rclpy, so load and
+    observer do, too.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Contestant:
     command: Callable[[Ports, bool], Sequence[str]]
     environment: Mapping[str, str] = field(default_factory=dict)
     count: str = "published"
+    rclpy: bool = False
 
     @property
     def bridges(self) -> bool:
@@ -104,11 +107,21 @@ def _handwritten(site: Site) -> Contestant:
 
 
 def _roverlink(site: Site) -> Contestant:
-    script = Path(sys.executable).with_name("roverlink")
-    if not script.exists():
-        raise BenchError(f"{script} does not exist; `make bench` installs it")
+    return Contestant("roverlink", "this project", _run_of_same_work(site, [str(_script())], "dds"))
+
+
+def _rclpy(site: Site) -> Contestant:
+    if not ros2.is_ready():
+        raise BenchError("there is no ROS 2 in .ros2; `make test-ros2` makes it, on x86-64")
+    command = _run_of_same_work(site, [ros2.python(), "-m", "roverlink"], "rclpy")
+    about = f"this project on ROS 2 {ros2.DISTRIBUTION.capitalize()} from PyPI, with rclpy and Fast DDS"
+    return Contestant("rclpy", about, command, ros2.environment(), rclpy=True)
+
+
+def _run_of_same_work(site: Site, program: Sequence[str], middleware: str) -> Callable[[Ports, bool], Sequence[str]]:
+    """Return the command that bridges the same work as the other contestants, for given ports and forwards."""
     project = site.out / "same-work"
-    _compile_for_same_work(script, site.proto, project)
+    _compile_for_same_work(_script(), site.proto, project)
 
     def command(ports: Ports, forwards: bool) -> Sequence[str]:
         parameters = {
@@ -119,19 +132,17 @@ def _roverlink(site: Site) -> Contestant:
             "forward_policy": "all" if forwards else "mapping",
         }
         arguments = (word for name, value in parameters.items() for word in ("-p", f"{name}:={value}"))
-        return (
-            str(script),
-            "run",
-            "--project",
-            str(project),
-            "--middleware",
-            "dds",
-            "--json",
-            "--ros-args",
-            *arguments,
-        )
+        options = ("--project", str(project), "--middleware", middleware, "--json", "--ros-args")
+        return (*program, "run", *options, *arguments)
 
-    return Contestant("roverlink", "this project", command)
+    return command
+
+
+def _script() -> Path:
+    script = Path(sys.executable).with_name("roverlink")
+    if not script.exists():
+        raise BenchError(f"{script} does not exist; `make bench` installs it")
+    return script
 
 
 def _compile_for_same_work(script: Path, proto: Path, project: Path) -> None:
@@ -159,6 +170,7 @@ FINDERS: dict[str, Callable[[Site], Contestant]] = {
     "cpp": _cpp,
     "handwritten": _handwritten,
     "roverlink": _roverlink,
+    "rclpy": _rclpy,
 }
 
 

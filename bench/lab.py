@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from bench import ros2
 from bench.contestants import FINDERS, ROOT, Contestant, Site, find_contestants
 from bench.errors import BenchError
 from bench.native import Programs, build, missing_packages
@@ -46,6 +47,11 @@ class Lab:
         command = [str(program)] if program else [sys.executable, "-m", f"bench.{name}"]
         environment = {**self.environment, "PYTHONPATH": f"{ROOT}:{self.site.python_protos}"}
         return Child(name, [*command, *map(str, arguments)], environment, self.site.out)
+
+    def rclpy_tool(self, name: str) -> Child:
+        """Start `load` or `observe` with rclpy."""
+        environment = {**self.environment, **ros2.environment()}
+        return Child(name, [ros2.python(), "-m", "bench.rclpy_tools", name], environment, self.site.out)
 
 
 def prepare(

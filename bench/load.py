@@ -85,6 +85,11 @@ def main(arguments: list[str]) -> None:
         send = datagrams(int(port), bytearray.fromhex(datagram), int(high_offset), int(low_offset))
     else:
         send = samples()
+    answer(send)
+
+
+def answer(send: Send) -> None:
+    """Send what each line of stdin asks for, until stdin ends."""
     for line in sys.stdin:
         rate, seconds = (float(word) for word in line.split())
         start = time.monotonic_ns()

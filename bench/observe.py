@@ -71,11 +71,16 @@ def main(arguments: list[str]) -> None:
         watch_udp(ages, port, high_offset, low_offset)
     else:
         reader = watch_dds(ages)
+    answer(ages)
+    del reader
+
+
+def answer(ages: list[int]) -> None:
+    """Answer each line of stdin with the ages that were recorded since the last one, until stdin ends."""
     for _ in sys.stdin:
         taken = ages[:]
         del ages[: len(taken)]
         print(json.dumps({"received": len(taken), **ages_us(taken)}), flush=True)
-    del reader
 
 
 if __name__ == "__main__":

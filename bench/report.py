@@ -21,6 +21,7 @@ COLOURS = {
     "cpp": "tab:blue",
     "handwritten": "tab:orange",
     "roverlink": "tab:green",
+    "rclpy": "tab:purple",
     "OpenCV": "tab:blue",
     "OpenCV SUBPIX": "tab:orange",
     "OpenCV APRILTAG": "tab:red",

@@ -22,7 +22,8 @@ PACE_KEPT = 0.95
 class Setting:
     """Way to run the bridge.
 
-    `observed` adds a subscriber to the published topic; the outbound direction is always observed.
+    `observed` adds a subscriber to the published topic; the outbound direction is always observed. With `rclpy`, the
+    ROS 2 side is rclpy instead of Cyclone DDS.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Setting:
     outbound: bool = False
     observed: bool = False
     forwards: bool = False
+    rclpy: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,15 +164,19 @@ def open_rig(lab: Lab, setting: Setting) -> Iterator[Rig]:
         listen = _free_port()
         if setting.outbound:
             b = _free_port()
-            load = lab.tool("load", "dds")
+            load = lab.rclpy_tool("load") if setting.rclpy else lab.tool("load", "dds")
             observer: Child | None = lab.tool("observe", "udp", b, MOTOR_STAMP.high, MOTOR_STAMP.low)
         else:
             load = lab.tool("load", "udp", listen, imu_datagram().hex(), IMU_STAMP.high, IMU_STAMP.low)
-            observer = lab.tool("observe", "dds") if setting.observed else None
+            observer = _subscriber(lab, setting) if setting.observed else None
         stack.enter_context(load)
         if observer:
             stack.enter_context(observer)
         yield Rig(lab, setting, Ports(listen, a, b), load, observer)
+
+
+def _subscriber(lab: Lab, setting: Setting) -> Child:
+    return lab.rclpy_tool("observe") if setting.rclpy else lab.tool("observe", "dds")
 
 
 def _sink() -> socket.socket:

@@ -14,7 +14,7 @@ import threading
 import time
 from collections.abc import Iterable, Sequence
 from functools import cache, cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 from cyclonedds.core import DDSException, GuardCondition, ReadCondition, WaitSet
 from cyclonedds.domain import Domain, DomainParticipant
@@ -38,6 +38,7 @@ from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
 from roverlink.runtime.middleware.parameter_services import ParameterServices
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, NodeIdentity, NodeParameters
+from roverlink.runtime.middleware.serving import ServedTopic, serve
 
 _LOCALHOST_ONLY = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'
@@ -57,10 +58,6 @@ _WITHOUT_FAST_TYPES = (
     "</CycloneDDS>"
 )
 _LARGEST_DOMAIN = 232  # ports are 7400 + 250 * domain and up (RTPS 2.2, 9.6.1); above 232 they exceed 65535
-# All messages of a take go to one callback. Large enough to keep up with a burst, small enough that other topics get
-# their turn.
-_TAKE = 64  # most samples taken at a time
-_TAKE_BEHIND = 8  # the same for a topic of low priority: urgent topics wait until these are handled
 _PARAMETER_EVENTS = Qos(depth=1000)  # rmw_qos_profile_parameter_events
 _LEAVE_S = 0.3  # time for subscribers to acknowledge the last messages
 
@@ -75,19 +72,6 @@ class DdsPublisher:
     def has_subscribers(self) -> bool:
         """Return true if DDS has found a reader that matches this writer."""
         return bool(self._writer.get_matched_subscriptions())
-
-
-class _Topic(NamedTuple):
-    """Subscribed topic: its reader, its callback and its priority."""
-
-    reader: RawReader
-    callback: Callback
-    priority: int
-
-    def serve(self, most: int) -> None:
-        """Take at most ``most`` received messages, oldest first, and call the callback with them."""
-        if messages := self.reader.take(most):
-            self.callback(messages)
 
 
 class DdsMiddleware:
@@ -106,7 +90,7 @@ class DdsMiddleware:
         self._stopped = GuardCondition(self._participant)
         self._waitset.attach(self._stopped)
         self._writers: list[RawWriter] = []
-        self._topics: tuple[_Topic, ...] = ()
+        self._topics: tuple[ServedTopic, ...] = ()
         self._conditions: list[ReadCondition] = []
         self._services: DdsServices | None = None
         # A Fast DDS client would see the services, but wait forever for a response (module `dds_services`).
@@ -136,7 +120,7 @@ class DdsMiddleware:
         reader = DataReader(self._participant, self._topic(topic, message_type), qos=policies)
         condition = ReadCondition(reader, EVERYTHING)
         raw_reader = RawReader(reader)
-        read = _Topic(raw_reader, callback, priority)
+        read = ServedTopic(raw_reader, callback, priority)
         self._topics = tuple(sorted((*self._topics, read), key=lambda one: one.priority, reverse=True))
         # The package deletes an entity in DDS when Python collects it (see `cyclone`), so everything is kept here.
         self._conditions.append(condition)
@@ -194,20 +178,7 @@ class DdsMiddleware:
         # A guard condition stays triggered until it is taken, so a stop before the wait ends it, too.
         while not self._stopped.read():
             self._waitset.wait(duration(infinite=True))
-            _serve(self._topics)
-
-
-def _serve(topics: Sequence[_Topic]) -> None:
-    """Call the callback of each topic once, with at most one batch of messages.
-
-    A topic with many messages therefore delays neither the other topics nor `close`. Before each topic, all topics with
-    a higher priority are served again, so they wait for one small batch at most.
-    """
-    for index, topic in enumerate(topics):
-        urgent = [other for other in topics[:index] if other.priority > topic.priority]
-        for other in urgent:
-            other.serve(_TAKE_BEHIND)
-        topic.serve(_TAKE_BEHIND if urgent else _TAKE)
+            serve(self._topics, self._topics)
 
 
 def _domain_id() -> int:

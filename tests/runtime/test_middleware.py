@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import logging
 import sys
@@ -254,10 +255,10 @@ class _Ros:
 
     def create_publisher(self, msg_type: Any, topic: str, qos_profile: Any) -> Any:
         self.calls.append(("create_publisher", msg_type, topic, qos_profile))
-        return types.SimpleNamespace(
-            publish=lambda message: self.published.append((topic, message)),
-            get_subscription_count=lambda: len(self.published),
-        )
+        handle = contextlib.ExitStack()  # entered like a handle of rclpy's
+        handle.publish_raw = lambda message: self.published.append((topic, message))  # type: ignore[attr-defined]
+        handle.get_subscription_count = lambda: len(self.published)  # type: ignore[attr-defined]
+        return types.SimpleNamespace(handle=handle)
 
     def create_subscription(
         self, msg_type: Any, topic: str, callback: Any, qos_profile: Any, *, raw: bool = False

@@ -1,0 +1,50 @@
+"""Order in which one thread serves the subscribed topics of a middleware: by priority, in batches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple, Protocol
+
+from roverlink.runtime.middleware.protocol import Callback
+
+# All messages of a take go to one callback. Large enough to keep up with a burst, small enough that other topics get
+# their turn.
+_TAKE = 64  # most messages taken at a time
+_TAKE_BEHIND = 8  # the same for a topic of low priority: urgent topics wait until these are handled
+
+
+class Reader(Protocol):
+    """Received messages of one topic."""
+
+    def take(self, most: int) -> list[bytes]:
+        """Take at most ``most`` received messages, the oldest first."""
+
+
+class ServedTopic(NamedTuple):
+    """Subscribed topic: its reader, its callback and its priority."""
+
+    reader: Reader
+    callback: Callback
+    priority: int
+
+    def serve(self, most: int) -> None:
+        """Take at most ``most`` received messages, oldest first, and call the callback with them."""
+        if messages := self.reader.take(most):
+            self.callback(messages)
+
+
+def serve(topics: Sequence[ServedTopic], ready: Iterable[ServedTopic]) -> None:
+    """Call the callback of each topic in ``ready`` once, with at most one batch of messages.
+
+    Both begin with the topics of the largest priority; ``ready`` are those that may have messages. A topic with many
+    messages delays neither the other topics nor the end of the thread: before each further topic, all topics with a
+    higher priority are served again, so they wait for one small batch at most.
+    """
+    took_time = False
+    for topic in ready:
+        urgent = [other for other in topics if other.priority > topic.priority]
+        if took_time:
+            for other in urgent:
+                other.serve(_TAKE_BEHIND)
+        topic.serve(_TAKE_BEHIND if urgent else _TAKE)
+        took_time = True

@@ -1,0 +1,142 @@
+"""The thread that takes the messages of rclpy's subscriptions, beside rclpy's executor."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from judge import Bridge, Judge, interface, repeat
+from polling import wait_until
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from generated.messages import DrivingBoardMotorMessage
+from roverlink.runtime import Qos
+from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware import NodeIdentity
+from roverlink.runtime.middleware.rclpy import RclpyMiddleware
+
+_MOTOR = "comms/msg/DrivingBoardMotorMessage"
+_BURST = 1000
+
+
+@pytest.fixture
+def ours(environment: dict[str, str]) -> Iterator[RclpyMiddleware]:
+    """A node of ours in this process."""
+    with RclpyMiddleware(NodeIdentity("receiver"), {}) as ours:
+        yield ours
+
+
+class _Received:
+    """What one topic of ours has received, as numbers that the judge put into the messages."""
+
+    def __init__(self, ours: RclpyMiddleware, judge: Judge, topic: str, priority: int = 0) -> None:
+        self.numbers: list[int] = []
+        self.on_first: Callable[[], None] = lambda: None
+        ours.subscribe(topic, DrivingBoardMotorMessage, Qos(depth=_BURST), self._take, priority)
+        self._publisher = judge.node.create_publisher(interface(_MOTOR), topic, _BURST)
+        wait_until(self._publisher.get_subscription_count, f"a subscription of {topic}")
+
+    def publish(self, number: int) -> None:
+        """Publish a number."""
+        self._publisher.publish(interface(_MOTOR)(distance_to_go=float(number)))
+
+    def _take(self, messages: Any) -> None:
+        self.on_first()
+        self.numbers += [int(cdr.decode(DrivingBoardMotorMessage, message).distance_to_go) for message in messages]
+
+
+def test_a_burst_arrives_whole_and_in_order(ours: RclpyMiddleware, judge: Judge) -> None:
+    """Each message of a burst that the queue holds reaches the callback, in order."""
+    received = _Received(ours, judge, "/a")
+    for number in range(_BURST):
+        received.publish(number)
+    wait_until(lambda: len(received.numbers) >= _BURST, "the burst")
+    assert received.numbers == list(range(_BURST))
+
+
+def test_an_urgent_topic_is_served_first(ours: RclpyMiddleware, judge: Judge) -> None:
+    """Messages that wait on two topics are handled by priority, whichever came first."""
+    order: list[str] = []
+    entered, go_on = threading.Event(), threading.Event()
+    blocking = _Received(ours, judge, "/blocking")
+    slow, urgent = _Received(ours, judge, "/slow"), _Received(ours, judge, "/urgent", priority=9)
+    slow.on_first, urgent.on_first = (lambda: order.append("slow")), (lambda: order.append("urgent"))
+    blocking.on_first = lambda: (entered.set(), go_on.wait(10))  # type: ignore[assignment]
+    blocking.publish(0)
+    assert entered.wait(10)
+    for number in range(3):
+        slow.publish(number)
+    urgent.publish(0)
+    _has_arrived(judge)
+    go_on.set()
+    wait_until(lambda: len(slow.numbers) == 3 and urgent.numbers, "both topics")
+    assert order[0] == "urgent"
+
+
+def _has_arrived(judge: Judge) -> None:
+    """Wait for a round trip of another topic, which takes longer than what was published before it."""
+    heard = judge.hear("/round_trip", _MOTOR)
+    publisher = judge.node.create_publisher(interface(_MOTOR), "/round_trip", 1)
+    repeat(lambda: publisher.publish(interface(_MOTOR)()), lambda: heard.values, "a round trip")
+
+
+def test_a_shutdown_from_outside_ends_the_threads_quietly(
+    ours: RclpyMiddleware, judge: Judge, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where another part of the program shuts ROS 2 down, both threads end without a traceback."""
+    failures = _failures(monkeypatch)
+    received = _Received(ours, judge, "/a")
+    repeat(lambda: received.publish(1), lambda: received.numbers, "a message")
+    ours._context.shutdown()
+    _wait_for_end("rclpy-take")
+    _wait_for_end("rclpy-spin")
+    ours.close()
+    assert not failures
+
+
+def test_a_shutdown_that_calls_nobody_ends_the_thread(ours: RclpyMiddleware, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A signal handler of rclpy's shuts contexts down without their callbacks; the thread notices within seconds."""
+    failures = _failures(monkeypatch)
+    ours._context.handle.shutdown()
+    _wait_for_end("rclpy-take")
+    ours.close()
+    assert not failures
+
+
+def _failures(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """What ends threads by an exception from now on."""
+    failures: list[Any] = []
+    monkeypatch.setattr(threading, "excepthook", failures.append)
+    return failures
+
+
+def _wait_for_end(thread_name: str) -> None:
+    wait_until(
+        lambda: thread_name not in {thread.name for thread in threading.enumerate()}, f"the end of {thread_name}"
+    )
+
+
+def test_without_internal_names_the_executor_receives(
+    environment: dict[str, str], judge: Judge, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """On an rclpy that has no such wait set, messages still arrive, and the log says what is different."""
+    with monkeypatch.context() as patched:
+        patched.delattr(rclpy_implementation.Subscription, "take_message")
+        ours = RclpyMiddleware(NodeIdentity("receiver"), {})
+    with ours:
+        assert "its executor receives the messages" in caplog.text
+        received = _Received(ours, judge, "/a")
+        repeat(lambda: received.publish(1), lambda: received.numbers, "a message")
+
+
+@pytest.mark.parametrize("middleware", ["rclpy"])
+def test_a_publisher_that_cannot_match_is_warned_about(judge: Judge, bridge: Callable[..., Bridge]) -> None:
+    """The warning of rclpy about a best-effort publisher of a command topic names the topic."""
+    running = bridge()
+    judge.node.create_publisher(
+        interface(_MOTOR), "/drive_motor", QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    )
+    running.program.wait_for("topic '/drive_motor', offering incompatible QoS", running.program.errors)
