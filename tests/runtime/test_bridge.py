@@ -369,7 +369,7 @@ class _SlowSubscribers(MemoryMiddleware):
             accepted.extend(messages[:room])
             return min(room, len(messages))
 
-        return type("Publisher", (), {"publish": staticmethod(publish)})
+        return type("Publisher", (), {"publish": staticmethod(publish), "has_subscribers": staticmethod(lambda: True)})
 
 
 def test_what_the_middleware_does_not_accept_is_counted(caplog: pytest.LogCaptureFixture) -> None:
@@ -430,7 +430,7 @@ class _Broken(MemoryMiddleware):
         def publish(_: Sequence[bytes]) -> int:
             raise ValueError("a defect")
 
-        return type("Publisher", (), {"publish": staticmethod(publish)})
+        return type("Publisher", (), {"publish": staticmethod(publish), "has_subscribers": staticmethod(lambda: True)})
 
 
 def test_a_defect_ends_the_bridge_and_is_not_swallowed() -> None:
