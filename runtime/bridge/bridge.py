@@ -29,6 +29,7 @@ from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
 from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.core.registry import AnyHandler, Registry
 from roverlink.runtime.core.translator import Translation, Translator
+from roverlink.runtime.interfaces import Time
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.destination import Destination
@@ -122,7 +123,7 @@ class Bridge:
             self._inbound_rows[handler.route.name] = self._inbound_row(handler)
         for handler in self._registry.extra_topics:
             if handler.route.inbound:
-                self._extra_topics.open(handler, self._publisher(handler).publish)
+                self._extra_topics.open(handler, self._publisher(handler))
         outbound = [handler for handler in handlers if not handler.route.inbound]
         self._outbound_rows = [self._outbound_row(handler) for handler in outbound]
         tasks: list[TimedTask] = [*self._paced, *(row for row in self._outbound_rows if row.is_timed)]
@@ -218,10 +219,11 @@ class Bridge:
     def _dispatch(self, batch: udp.Batch, translator: Translator) -> None:
         # The receiver reads one byte more than allowed, so a longer datagram is recognized although the kernel cut it.
         fitting = self._without_oversized(batch)
-        translation = translator.receive_all(fitting, extra_topics.now())
+        stamp = extra_topics.now()
+        translation = translator.receive_all(fitting, stamp)
         for refusal in translation.refusals:
             self._counters.count_dropped(refusal)
-        self._publish(translation)
+        self._publish(translation, stamp)
         # Forward after publishing: topics have priority, and the policy `mapping` needs the names.
         self._forwarding.forward(fitting, translation.names)
 
@@ -234,11 +236,10 @@ class Bridge:
             )
         return fitting
 
-    def _publish(self, translation: Translation) -> None:
+    def _publish(self, translation: Translation, stamp: Time) -> None:
         for name, messages in translation.messages.items():
             self._inbound_rows[name].take(messages)
-        if translation.extra_topics:
-            self._extra_topics.publish(translation.extra_topics)
+        self._extra_topics.publish(translation.extra_topics, stamp)
 
     def _publisher(self, handler: AnyHandler) -> Publisher:
         return self._middleware.publisher(self._topic(handler.route.topic), handler.message_type, handler.route.qos)

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
-from roverlink.runtime.core.handler import Serialized
+from roverlink.runtime.core.handler import all_to_cdr
 from roverlink.runtime.core.registry import AnyStandardHandler
 from roverlink.runtime.interfaces import Time
+from roverlink.runtime.middleware import Publisher
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
 
 
 def now() -> Time:
@@ -21,25 +26,35 @@ class ExtraTopics:
 
     def __init__(self, account: Account, warnings: ThrottledWarnings) -> None:
         self._account, self._warnings = account, warnings
-        self._publish: dict[AnyStandardHandler, Callable[[Sequence[bytes]], int]] = {}
+        self._publishers: dict[AnyStandardHandler, Publisher] = {}
 
-    def open(self, handler: AnyStandardHandler, publish: Callable[[Sequence[bytes]], int]) -> None:
-        """Add an extra topic; ``publish`` returns how many messages it accepted."""
-        self._publish[handler] = publish
+    def open(self, handler: AnyStandardHandler, publisher: Publisher) -> None:
+        """Add an extra topic."""
+        self._publishers[handler] = publisher
 
-    def publish(self, batch: Iterable[tuple[AnyStandardHandler, Serialized]]) -> None:
-        """Publish the messages of a batch, with one call of the publisher for each topic.
+    def publish(self, batch: Iterable[tuple[AnyStandardHandler, Sequence[ProtoMessage]]], stamp: Time) -> None:
+        """Convert and publish the payloads of a batch, with one call of the publisher for each topic.
 
-        ``batch`` holds the handler of each extra topic with the serialized messages for the topic.
+        ``batch`` holds the handler of each extra topic with the payloads for the topic; ``stamp`` is the receive time.
+        Payloads of a topic without subscribers are neither converted nor counted.
         """
+        for handler, payloads in batch:
+            publisher = self._publishers[handler]
+            # Most robots use few extra topics. An unused one must not cost each datagram a conversion.
+            if publisher.has_subscribers() or handler.route.qos.durability == "transient_local":
+                self._publish(handler, publisher, payloads, stamp)
+
+    def _publish(
+        self, handler: AnyStandardHandler, publisher: Publisher, payloads: Sequence[ProtoMessage], stamp: Time
+    ) -> None:
+        messages, misfits = all_to_cdr(handler, payloads, stamp)
         # A value that does not fit must not stop the row's own topic, so it is counted here and not raised.
-        for handler, (messages, misfits) in batch:
-            for error in misfits.values():
-                self._missed(handler, 1, str(error))
-            accepted = self._publish[handler](messages) if messages else 0
-            self._account.extra_published[handler.route.topic] += accepted
-            if accepted < len(messages):
-                self._missed(handler, len(messages) - accepted, f"{handler.route.topic}: a subscriber is too slow")
+        for error in misfits.values():
+            self._missed(handler, 1, str(error))
+        accepted = publisher.publish(messages) if messages else 0
+        self._account.extra_published[handler.route.topic] += accepted
+        if accepted < len(messages):
+            self._missed(handler, len(messages) - accepted, f"{handler.route.topic}: a subscriber is too slow")
 
     def _missed(self, handler: AnyStandardHandler, count: int, why: str) -> None:
         self._account.extra_unpublished[handler.route.topic] += count

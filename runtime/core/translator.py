@@ -11,7 +11,7 @@ from google.protobuf.message import DecodeError, EncodeError
 
 from roverlink.runtime.core import envelope
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
-from roverlink.runtime.core.handler import UNSTAMPED, Serialized, all_to_cdr
+from roverlink.runtime.core.handler import UNSTAMPED, all_to_cdr
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, Registry
 from roverlink.runtime.interfaces import Time
 
@@ -27,8 +27,8 @@ class Translation:
     """Payload name of each datagram; None if it was refused."""
     messages: dict[str, list[bytes]] = field(default_factory=dict)
     """Serialized messages of each row, by payload name."""
-    extra_topics: list[tuple[AnyStandardHandler, Serialized]] = field(default_factory=list)
-    """Messages for extra topics. A value that does not fit one topic does not affect the others."""
+    extra_topics: list[tuple[AnyStandardHandler, Sequence[ProtoMessage]]] = field(default_factory=list)
+    """Payloads for each extra topic, not yet converted: who publishes them knows if the topic has subscribers."""
     refusals: list[DatagramError] = field(default_factory=list)
 
 
@@ -76,8 +76,7 @@ class Translator:
                 run = [payload for index, payload in enumerate(run) if index not in misfits]
             if run:
                 translation.messages[name] = messages
-                extra_topics = self._extra_topics[name]
-                translation.extra_topics += [(handler, all_to_cdr(handler, run, stamp)) for handler in extra_topics]
+                translation.extra_topics += [(handler, run) for handler in self._extra_topics[name]]
         return translation
 
     def _sort(self, datagrams: Sequence[bytes], translation: Translation) -> dict[str, list[ProtoMessage]]:

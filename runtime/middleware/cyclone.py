@@ -18,7 +18,7 @@ from itertools import repeat
 from typing import Any
 
 from cyclonedds._clayer import ddspy_take, ddspy_write
-from cyclonedds.core import DDSException, Entity, InstanceState, SampleState, ViewState
+from cyclonedds.core import DDSException, Entity, InstanceState, Listener, SampleState, ViewState
 from cyclonedds.internal import DDS, dds_c_t
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import BasePolicy, _CQos
@@ -57,6 +57,18 @@ def _set_policy(_: object, qos: Any, __: WriterBatching) -> None:
 
 # The package finds the setter of a policy by the name of its scope.
 _CQos._set_p_writerbatching = classmethod(_set_policy)  # type: ignore[attr-defined]  # added here
+
+
+class MatchedReaders(Listener):
+    """Listener of a writer: tells at any time, without a call of Cyclone DDS, if readers match the writer."""
+
+    def __init__(self) -> None:
+        super().__init__()  # type: ignore[no-untyped-call]  # its base declares no types
+        self.exist = False
+
+    def on_publication_matched(self, _: object, status: Any) -> None:
+        """Note the number of readers. Cyclone DDS calls this for each reader that it finds or loses."""
+        self.exist = status.current_count > 0
 
 
 class RawWriter:

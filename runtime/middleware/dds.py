@@ -31,7 +31,14 @@ from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.rcl_interfaces import Parameter, ParameterEvent
-from roverlink.runtime.middleware.cyclone import EVERYTHING, RawReader, RawWriter, delete, delete_at_exit
+from roverlink.runtime.middleware.cyclone import (
+    EVERYTHING,
+    MatchedReaders,
+    RawReader,
+    RawWriter,
+    delete,
+    delete_at_exit,
+)
 from roverlink.runtime.middleware.dds_graph import DdsGraph
 from roverlink.runtime.middleware.dds_services import DdsServices
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
@@ -65,13 +72,32 @@ _LEAVE_S = 0.3  # time for subscribers to acknowledge the last messages
 class DdsPublisher:
     """DDS writer for serialized messages."""
 
-    def __init__(self, writer: DataWriter[Any], raw_writer: RawWriter) -> None:
-        self._writer = writer
-        self.publish = raw_writer.write
+    def __init__(self, writer: RawWriter, readers: MatchedReaders, keeps_samples: bool) -> None:
+        """Write through ``writer``, whose readers ``readers`` knows.
+
+        ``keeps_samples`` is true if the writer keeps samples for readers that come later.
+        """
+        self._writer, self._readers, self._writes_always = writer, readers, keeps_samples
+
+    def publish(self, messages: Sequence[bytes], /) -> int:
+        """Write messages; return how many were accepted."""
+        # Without a reader, Cyclone DDS discards a sample. To find this out it takes 3 us of CPU with warm caches, and
+        # 15 us at 1,000 single messages per second.
+        if self._readers.exist or self._writes_always:
+            return self._writer.write(messages)
+        return len(messages)
+
+    def leave(self, seconds: float) -> None:
+        """Wait until every subscriber has acknowledged all messages, at most ``seconds``.
+
+        Call it before the node leaves: a later `publish` then raises an error.
+        """
+        self._writes_always = True
+        self._writer.wait_for_acknowledgement(seconds)
 
     def has_subscribers(self) -> bool:
         """Return true if DDS has found a reader that matches this writer."""
-        return bool(self._writer.get_matched_subscriptions())
+        return self._readers.exist
 
 
 class DdsMiddleware:
@@ -89,7 +115,7 @@ class DdsMiddleware:
         self._waitset = WaitSet(self._participant)
         self._stopped = GuardCondition(self._participant)
         self._waitset.attach(self._stopped)
-        self._writers: list[RawWriter] = []
+        self._publishers: list[DdsPublisher] = []
         self._topics: tuple[ServedTopic, ...] = ()
         self._conditions: list[ReadCondition] = []
         self._services: DdsServices | None = None
@@ -106,11 +132,12 @@ class DdsMiddleware:
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> DdsPublisher:
         """Create a DDS writer for a fully qualified topic."""
         policies = dds_qos(qos, writing=True, type_hash=message_type.__typehash__)
-        writer = DataWriter(self._participant, self._topic(topic, message_type), qos=policies)
+        readers = MatchedReaders()
+        writer = DataWriter(self._participant, self._topic(topic, message_type), qos=policies, listener=readers)
         self._announcer.add_writer(writer)
-        raw_writer = RawWriter(writer)
-        self._writers.append(raw_writer)
-        return DdsPublisher(writer, raw_writer)
+        publisher = DdsPublisher(RawWriter(writer), readers, keeps_samples=qos.durability == "transient_local")
+        self._publishers.append(publisher)
+        return publisher
 
     def subscribe(
         self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
@@ -144,8 +171,8 @@ class DdsMiddleware:
             self._services.close()
         # One deadline for all writers together: leaving must not take longer with more topics.
         deadline = time.monotonic() + _LEAVE_S
-        for writer in self._writers:
-            writer.wait_for_acknowledgement(max(0.0, deadline - time.monotonic()))
+        for publisher in self._publishers:
+            publisher.leave(max(0.0, deadline - time.monotonic()))
         delete(self._participant)
 
     def __enter__(self) -> DdsMiddleware:

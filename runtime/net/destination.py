@@ -43,10 +43,10 @@ class Destination:
     def send(self, datagram: bytes) -> None:
         """Send one datagram. Raises `OSError` if the network refuses it."""
         try:
-            self._send([datagram])
+            self._send(datagram)
         except ConnectionRefusedError:
             # An ICMP error of an earlier datagram: nobody listened. This datagram has not been sent yet.
-            self._send([datagram])
+            self._send(datagram)
         except OSError as error:
             if error.errno in _ROUTE_LOST:
                 self._use_unconnected()
@@ -55,17 +55,24 @@ class Destination:
     def send_all(self, datagrams: Sequence[bytes]) -> list[OSError]:
         """Send datagrams in order; return one error for each datagram that the network refused."""
         refusals: list[OSError] = []
+        # At low rates most datagrams come alone, and sorting them by size would cost as much as all else here.
+        if len(datagrams) == 1:
+            self._try_send(datagrams[0], refusals)
+            return refusals
         # UDP_SEGMENT cuts into datagrams of one size, so only neighbours of equal size can go together, in order.
         for size, run in groupby(datagrams, len):
             same_size = list(run)
             if len(same_size) > 1 and self._send_as_one(same_size, size):
                 continue
             for datagram in same_size:
-                try:
-                    self.send(datagram)
-                except OSError as error:
-                    refusals.append(error)
+                self._try_send(datagram, refusals)
         return refusals
+
+    def _try_send(self, datagram: bytes, refusals: list[OSError]) -> None:
+        try:
+            self.send(datagram)
+        except OSError as error:
+            refusals.append(error)
 
     def close(self) -> None:
         """Close the sockets."""
@@ -84,14 +91,19 @@ class Destination:
         if not self._can_segment or size == 0:
             return False
         try:
-            self._send(same_size, (socket.IPPROTO_UDP, _UDP_SEGMENT, struct.pack("=H", size)))
+            sock, address = self._route
+            segments = (socket.IPPROTO_UDP, _UDP_SEGMENT, struct.pack("=H", size))
+            sock.sendmsg(same_size, [segments], 0, address)
         except OSError:
             return False  # too long together, or refused: sending one by one shows the cause
         return True
 
-    def _send(self, parts: Sequence[bytes], *ancillary: tuple[int, int, bytes]) -> None:
+    def _send(self, datagram: bytes) -> None:
         sock, address = self._route
-        sock.sendmsg(parts, ancillary, 0, address)
+        if address is None:
+            sock.send(datagram)
+        else:
+            sock.sendto(datagram, address)
 
     def _use_unconnected(self) -> None:
         """Use the unconnected socket from now on; for it, the kernel looks up the route again for each datagram.

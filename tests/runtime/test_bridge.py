@@ -369,7 +369,7 @@ class _SlowSubscribers(MemoryMiddleware):
             accepted.extend(messages[:room])
             return min(room, len(messages))
 
-        return type("Publisher", (), {"publish": staticmethod(publish)})
+        return type("Publisher", (), {"publish": staticmethod(publish), "has_subscribers": staticmethod(lambda: True)})
 
 
 def test_what_the_middleware_does_not_accept_is_counted(caplog: pytest.LogCaptureFixture) -> None:
@@ -449,7 +449,7 @@ class _Broken(MemoryMiddleware):
         def publish(_: Sequence[bytes]) -> int:
             raise ValueError("a defect")
 
-        return type("Publisher", (), {"publish": staticmethod(publish)})
+        return type("Publisher", (), {"publish": staticmethod(publish), "has_subscribers": staticmethod(lambda: True)})
 
 
 def test_a_defect_ends_the_bridge_and_is_not_swallowed() -> None:
@@ -483,6 +483,8 @@ def test_a_network_that_comes_back_is_used_again(rig: _Rig) -> None:
     class _Gone:
         def sendmsg(self, *_: object) -> int:
             raise OSError(101, "Network is unreachable")
+
+        send = sendmsg  # for a datagram that comes alone
 
     rig.bridge._destinations["basestation"]._route = _Gone(), None  # type: ignore[assignment]  # a socket that has lost it
     rig.send(*[_envelope(imu_info={"accel_x": float(number)}) for number in range(3)])

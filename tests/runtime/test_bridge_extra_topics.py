@@ -98,3 +98,21 @@ def test_what_does_not_fit_a_feed_is_counted_there(bridged: _Bridged, caplog: py
         {},
     )
     assert "not published: gps_info on gps/fix: fix_quality: 9 is not among the values that" in caplog.text
+
+
+def test_an_extra_topic_without_subscribers_costs_nothing() -> None:
+    """A payload is not converted for an extra topic that nobody reads; a subscriber gets every payload that follows."""
+    graph = Graph()
+    settings = parameters.read(REGISTRY, {"listen_port": 0, "listen_address": "127.0.0.1"})
+    middleware = MemoryMiddleware(graph)
+    bridge = Bridge(REGISTRY, settings, middleware, lambda topic: f"/{topic}", logging.getLogger("unread"))
+    with bridge:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as board:
+            misfit = REGISTRY.envelope(gps_info={"fix_quality": 9}).SerializeToString()
+            board.sendto(misfit, ("127.0.0.1", bridge.port))
+        wait_until(lambda: bridge.account.published["gps_info"] == 1, "a position on the row's own topic")
+        late = _Bridged(bridge, graph)
+        late.send(gps_info={"fix_quality": 1, "latitude": 2.5})
+        wait_until(lambda: bridge.account.extra_published["gps/fix"] == 1, "a fix")
+        assert [message.latitude for message in late.on("gps/fix")] == [2.5]
+        assert (bridge.account.extra_published, bridge.account.extra_unpublished) == ({"gps/fix": 1}, {})

@@ -206,7 +206,8 @@ def test_what_comes_while_we_are_busy_is_kept(join: Open, topic: str) -> None:
     publisher.publish(messages[:1])
     assert at_work.wait(PATIENCE_S)
     publisher.publish(messages[1:])
-    assert talker._writers[-1].wait_for_acknowledgement(PATIENCE_S)  # type: ignore[attr-defined]  # of this middleware
+    writer = talker._publishers[-1]._writer  # type: ignore[attr-defined]  # of this middleware
+    assert writer.wait_for_acknowledgement(PATIENCE_S)
     may_go_on.set()
     wait_until(lambda: len(seen) == 200, "all messages")
     assert [cdr.decode(ImuSensorInformation, data).accel_x for data in seen] == list(range(200))
@@ -329,6 +330,17 @@ def test_a_publisher_of_a_node_that_has_left_fails(topic: str) -> None:
     middleware.close()
     with pytest.raises(MiddlewareError, match=f"Cyclone DDS cannot write on rt{topic}"):
         publisher.publish([cdr.encode(_SAMPLE)])
+
+
+def test_a_late_subscriber_gets_the_next_message(join: Open, topic: str) -> None:
+    """Messages to nobody count as published, and a subscriber gets those that follow after it was found."""
+    publisher, listener = join().publisher(topic, ImuSensorInformation, Qos()), join()
+    assert publisher.publish([cdr.encode(ImuSensorInformation())] * 3) == 3
+    seen = _gathered(listener, topic, ImuSensorInformation)
+    wait_until(publisher.has_subscribers, "the late subscriber")
+    assert publisher.publish([cdr.encode(_SAMPLE)]) == 1
+    wait_until(lambda: seen, "the next message")
+    assert [cdr.decode(ImuSensorInformation, data) for data in seen] == [_SAMPLE]
 
 
 # --- the environment --------------------------------------------------------------------------------------------

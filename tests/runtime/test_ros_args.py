@@ -313,7 +313,7 @@ def test_the_generated_file_names_what_the_node_has() -> None:
     from generated.registry import REGISTRY
     from roverlink.runtime.ros_arguments import parameters
 
-    shipped = yaml.safe_load(_GENERATED_FILE.read_text(encoding="utf-8"))["udp_forwarder"]["ros__parameters"]
+    shipped = yaml.safe_load(_GENERATED_FILE.read_text(encoding="utf-8"))["/**"]["ros__parameters"]
     assert parameters.read(REGISTRY, shipped) == parameters.read(REGISTRY, {})
 
 

@@ -15,6 +15,7 @@ from rosbags.typesys.store import Typestore
 from generated.registry import REGISTRY
 from roverlink.runtime import ConversionError, Translator
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import all_to_cdr
 from roverlink.runtime.core.standard_handler import StandardHandler
 from roverlink.runtime.interfaces import Time
 
@@ -147,14 +148,16 @@ def test_a_number_too_large_for_the_payload_is_refused() -> None:
     assert math.isinf(handler.from_cdr(cdr.encode(handler.message_type(temperature=math.inf))).temperature_c)
 
 
-def test_a_feed_that_fails_leaves_the_others_alone() -> None:
-    """The row's own message is translated, and what the handler refuses stands beside it as an error."""
+def test_an_extra_topic_that_fails_leaves_the_row_alone() -> None:
+    """The row's own message is translated; a payload that does not fit the extra topic is an error of that topic."""
     datagram = REGISTRY.envelope(gps_info={"fix_quality": 9, "speed": 2.0}).SerializeToString()
-    translation = Translator(REGISTRY).receive_all([datagram], Time(5, 6))
+    stamp = Time(5, 6)
+    translation = Translator(REGISTRY).receive_all([datagram], stamp)
     ((name, (message,)),) = translation.messages.items()
     assert cdr.decode(REGISTRY.by_name["gps_info"].message_type, message).speed == 2.0
     assert name == "gps_info"
-    ((handler, serialized),) = translation.extra_topics
+    ((handler, payloads),) = translation.extra_topics
+    serialized = all_to_cdr(handler, payloads, stamp)
     assert (handler.route.topic, serialized.messages) == ("gps/fix", [])
     assert {place: type(misfit) for place, misfit in serialized.misfits.items()} == {0: ConversionError}
 

@@ -230,7 +230,7 @@ def test_a_payload_that_misfits_leaves_those_around_it_alone(translator: Transla
     assert [error.reason for error in batch.refusals] == [Reason.CONVERSION] * 2
     fits = [imu[0], imu[2]]
     assert batch.messages == {"imu_info": [translator.receive(_envelope(imu_info=values))[1] for values in fits]}
-    assert {handler.route.topic: len(serialized.messages) for handler, serialized in batch.extra_topics} == {
+    assert {handler.route.topic: len(payloads) for handler, payloads in batch.extra_topics} == {
         "imu/data_raw": 2,
         "imu/mag": 2,
     }
