@@ -451,7 +451,7 @@ class Bridge:
 
     @property
     def folder(self) -> str:
-        """Folder of all generated files, relative to the folder of the table: the Python package as a path."""
+        """Folder of all generated files, relative to the table's folder: ``a/b`` for the Python package ``a.b``."""
         return self.python_package.replace(".", "/")
 
     def conversions(self) -> dict[str, Conversion]:

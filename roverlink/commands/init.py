@@ -34,8 +34,9 @@ def add(commands: Subparsers) -> None:
         "`roverlink generate`. With --from, the project starts with your .proto files: mapping.yaml gets a row for\n"
         "each member of the envelope's oneof. Values that the command had to guess have the comment `guessed`.\n"
         "Files that do not compile together with the others are excluded. Numbers that git's history used and\n"
-        "the envelope no longer uses are retired. Your .proto files do not change, except for one: if the file of the\n"
-        "envelope declares the envelope alone, generate writes this file from now on.",
+        "the envelope no longer uses are retired. Your .proto files do not change, with one\n"
+        "exception: if the envelope's file contains nothing but the envelope, `roverlink generate` overwrites it\n"
+        "from now on.",
     )
     parser.add_argument(
         "--from",

@@ -93,7 +93,7 @@ def add(commands: Subparsers) -> None:
         "--rate",
         type=rate,
         metavar="HZ",
-        help=f"number of datagrams a second, of all rows together (default: {_RATE_OF_A_ROW_HZ:g} for each row)",
+        help=f"total number of datagrams a second (default: {_RATE_OF_A_ROW_HZ:g} times the number of rows)",
     )
     parser.add_argument(
         "--seconds",

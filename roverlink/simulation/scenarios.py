@@ -165,7 +165,7 @@ _BUFFER = 256
 
 
 def malformed(stream: Stream, world: World) -> Stream:
-    """Damaged datagrams, one in five: cut, bit flipped, too long, empty, random, or of the other direction."""
+    """Damaged datagrams, one in five: cut, bit flipped, too long, empty, random, or meant for the other direction."""
     for emission in stream:
         if emission.datagram and world.rng.random() < _DAMAGED:
             damage = world.rng.choice(_DAMAGES)

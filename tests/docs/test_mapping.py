@@ -77,5 +77,5 @@ def test_the_example_of_the_conversions_is_what_generate_writes(tmp_path: Path) 
     files = compile_table(tmp_path / "mapping.yaml").files
 
     written = files["generated/ros/probe_msgs/msg/ProbeReport.msg"]
-    assert written.partition("\n\n")[2] == shown["text"]
+    assert written.partition("\n#\n")[2] == shown["text"]
     assert "generated/ros/probe_msgs/msg/ProbeReportLayer.msg" in files

@@ -114,7 +114,7 @@ class _State:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Outcome:
-    """Results of one iteration of the fit that places K markers on their edges in the image."""
+    """Result of one iteration of the fit that aligns K markers with the edges that are seen in the image."""
 
     normal: Floats
     """(K, 15, 15)"""

@@ -71,7 +71,8 @@ def rotation_of(angles: Floats) -> Floats:
 def angles_of(rotation: Floats) -> Floats:
     """Return the rotation vector (3,) of a rotation (3, 3). This is the inverse of `rotation_of`.
 
-    OpenCV's Rodrigues treats angles below 1e-5 as zero, so it is used only near 180 degrees.
+    The vector is computed from the sine of the angle, which is inaccurate near 180 degrees. There, and only there,
+    OpenCV's Rodrigues is used, because it treats angles below 1e-5 as zero.
     """
     (_, a, b), (c, _, d), (e, f, _) = rotation.tolist()
     sine = math.sqrt((f - d) ** 2 + (b - e) ** 2 + (c - a) ** 2) / 2

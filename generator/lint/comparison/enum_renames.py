@@ -30,9 +30,9 @@ def moved_here(pair: EnumPair, number: int) -> ProtoEnumValue | None:
 
 
 def moved_away(pair: EnumPair, number: int) -> ProtoEnumValue | None:
-    """Return the enum value that has an old name of a number, but has another number now; None if there is none.
+    """Return the enum value that now has a former name of ``number``; None if there is none.
 
-    Also returns None if the number kept one of its old names.
+    If FOO was 1 and is now 2, the result for 1 is FOO. If a number kept one of its former names, the result is None.
     """
     names = {value.name for value in pair.old.values if value.number == number}
     if any(value.name in names and value.number == number for value in pair.new.values):

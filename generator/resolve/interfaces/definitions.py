@@ -22,7 +22,10 @@ class DistributionsDisagreeError(Exception):
 
 @cache
 def _blocks() -> dict[str, tuple[str, tuple[str, ...]]]:
-    """Return marks and definition lines of each message, by full name. A mark ``@jazzy`` means: only in Jazzy."""
+    """Return the marks and the lines of the definition of each message, by the message's full name.
+
+    The mark ``@jazzy`` means that only Jazzy has the message.
+    """
     blocks: dict[str, tuple[str, tuple[str, ...]]] = {}
     # A message starts in the first column, and its lines are indented.
     for block in re.split(r"\n(?=\w)", FILE.read_text(encoding="utf-8"))[1:]:

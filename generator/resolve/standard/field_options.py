@@ -74,7 +74,7 @@ class Scalings:
         for key in ("scale", "fixed_point", "offset"):
             if key in options.forms and not _is_usable(options.forms[key].value, key):
                 message = (
-                    f"`{key}` is {options.forms[key].value}, which would make {source.dotted!r} constant or infinite"
+                    f"`{key}` of {source.dotted!r} is {options.forms[key].value}; use a finite number other than 0"
                 )
                 self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message))
                 return None

@@ -164,7 +164,7 @@ class StandardTopics:
             self._report(standard_rules.NO_WAY_BACK.at(span, message, help, rests_on=rests_on))
         elif lost:
             fields = ", ".join(map(repr, lost))
-            message = f"no field of {settings.ros!r} on the topic {settings.topic!r} sets {fields} of the payload"
+            message = f"{settings.ros!r} on {settings.topic!r} becomes the payload, but has no value for {fields}"
             help = f"map {fields} under `fields`, or list it under `ignore`, or write `direction: {row.peer}_to_ros`"
             self._report(standard_rules.UNUSED_SOURCE.at(span, message, help, rests_on=rests_on))
 
