@@ -25,7 +25,7 @@ _BURST = 1000
 @pytest.fixture
 def ours(environment: dict[str, str]) -> Iterator[RclpyMiddleware]:
     """A node of ours in this process."""
-    with RclpyMiddleware(NodeIdentity("receiver"), {}) as ours:
+    with RclpyMiddleware(NodeIdentity("receiver"), None) as ours:
         yield ours
 
 
@@ -125,7 +125,7 @@ def test_without_internal_names_the_executor_receives(
     """On an rclpy that has no such wait set, messages still arrive, and the log says what is different."""
     with monkeypatch.context() as patched:
         patched.delattr(rclpy_implementation.Subscription, "take_message")
-        ours = RclpyMiddleware(NodeIdentity("receiver"), {})
+        ours = RclpyMiddleware(NodeIdentity("receiver"), None)
     with ours:
         assert "its executor receives the messages" in caplog.text
         received = _Received(ours, judge, "/a")
