@@ -10,7 +10,7 @@ SOAK_SECONDS ?= 600
 FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime vision roverlink bench tests docs
 
-.PHONY: help demo test test-slow test-vision test-ros2 test-aarch64 ros-package soak fuzz lint bench bench-vision pictures generate docs docs-reference clean
+.PHONY: help demo test test-slow test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision pictures generate docs docs-reference clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -32,6 +32,13 @@ test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2
 
 test-aarch64:  ## roverlink from its wheel on an aarch64 that QEMU emulates; needs root
 	tests/aarch64/run.sh
+
+dist: $(VENV)/ready-dist  ## build the sdist, and from it the wheel, in dist/
+	rm -f dist/roverlink-*.whl dist/roverlink-*.tar.gz
+	$(BIN)/python -m build --outdir dist
+
+test-dist: dist  ## the wheel and the sdist in an empty environment and an empty folder: the three jobs of the README
+	$(BIN)/python tests/distribution/smoke.py dist/roverlink-*
 
 ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
 	$(BIN)/python tests/ros/build.py
@@ -58,9 +65,10 @@ bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise
 bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on rendered frames, beside OpenCV (OPENCV=4.11: that version)
 	$(BIN)/python -m bench.vision
 
-pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md and docs/calibration.md (with Chromium), and the recording for the first
+pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md, docs/calibration.md and docs/operations.md (with Chromium), and the recording for the first
 	$(BIN)/python -m bench.vision.pictures
 	$(BIN)/python -m bench.vision.page_pictures
+	$(BIN)/python -m bench.link_page_pictures
 
 generate: $(VENV)/ready  ## compile mapping.yaml
 	$(BIN)/roverlink generate
@@ -73,38 +81,38 @@ docs-reference: $(VENV)/ready-dev  ## write the reference tables in docs/ from t
 	$(BIN)/python docs/site/committed_tables.py
 
 clean:  ## remove what was made here, the environment included
-	rm -rf $(VENV) .ros2 .aarch64 build .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .ros2 .aarch64 build dist/roverlink-* .mypy_cache .pytest_cache .ruff_cache .hypothesis
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
 		{ echo "roverlink needs Python 3.10 or newer; try: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 2; }
+	@echo "creating the environment $(VENV) with $(PYTHON)"
 	@$(PYTHON) -m venv $(VENV) || \
 		{ rm -rf $(VENV); echo "$(PYTHON) cannot make environments; on Debian and Ubuntu: apt-get install python3-venv"; exit 2; }
 
-$(VENV)/ready: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[standard]'
+# What each environment needs, and its size on the disk in megabytes.
+$(VENV)/ready: EXTRAS = standard
+$(VENV)/ready: SIZE = 200
+$(VENV)/ready-demo: EXTRAS = standard,vision
+$(VENV)/ready-demo: SIZE = 400
+$(VENV)/ready-dev: EXTRAS = dev
+$(VENV)/ready-dev: SIZE = 1000
+$(VENV)/ready-docs: EXTRAS = docs
+$(VENV)/ready-docs: SIZE = 200
+$(VENV)/ready-fuzz: EXTRAS = fuzz
+$(VENV)/ready-fuzz: SIZE = 150
+$(VENV)/ready-bench: EXTRAS = bench
+$(VENV)/ready-bench: SIZE = 450
+$(VENV)/ready-bench-vision: EXTRAS = vision,bench
+$(VENV)/ready-bench-vision: SIZE = 600
+
+$(VENV)/ready-dist: | $(VENV)/bin/python
+	@echo "installing build in $(VENV)"
+	@$(BIN)/python -m pip install --disable-pip-version-check build
 	@touch $@
 
-$(VENV)/ready-demo: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[standard,vision]'
-	@touch $@
-
-$(VENV)/ready-dev: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]' $(OPENCV_PIN)
-	@touch $@
-
-$(VENV)/ready-docs: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
-	@touch $@
-
-$(VENV)/ready-fuzz: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[fuzz]'
-	@touch $@
-
-$(VENV)/ready-bench: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
-	@touch $@
-
-$(VENV)/ready-bench-vision: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[vision,bench]' $(OPENCV_PIN)
+# Not --quiet: pip shows the progress of each download.
+$(addprefix $(VENV)/,ready ready-demo ready-dev ready-docs ready-fuzz ready-bench ready-bench-vision): pyproject.toml | $(VENV)/bin/python
+	@echo "installing roverlink with [$(EXTRAS)] in $(VENV): about $(SIZE) MB on the disk; the first time, this can take minutes"
+	@$(BIN)/python -m pip install --disable-pip-version-check --editable '.[$(EXTRAS)]' $(OPENCV_PIN)
 	@touch $@

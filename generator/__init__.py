@@ -1,7 +1,7 @@
-"""Compiler from mapping.yaml to files: read, resolve, lint, emit, write.
+"""Compiler from mapping.yaml and .proto files to generated files: read, resolve, lint, emit, write.
 
-`roverlink.generator.pipeline` compiles a table, `roverlink.generator.emit.writer` writes the result, and
-`roverlink.generator.lint.project` lints without loading the targets.
+`roverlink.generator.pipeline` compiles mapping.yaml. `roverlink.generator.emit.writer` writes the generated files to
+disk. `roverlink.generator.lint.project` checks a project without generating files.
 """
 
 if __name__ != "roverlink.generator":

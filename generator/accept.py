@@ -1,6 +1,7 @@
-"""Acceptance of the past: numbers that had several meanings in git's history are recorded in the ledger as burned.
+"""Implementation of `roverlink lint --history --accept`: records reused numbers as burned in the ledger, mapping.lock.
 
-A burned number must never be used again. Later runs of the lint do not report it.
+A number is reused if git's history gives it several meanings, for example two different fields. After it is burned, it
+must never get another meaning, and later runs of the lint do not report its past meanings again.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ import dataclasses
 from pathlib import Path
 
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
-from roverlink.generator.emit.writer import Change, compare
+from roverlink.generator.emit.writer import Change
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.history_diagnostics import stands_today
 from roverlink.generator.lint.project import Linted
@@ -21,14 +22,16 @@ _HISTORY_RULES = ("HIS101", "HIS103")
 
 
 def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:
-    """Return the changes of files that record the numbers found in history as burned, and how many numbers these are.
+    """Return the file changes that record reused numbers as burned, and the count of these numbers.
 
-    ``found`` is the result of the lint. Raises `DiagnosticsError` if there is no table, or if it does not compile.
+    ``found`` is the result of a lint with history; its diagnostics name the reused numbers. Nothing is written. Raises
+    `DiagnosticsError` if the project has no mapping.yaml or no history, or if mapping.yaml does not compile.
     """
     past = found.context.past
     if not found.context.table.proto.root or past is None or not past.of_numbers:
         message = "--accept needs --history and a project with a mapping.yaml, because it writes to the ledger"
-        raise DiagnosticsError([NOTHING_TO_ACCEPT_INTO.at(Span(str(table_path)), message)])
+        help = "run `roverlink lint --history --accept` in the folder of mapping.yaml"
+        raise DiagnosticsError([NOTHING_TO_ACCEPT_INTO.at(Span(str(table_path)), message, help)])
     of_history = [finding for finding in found.findings if finding.rule.id in _HISTORY_RULES]
     burned = {(one.owner, one.number): one for one in found.context.ledger.burned}
     for finding in of_history:
@@ -36,7 +39,7 @@ def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:
         burned[one.owner, one.number] = _joined(burned.get((one.owner, one.number)), one)
     published = dataclasses.replace(found.context.ledger, burned=tuple(one for _, one in sorted(burned.items())))
     compiled = recompile(table_path, published)
-    return compare(table_path.resolve().parent, compiled.files, compiled.folders), len(of_history)
+    return compiled.changes(table_path.resolve().parent), len(of_history)
 
 
 def _burned(finding: Diagnostic, context: Context) -> Burned:
@@ -47,7 +50,10 @@ def _burned(finding: Diagnostic, context: Context) -> Burned:
 
 
 def _joined(known: Burned | None, one: Burned) -> Burned:
-    """Return the burned number with its new and its known meanings; ``known`` is None if it was not burned before."""
+    """Return the burned number ``one`` with the meanings of ``known`` added.
+
+    ``known`` is the ledger's earlier record of the same number; None if the number was not burned before.
+    """
     if known is None:
         return one
     return dataclasses.replace(one, uses=tuple(dict.fromkeys((*known.uses, *one.uses))))

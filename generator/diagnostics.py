@@ -46,14 +46,15 @@ class Span:
 def shown(folder: str, path: str) -> str:
     """Join a folder and a path to the file name that diagnostics show.
 
-    The folder is a path, as in ``proto/imu.proto``, or a git ref with a colon, as in ``main:imu.proto``.
+    The folder ``proto`` and the path ``imu.proto`` give ``proto/imu.proto``. The folder may also be a git ref with a
+    colon: ``main:`` gives ``main:imu.proto``.
     """
     return f"{folder}{path}" if not folder or folder.endswith(":") else f"{folder}/{path}"
 
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A kind of diagnostic.
+    """A kind of diagnostic, with an id such as ``ENV101``.
 
     The id of a removed rule is never given to a new rule.
 
@@ -98,11 +99,14 @@ class Rule:
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """One meaning that a number had in the history of the repository."""
+    """One meaning that a field number or enum number had in git's history: the field or enum value that had it."""
 
     type: str
+    """Type of the field, such as ``float`` or the full name of a message; empty for an enum value."""
     name: str
+    """Name of the field or enum value."""
     came: Commit
+    """The first commit with this meaning."""
     went: Commit | None
     """The last commit that removed this meaning; None if a branch still has it."""
 
@@ -139,7 +143,8 @@ class Diagnostic:
 class DiagnosticsError(Exception):
     """Raised when the generator cannot continue; ``findings`` contains the diagnostics that say why.
 
-    ``texts`` is the text of each file that the diagnostics name and that is not on disk, or has another text on disk.
+    ``texts`` maps the name of a file to its text, for a file whose text differs from the disk or is not on disk. The
+    command line quotes the source lines of the diagnostics from it.
     """
 
     def __init__(self, findings: Iterable[Diagnostic], texts: Mapping[str, str] | None = None) -> None:
@@ -151,8 +156,8 @@ class DiagnosticsError(Exception):
 def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     """Return the diagnostics without those that only follow from an error at another place (`Diagnostic.rests_on`).
 
-    An error that has `rests_on` places itself causes no other diagnostic to be dropped. So two diagnostics never drop
-    each other.
+    A diagnostic is dropped if one of its `rests_on` places has an error. Errors that have `rests_on` places themselves
+    do not count for this, so two diagnostics never drop each other.
     """
     findings = list(findings)
     # A mistake at one place often makes another place look wrong. Only the first is worth the user's time: with it, the

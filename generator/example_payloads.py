@@ -1,4 +1,7 @@
-"""Payloads with plausible values, made from protobuf's descriptors. Examples, demo and simulation use them."""
+"""Payloads with plausible example values, for the documentation, the demo and the simulation.
+
+The values follow from the names and types of the fields in protobuf's descriptors.
+"""
 
 from __future__ import annotations
 
@@ -52,9 +55,10 @@ _GRAVITY = -9.81  # m/s^2
 
 
 def payload_at(payload_type: type[P], seconds: float) -> P:
-    """Return the payload of a time: its numbers oscillate, booleans toggle, and enums step through their values.
+    """Return a payload with example values for a time in seconds.
 
-    An error code beside other fields reports no error.
+    Over time, its numbers oscillate, booleans toggle, and enums step through their values. An enum field whose name
+    contains ``error`` gets a value such as ``OK`` or ``NONE``, unless it is the only field of its message.
     """
     payload = payload_type()
     _fill(payload, seconds, frozenset())
@@ -62,9 +66,10 @@ def payload_at(payload_type: type[P], seconds: float) -> P:
 
 
 def _fill(payload: ProtoMessage, seconds: float, inside: frozenset[str]) -> None:
-    """Set the fields of a payload.
+    """Set the fields of a payload, and of the messages in it, to example values.
 
-    A field that contains a type of `inside` stays empty, because its content never ends.
+    ``inside`` has the full names of the messages around the payload. A field with one of these types stays empty,
+    because a message that contains itself would never end.
     """
     inside |= {payload.DESCRIPTOR.full_name}
     for field in payload.DESCRIPTOR.fields:
@@ -87,7 +92,10 @@ def _fill(payload: ProtoMessage, seconds: float, inside: frozenset[str]) -> None
 
 
 def _is_chosen(field: Any, seconds: float) -> bool:
-    """Return True if a field is set at a time. Members of a oneof are set one after another, for one second each."""
+    """Return True if a field is set at a time.
+
+    A field outside a oneof is always set. Members of a oneof are set one after another, for one second each.
+    """
     members = field.containing_oneof.fields if field.containing_oneof else [field]
     return bool(members[int(seconds) % len(members)].number == field.number)
 

@@ -1,6 +1,6 @@
 """Access to a git repository through the ``git`` program.
 
-- Inside a hook, the variable ``GIT_DIR`` overrides the folder that we ask for; such variables are removed for git.
+- Inside a git hook, the variable ``GIT_DIR`` overrides the folder that is passed to git. Such variables are removed.
 - ``git ls-tree`` lists links and submodules too; only the modes 100644 and 100755 are files.
 - A clone may lack objects (``--depth``, ``--filter``); reading them raises `GitError`.
 """
@@ -40,7 +40,7 @@ class Commit:
 
 @dataclass(frozen=True, slots=True)
 class Repository:
-    """A folder in a git repository. All paths are relative to this folder."""
+    """A folder in a git repository. All paths that the methods take or return are relative to this folder."""
 
     folder: Path
 
@@ -61,7 +61,10 @@ class Repository:
         return True
 
     def names(self) -> set[str]:
-        """Return the names of the repository: the name of its folder, and the last part of each remote's address."""
+        """Return the names by which other projects may know the repository.
+
+        These are the name of its folder, and the last part of each remote's address: ``rover`` for ``.../rover.git``.
+        """
         folder = (self.folder / self._run("rev-parse", "--git-common-dir").strip()).resolve()
         remotes = [line.split()[1] for line in self._run("remote", "--verbose").splitlines()]
         addresses = [str(folder).removesuffix("/.git"), *remotes]
@@ -80,6 +83,10 @@ class Repository:
         said = self._run("show", "--no-patch", "--format=%H%x00%at%x00%s", self.resolve(ref)).rstrip("\n")
         id, seconds, subject = said.split("\0")
         return commit_of(id, seconds, subject)
+
+    def reachable(self, commit: str) -> frozenset[str]:
+        """Return the ids of a commit and of all its ancestors, as far as the clone contains them."""
+        return frozenset(self._run("rev-list", commit).split())
 
     def entries(self, commit: str) -> list[tuple[str, str, str]]:
         """Return mode, object id and path of each file, link and submodule below the folder in a commit."""
@@ -122,7 +129,10 @@ class Repository:
         tell.
         """
         try:
-            said = self._run("blame", "--porcelain", f"-L{line},{line}", *([commit] if commit else []), "--", path)
+            # A .gitattributes of a stranger must not select a program of the user's configuration (gitattributes(5)).
+            said = self._run(
+                "blame", "--no-textconv", "--porcelain", f"-L{line},{line}", *([commit] if commit else []), "--", path
+            )
         except GitError:
             return None
         # The first line begins with the commit's id, and each further line with a keyword (git-blame(1), THE PORCELAIN
@@ -136,16 +146,22 @@ class Repository:
         return self._run_bytes(*arguments).decode("utf-8", errors="replace")
 
     def _run_bytes(self, *arguments: str, input: bytes = b"") -> bytes:
-        command = ["git", "-C", str(self.folder), *arguments]
         try:
             done = subprocess.run(  # noqa: S603  # no shell
-                command, input=input, capture_output=True, check=False, env=environment()
+                command(self.folder, *arguments), input=input, capture_output=True, check=False, env=environment()
             )
         except OSError as error:
             raise GitError(f"git cannot be run: {error.strerror}") from error
         if done.returncode:
             raise GitError(done.stderr.decode("utf-8", errors="replace").strip())
         return done.stdout
+
+
+def command(folder: Path, *arguments: str) -> list[str]:
+    """Return the command line that runs git in a folder."""
+    # Files of a pull request can form a bare repository: HEAD, config, objects, refs. Without the option, git would use
+    # that repository, and its config can name programs to run (git-config(1), safe.bareRepository; git 2.38 or later).
+    return ["git", "-c", "safe.bareRepository=explicit", "-C", str(folder), *arguments]
 
 
 def name_of_repository(address: str) -> str:

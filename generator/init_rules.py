@@ -9,7 +9,7 @@ NOTHING_TO_TAKE_OVER = Rule(
     "nothing-to-take-over",
     """The folder given to `roverlink init --from` contains no `.proto` file.
 
-The rows are drafted from the envelope, which is declared in a `.proto` file.
+`roverlink init` drafts the rows of the table from the envelope, which is declared in a `.proto` file.
 
 Bad::
 
@@ -25,7 +25,7 @@ Good::
 NO_SUCH_ENVELOPE = Rule(
     "ADO102",
     "no-such-envelope",
-    """`roverlink init` finds no message that can be the envelope, or does not find the named one.
+    """`roverlink init` finds no message that can be the envelope, or not the one that the options name.
 
 The envelope is a message with a oneof whose members are the payloads.
 
@@ -63,7 +63,7 @@ PROTOS_WITHOUT_TABLE = Rule(
     "protos-without-table",
     """`roverlink init` starts a project, but the folder `proto` already contains `.proto` files.
 
-A new project would ignore them. `--from` drafts a table for the files that are there.
+The table of a new project would have no rows for these files. With `--from`, the command drafts a table for them.
 
 Bad::
 

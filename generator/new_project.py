@@ -1,16 +1,19 @@
-"""New project in a folder without a table: one board, one message, and a workflow that checks the project in CI."""
+"""Files of a new project for `roverlink init`, in a folder without a mapping.yaml.
+
+The project has one board, one message, and a GitHub workflow that checks the project in CI.
+"""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 from roverlink.generator import lock
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
-from roverlink.generator.emit.render import REGENERATE, render
-from roverlink.generator.emit.writer import Change, compare
+from roverlink.generator.emit.render import render
+from roverlink.generator.emit.writer import Change
 from roverlink.generator.init_rules import IN_THE_WAY, PROTOS_WITHOUT_TABLE
 from roverlink.generator.pipeline import compile_table
 
@@ -22,31 +25,34 @@ _TEMPLATES = {
     ".pre-commit-config.yaml": "pre-commit-config.yaml.j2",
     ".gitignore": "gitignore.j2",
 }
-"""Path of each file that belongs to the user, and the template of the file."""
+"""Files that the user edits after roverlink has created them: path and template of each."""
 
 
 @dataclass(frozen=True, slots=True)
 class NewProject:
-    """Files of a new project."""
+    """Result of `new_project`: the files that a new project needs."""
 
     changes: tuple[Change, ...]
     """Files to write."""
     kept: tuple[str, ...]
     """Paths of files that exist already and are not overwritten."""
+    source: str
+    """Argument of ``pip install`` in the GitHub workflow; empty if the user has to fill it in."""
 
 
-def new_project(folder: Path, package: str) -> NewProject:
-    """Return the files of a project with one board and one message, for a folder without a table. Nothing is written.
+def new_project(folder: Path, package: str, source: str = "") -> NewProject:
+    """Return the files of a new project with one board and one message. Nothing is written.
 
-    ``package`` is the name of the ROS 2 package. Raises `DiagnosticsError` if the project would overwrite the user's
-    files.
+    ``folder`` has no mapping.yaml yet. ``package`` is the name of the ROS 2 package. ``source`` is the argument of
+    ``pip install`` from which the GitHub workflow installs roverlink; empty if the user has to fill it in. Raises
+    `DiagnosticsError` if the project would overwrite the user's files.
     """
     if findings := list(_foreign_protos(folder)):
         raise DiagnosticsError(findings)
     # A file that exists belongs to the user, who may have edited it.
     kept = tuple(path for path in _TEMPLATES if (folder / path).exists())
     own = {
-        path: render(f"project/{template}", package=package)
+        path: render(f"project/{template}", package=package, source=source)
         for path, template in _TEMPLATES.items()
         if path not in kept
     }
@@ -59,9 +65,9 @@ def new_project(folder: Path, package: str) -> NewProject:
         for path, text in own.items():
             _put(Path(copy, path), text.encode())
         compiled = compile_table(Path(copy, _TABLE))
-    changes = compare(folder, {**own, **compiled.files}, compiled.folders)
+    changes = compiled.changes(folder, own)
     refuse_overwriting(changes)
-    return NewProject(tuple(changes), kept)
+    return NewProject(tuple(changes), kept, source)
 
 
 def _put(target: Path, data: bytes) -> None:
@@ -70,7 +76,7 @@ def _put(target: Path, data: bytes) -> None:
 
 
 def _foreign_protos(folder: Path) -> Iterable[Diagnostic]:
-    """Yield a diagnostic for each .proto file in the folder, because the new project's table has no row for it."""
+    """Yield a diagnostic for each .proto file of the user, because the new mapping.yaml would have no row for it."""
     for path in sorted((folder / _PROTOS).rglob("*.proto")):
         name = path.relative_to(folder).as_posix()
         if name not in _TEMPLATES:
@@ -80,13 +86,9 @@ def _foreign_protos(folder: Path) -> Iterable[Diagnostic]:
             )
 
 
-def refuse_overwriting(changes: Iterable[Change], besides: Collection[str] = ()) -> None:
-    """Raise `DiagnosticsError` if a change would overwrite a file that roverlink did not generate, except `besides`."""
-    theirs = [
-        change.path
-        for change in changes
-        if change.before is not None and change.path not in besides and REGENERATE not in change.before
-    ]
+def refuse_overwriting(changes: Iterable[Change]) -> None:
+    """Raise `DiagnosticsError` if a change would overwrite a file that roverlink did not generate."""
+    theirs = [change.path for change in changes if change.foreign]
     if theirs:
         raise DiagnosticsError(
             [

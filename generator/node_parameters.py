@@ -1,7 +1,7 @@
-"""Parameters of the node that do not depend on the table, read from runtime/ros_arguments/node_parameters.yaml.
+"""ROS parameters that the bridge's node has in every project, read from runtime/ros_arguments/node_parameters.yaml.
 
 The file is read as data, because generator and runtime do not import each other. The generator writes the parameters to
-config/udp.yaml, and the lint refuses a peer whose port parameter has the name of one of them.
+config/udp.yaml. The lint reports a peer in mapping.yaml whose port parameter has the name of one of them.
 """
 
 from __future__ import annotations

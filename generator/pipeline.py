@@ -1,4 +1,4 @@
-"""The compiler as a whole: runs its steps in order, which read, locate, compile, lint, resolve and emit."""
+"""The compiler from mapping.yaml to generated files. It calls its steps in order, from reading to emitting files."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from roverlink.generator import ir, lock
+from roverlink.generator import ir, lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order
 from roverlink.generator.emit import emitter, envelope_file
 from roverlink.generator.emit.writer import Change, compare
@@ -30,18 +30,31 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """Result of compiling a table: the IR, the generated files, and the warnings."""
+    """Result of compiling mapping.yaml: the intermediate representation (IR), the generated files, and the warnings."""
 
     bridge: ir.Bridge
     files: dict[str, str]
     """Text of each generated file, by its path relative to the table."""
     folders: tuple[str, ...]
-    """Folders of generated files. A generated file in one of them that is not in `files` comes from an earlier run."""
+    """Folders of generated files. A generated file there that is not in `files` is left from an earlier run."""
+    own: tuple[str, ...]
+    """Paths of files that belong to roverlink although they carry no header: the ledger, and those that it lists."""
     warnings: tuple[Diagnostic, ...]
+
+    def changes(self, project: Path, edited: Mapping[str, str] | None = None) -> list[Change]:
+        """Return the changes of all files on disk that make the project up to date.
+
+        ``edited`` are the new texts of files that the user owns, and that a command changes on request, by path.
+        """
+        edited = edited or {}
+        return compare(project, {**self.files, **edited}, self.folders, (*self.own, *edited))
 
 
 def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iterable[str] = ()) -> Compiled:
-    """Compile a table. ``targets`` and ``templates`` are added to those that the table lists. Nothing is written.
+    """Compile the table mapping.yaml. Nothing is written.
+
+    ``targets`` are kinds of generated files, such as ``nanopb``. ``templates`` are folders with Jinja templates. Both
+    are added to the targets and templates that the table lists.
 
     Raises `DiagnosticsError` with all mistakes that can be found in one run.
     """
@@ -50,36 +63,39 @@ def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iter
 
 
 def compile_text(table_path: Path, text: str) -> tuple[Compiled, list[Change]]:
-    """Compile a table from a text that is not on disk yet. Returns the result, and the changes of files on disk.
+    """Compile ``text`` as the new content of mapping.yaml. Nothing is written.
 
-    The changes include the table. Raises `DiagnosticsError` like `compile_table`.
+    Returns the result, and the changes of all files on disk, including mapping.yaml. Raises `DiagnosticsError` like
+    `compile_table`.
     """
     compiled = _compiled(table_path, text)
-    return compiled, compare(table_path.resolve().parent, {**compiled.files, table_path.name: text}, compiled.folders)
+    return compiled, compiled.changes(table_path.resolve().parent, {table_path.name: text})
 
 
 def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
-    """Compile a table after its row with a number was moved to `retired`. Nothing is written.
+    """Move the row with a field number to `retired` in the table's text, and compile the result. Nothing is written.
 
-    Returns the result, and the changes of files, including the table. Raises `DiagnosticsError` if no row has the
-    number; also everything that `compile_table` raises.
+    Returns the result, and the changes of all files on disk, including mapping.yaml. Raises `DiagnosticsError` if no
+    row has the number, or if the changed table does not compile.
     """
     return _edited(table_path, lambda text, file: with_retired(text, number, file))
 
 
 def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[Change]]:
-    """Compile a table after a row was added. Nothing is written.
+    """Add a row to the table's text, and compile the result. Nothing is written.
 
-    Returns the result, and the changes of files, including the table. Raises `DiagnosticsError` if the table's rows are
-    not written as a block list, one row in each line; also everything that `compile_table` raises.
+    ``row`` has the value of each key: ``{"number": 22, "name": "imu_info", ...}``. Returns the result, and the changes
+    of all files on disk, including mapping.yaml. Raises `DiagnosticsError` if `messages` is not a block list (lines
+    that start with ``-``) with at least one row, or if the changed table does not compile.
     """
     return _edited(table_path, lambda text, file: with_row(text, row, file))
 
 
 def _edited(table_path: Path, edit: Callable[[str, str], str]) -> tuple[Compiled, list[Change]]:
-    """Compile a table after a change of its text. Returns the result, and the changes of files, including the table.
+    """Change the text of the table with ``edit``, and compile the result.
 
-    ``edit`` gets the text and the file name of the table, and returns the new text.
+    ``edit`` gets the text and the file name of the table, and returns the new text. Returns the result, and the changes
+    of all files on disk, including the table.
     """
     file = table_path.name
     text = read_text(table_path, file)
@@ -92,7 +108,7 @@ def _edited(table_path: Path, edit: Callable[[str, str], str]) -> tuple[Compiled
 
 
 def recompile(table_path: Path, published: lock.Ledger) -> Compiled:
-    """Compile a table with the ledger ``published`` in place of mapping.lock.
+    """Compile mapping.yaml, but with the ledger ``published`` instead of the file mapping.lock. Nothing is written.
 
     Raises `DiagnosticsError` like `compile_table`.
     """
@@ -133,7 +149,8 @@ def _compiled(
     folders = (bridge.folder, *([table.proto.root] if envelope.ours else []))
     # Nothing is emitted from a table with errors: a half right envelope on disk would be worse than an old one.
     files = emitter.emit(bridge, table.and_further(*further), published, project)
-    return Compiled(bridge, files, folders, tuple(in_order(findings)))
+    own = (lock.NAME, *published.files)
+    return Compiled(bridge, files, folders, own, tuple(in_order(findings)))
 
 
 def _collecting(findings: list[Diagnostic], phase: Callable[[], T]) -> T | None:
@@ -161,6 +178,10 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
                 )
             ]
         )
+    if source_files.leads_out(project, root):
+        message = f"the proto root {table.proto.root!r} is outside the git repository"
+        help = "move the .proto files into the repository, or add their repository as a submodule"
+        raise DiagnosticsError([NO_PROTO_ROOT.at(table.proto.at("root"), message, help)])
     findings: list[Diagnostic] = []
     files = read_protos(root, table.proto.root, findings)
     if findings:
@@ -171,7 +192,8 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
 def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping[str, str]) -> Compilation:
     """Compile the envelope, the payloads, and the messages that the table lists for an Any, with protoc.
 
-    ``listed`` has the files of the messages for an Any. Raises `DiagnosticsError` if protoc reports errors.
+    ``listed`` has the .proto file of each message for an Any, by the message's full name. Raises `DiagnosticsError` if
+    protoc reports errors.
     """
     root = project / table.proto.root
     wanted = sorted({*(member.file for member in envelope.members), envelope.file, *listed.values()})
@@ -191,9 +213,9 @@ def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping
 
 
 def _unambiguous(envelope: ir.Envelope) -> ir.Envelope:
-    """Return the envelope without members whose number or name collides with another member.
+    """Return a copy of the envelope without members whose number or name collides with another member.
 
-    protoc would report the collisions, too, but the messages of our rules are better.
+    protoc would report the collisions too, but the lint rules report them with better messages.
     """
     numbers: set[int] = set()
     names: set[str] = set()

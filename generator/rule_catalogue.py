@@ -1,4 +1,4 @@
-"""List of all rules: those of the lint, and those of other steps, which report input that they cannot use."""
+"""List of all rules: the rules of the lint, and the rules of other steps about input that these steps cannot use."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ DECLARED_IN: Mapping[str, ModuleType] = {
     "STA": input_rules,
     "STD": standard_rules,
 }
-"""Modules that declare the rules of the other steps, by the prefix of the rules' ids.
+"""Modules that declare the rules outside of `lint/rules/`, by the letters that start their ids: `MAP` for `MAP101`.
 
 Each rule of the lint has its own module in `lint/rules/`: ENV in `envelope`, TAB, NAM and ROS in `table`, WIR in `wire`
 or `reuse`, HIS and PIN102 in `reuse`, FIX in `size`. ENV109 is in `reuse`, because it compares a message with all
@@ -45,7 +45,7 @@ others.
 
 @cache
 def rules() -> Mapping[str, Rule]:
-    """Return every rule of the generator, by the rule's id."""
+    """Return every rule that can raise a diagnostic, by the rule's id, such as ``ENV101``."""
     modules_of_phases = dict.fromkeys(DECLARED_IN.values())
     found = [value for module in modules_of_phases for value in vars(module).values() if isinstance(value, Rule)]
     found += [module.RULE for module in modules().values()]

@@ -1,4 +1,6 @@
-"""Command line of roverlink.
+"""Command line of roverlink, a bridge between protobuf datagrams over UDP and ROS 2 topics.
 
-This is the only package that uses the generator, the runtime and the camera programs together.
+The table ``mapping.yaml`` lists the messages that are bridged. `roverlink.generator` compiles the table into code,
+`roverlink.runtime` runs the bridge with this code, and `roverlink.vision` contains the camera programs. Only the
+command line uses all three packages.
 """

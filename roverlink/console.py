@@ -1,4 +1,4 @@
-"""Functions that all commands use: exit codes, the folder of the project, types of options, messages, and loggers."""
+"""Parts that the commands share: exit codes, common options, the search for the project, messages, and loggers."""
 
 from __future__ import annotations
 
@@ -13,26 +13,31 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
+from roverlink.generator import journal
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import NAMES
 
 N = TypeVar("N", int, float)
 
 OK = 0
+"""Exit code for success."""
 FINDINGS = 1
+"""Exit code of a command that found problems, such as diagnostics of ``roverlink lint``."""
 UNABLE = 2
+"""Exit code of a command that could not run, for example because a file is missing."""
 
 TABLE = "mapping.yaml"
+"""File name of the table, which lists the bridged messages."""
 _A_YEAR_S = 366 * 24 * 3600
 Subparsers = Any  # argparse names its type only in private
 
 
 class NoProjectError(SetupError):
-    """Error: a command that needs a project was started outside of one."""
+    """Error of a command that needs a project, but was started outside of a folder with mapping.yaml."""
 
 
 def print_error(message: str) -> None:
-    """Print the reason why a command cannot run, on standard error."""
+    """Print the reason why a command cannot run on standard error, as ``roverlink: <message>``."""
     print(f"roverlink: {message}", file=sys.stderr)
 
 
@@ -42,12 +47,16 @@ def print_note(message: str) -> None:
 
 
 def counted(count: int, what: str) -> str:
-    """Return a number with its noun: ``1 row``, ``2 rows``."""
+    """Return a number with the noun ``what``: ``1 row``, ``2 rows``."""
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def command(commands: Subparsers, name: str, help: str, example: str, description: str = "") -> argparse.ArgumentParser:
-    """Add a subcommand to the command line and return its parser. The help of the subcommand ends with the example."""
+    """Add a subcommand, such as ``run``, to the command line, and return its parser.
+
+    ``help`` is the line about the subcommand in the help of the whole command line. The subcommand's own help starts
+    with ``description`` (default: ``help`` as a sentence) and ends with ``example``, a command line.
+    """
     parser: argparse.ArgumentParser = commands.add_parser(
         name,
         help=help,
@@ -59,12 +68,12 @@ def command(commands: Subparsers, name: str, help: str, example: str, descriptio
 
 
 def add_project(parser: argparse.ArgumentParser) -> None:
-    """Add the option ``--project`` to a parser: the folder that contains the generated code."""
+    """Add the option ``--project`` to a parser: the folder that contains mapping.yaml and the generated code."""
     parser.add_argument(
         "--project",
         type=Path,
         metavar="DIR",
-        help="folder with mapping.yaml and generated/ (default: this folder or the nearest one above it)",
+        help="folder with mapping.yaml and generated/ (default: this folder or the nearest such folder above it)",
     )
 
 
@@ -74,45 +83,81 @@ def add_table(parser: argparse.ArgumentParser) -> None:
         "--table",
         type=Path,
         metavar="FILE",
-        help=f"the table (default: {TABLE} in this folder or the nearest one above it)",
+        help=f"path of the table (default: {TABLE} in this folder or the nearest folder above it)",
     )
 
 
 MIDDLEWARES_HELP = (
-    "connection to ROS 2. dds: Cyclone DDS, which needs no installed ROS 2; rclpy: the installed ROS 2; memory: topics "
-    "only inside this process, without ROS 2; auto: rclpy if Python can import it, else dds"
+    "software that connects to ROS 2. dds: Cyclone DDS, which needs no installed ROS 2; rclpy: the installed ROS 2; "
+    "memory: topics only inside this process, without ROS 2; auto: rclpy if Python can import it, else dds"
 )
 
 
 def add_middleware(parser: argparse.ArgumentParser) -> None:
-    """Add the option for the connection to ROS 2."""
+    """Add the option ``--middleware`` to a parser: the software that connects to ROS 2."""
     parser.add_argument("--middleware", choices=NAMES, default="auto", help=f"{MIDDLEWARES_HELP} (default: auto)")
 
 
 def add_recording(parser: argparse.ArgumentParser) -> None:
-    """Add the argument for a file of a recording."""
+    """Add the argument ``recording`` to a parser: the path of a file that ``roverlink record`` wrote."""
     parser.add_argument(
         "recording",
         type=Path,
-        help="any file of the recording, such as run.mcap or run.datagrams.mcap; the others are found beside it",
+        help="any file of a recording, such as run.mcap (topics) or run.datagrams.mcap (datagrams); the other files "
+        "of the recording are found beside it",
     )
 
 
 def table_file(given: Path | None) -> Path:
     """Return the path of the table: ``given``, or else the nearest mapping.yaml in this folder or above it.
 
-    If there is none, return the path at which it would be in this folder.
+    If there is none, return the path at which it would be in this folder. If a command that wrote the project's files
+    was killed, its work is completed or rolled back first.
     """
+    if given:
+        finish_interrupted(given.resolve().parent)
+        return Path(os.path.relpath(given))
     here = Path.cwd()
-    near = (folder / TABLE for folder in (here, *here.parents))
-    # lexists: a dangling link named mapping.yaml is a mistake to report, not a reason to look further up.
-    found = given or next((path for path in near if os.path.lexists(path)), here / TABLE)
-    return Path(os.path.relpath(found))
+    for folder in (here, *here.parents):
+        finish_interrupted(folder)
+        # lexists: a dangling link named mapping.yaml is a mistake to report, not a reason to look further up.
+        if os.path.lexists(folder / TABLE):
+            return Path(os.path.relpath(folder / TABLE))
+    return Path(os.path.relpath(here / TABLE))
+
+
+def finish_interrupted(project: Path) -> None:
+    """Complete or roll back what a killed command has left half written in a project, and print a note about it.
+
+    Raises `SetupError` if this is not possible, because the files of the project then do not fit together.
+    """
+    try:
+        finished = journal.finish(project)
+    except OSError as error:
+        raise SetupError(
+            f"{project}: an earlier command was interrupted while it wrote files, and this cannot be completed: "
+            f"{error.filename}: {error.strerror}; if {journal.FOLDER} is not from roverlink, move it to another place, "
+            "else correct the cause and run the command again"
+        ) from error
+    if finished is None:
+        return
+    done = "completed" if finished.completed else "rolled back"
+    print_note(f"{project}: {done} what an interrupted command had begun to write")
+    for path in finished.left:
+        print_note(f"{project}: {path!r} was changed since then and is left as it is; run `roverlink generate --check`")
 
 
 def port(text: str) -> int:
     """Parse the value of an option that is a port number; 0 means any free port."""
     return _number(text, int, lambda number: 0 <= number < 65_536, "a port number from 0 to 65535")
+
+
+def listen_address(text: str) -> tuple[str, int]:
+    """Parse the value of an option of the form ``[HOST:]PORT``; without HOST, only this computer can connect."""
+    host, _, number = text.rpartition(":")
+    if ":" in host:
+        raise argparse.ArgumentTypeError(f"{text!r} is not [HOST:]PORT; HOST is an IPv4 address or a name")
+    return host or "127.0.0.1", port(number)
 
 
 def count(text: str) -> int:
@@ -150,12 +195,15 @@ def _number(text: str, read: Callable[[str], N], fits: Callable[[N], bool], what
 def project_folder(given: Path | None) -> Path:
     """Return the folder of the project: ``given``, or else this folder or the nearest one above it with a project.
 
-    Raises `NoProjectError` if there is no project.
+    A folder has a project if it contains mapping.yaml or generated/registry.py. Raises `NoProjectError` if there is no
+    project. If a command that wrote the project's files was killed, its work is completed or rolled back first.
     """
     if given is not None:
+        finish_interrupted(given)
         return given
     here = Path.cwd()
     for folder in (here, *here.parents):
+        finish_interrupted(folder)
         if os.path.lexists(folder / TABLE) or (folder / "generated" / "registry.py").is_file():
             return folder
     raise NoProjectError(
@@ -165,9 +213,10 @@ def project_folder(given: Path | None) -> Path:
 
 
 def isolate_ros() -> None:
-    """Restrict ROS 2 to this host, in a DDS domain that other programs on this host probably do not use.
+    """Restrict ROS 2 in this process and its children to this host, so that simulated messages reach no real rover.
 
-    The ports of domains above 100 are in the range that Linux gives to any program (ephemeral ports).
+    The DDS domain is one from 20 to 99 that other programs on this host probably do not use, unless ROS_DOMAIN_ID is
+    set. The ports of domains above 100 are in the range that Linux gives to any program (ephemeral ports).
     """
     # The variables are read when a participant joins its domain, and child processes inherit them. Kilted knows only
     # the range, Humble only the other variable; Jazzy knows both, and warns of the other one.
@@ -178,7 +227,7 @@ def isolate_ros() -> None:
 
 
 class _RosFormatter(logging.Formatter):
-    """Formats log records as ROS 2 nodes do: ``[INFO] [1700000000.123456] [udp_forwarder]: text``."""
+    """Formatter that writes log records as ROS 2 nodes do: ``[INFO] [1700000000.123456] [udp_forwarder]: text``."""
 
     def format(self, record: logging.LogRecord) -> str:
         level = {"WARNING": "WARN", "CRITICAL": "FATAL"}.get(record.levelname, record.levelname)
@@ -188,7 +237,11 @@ class _RosFormatter(logging.Formatter):
 
 
 class _JsonFormatter(logging.Formatter):
-    """Formats a log record as one line of JSON: time, level, logger, message, and the record's ``facts``."""
+    """Formatter that writes a log record as one line of JSON: time, level, logger, message, and the record's facts.
+
+    The facts are more keys with values, such as ``{"kept_back": 4}``. The code that logs passes them as
+    ``extra={"facts": ...}``.
+    """
 
     def format(self, record: logging.LogRecord) -> str:
         facts: dict[str, Any] = getattr(record, "facts", {})
@@ -197,13 +250,14 @@ class _JsonFormatter(logging.Formatter):
 
 
 LOG_FORMATS = {"ros": _RosFormatter, "json": _JsonFormatter}
-"""Formatters of log records, by the name of the format."""
+"""Classes that format log records, by the format's name in the option ``--log-format``."""
 
 
 def node_logger(name: str, level: str | None, format: str = "ros") -> logging.Logger:
-    """Return a logger that writes to standard error with the levels of ROS 2.
+    """Return the logger of the ROS 2 node ``name``, which writes to standard error.
 
-    If ``level`` is None, it writes nothing.
+    ``level`` is the lowest level that is written: ``debug``, ``info``, ``warn``, ``error`` or ``fatal``. If it is None,
+    the logger writes nothing. ``format`` is a key of `LOG_FORMATS`.
     """
     handler = logging.StreamHandler() if level else logging.NullHandler()
     handler.setFormatter(LOG_FORMATS[format]())

@@ -1,4 +1,4 @@
-"""Diagnostics as text for people: place, message, source line with a caret below it, other places, and help."""
+"""Diagnostics as text for the terminal: place, message, source line with a caret below it, related places, and help."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
+from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span
 from roverlink.generator.git import Commit
 
@@ -25,18 +26,18 @@ _TAB = "    "
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Sources:
-    """Access to the source files to which diagnostics refer."""
+    """Access to the source files that diagnostics name, to show the source line of each diagnostic."""
 
     folder: Path
     """Folder to which the paths in diagnostics are relative."""
     texts: Mapping[str, str] = dataclasses.field(default_factory=dict)
-    """Files whose text differs from the one on disk."""
+    """Texts that replace the files on disk, by path, such as mapping.yaml with a new row that is not written yet."""
     commit_of: Callable[[Span], Commit | None] = lambda _: None
-    """Function that returns the commit of a line; None if it is not committed or not known."""
+    """Function that returns the commit that last changed the line at a place; None if the commit is not known."""
     _read: dict[str, list[str]] = dataclasses.field(default_factory=dict)
 
     def from_here(self, span: Span) -> Span:
-        """Return a place with its path relative to the current folder.
+        """Return the place ``span`` with its path relative to the current folder instead of `folder`.
 
         If the file does not exist, the path stays as it is.
         """
@@ -44,12 +45,17 @@ class Sources:
         return dataclasses.replace(span, file=os.path.relpath(path)) if path.exists() else span
 
     def with_commit(self, span: Span, what: str) -> str:
-        """Return ``what``, the text for a place, followed by the commit of the place's line if the commit is known."""
+        """Return ``what``, a text about the place ``span``, followed by the commit that last changed the place's line.
+
+        If the commit is not known, return only ``what``.
+        """
         commit = self.commit_of(span)
         return f"{what} ({commit})" if commit else what
 
     def line(self, span: Span) -> str:
-        """Return the source line at a place; an empty text if the line cannot be read."""
+        """Return the source line at the place ``span``; an empty text if the line cannot be read."""
+        if not span.line:  # a diagnostic about the whole file; the file may be a pipe or a device
+            return ""
         if span.file not in self._read:
             text = self.texts.get(span.file)
             self._read[span.file] = (_text_of(self.folder / span.file) if text is None else text).splitlines()
@@ -58,14 +64,16 @@ class Sources:
 
 
 def _text_of(path: Path) -> str:
+    if not path.is_file():  # reading a pipe or a device may never end
+        return ""
     try:
-        return path.read_text(encoding="utf-8", errors="replace")
+        return source_files.read(path.parent, path.name).decode("utf-8", errors="replace")
     except OSError:
         return ""
 
 
 def show(findings: Iterable[Diagnostic], sources: Sources, stream: TextIO) -> None:
-    """Print diagnostics; in colour if the stream is a terminal and NO_COLOR is not set."""
+    """Print diagnostics with their source lines; in colour if ``stream`` is a terminal and NO_COLOR is not set."""
     if not (findings := list(findings)):
         return
     from rich.console import Console  # imported here: the import is slow, and a run without findings needs none of it
@@ -77,9 +85,9 @@ def show(findings: Iterable[Diagnostic], sources: Sources, stream: TextIO) -> No
 
 
 def show_error(error: DiagnosticsError, folder: Path, stream: TextIO) -> None:
-    """Print the diagnostics because of which a command cannot continue.
+    """Print the diagnostics of an error because of which a command cannot continue.
 
-    ``folder`` is the folder of the table or of the .proto files.
+    ``folder`` is the folder of the table or of the .proto files. The paths in the diagnostics are relative to it.
     """
     show(error.findings, Sources(folder, error.texts), stream)
 

@@ -1,4 +1,7 @@
-"""Checks of ``roverlink doctor``. Each check examines one thing, changes nothing, and returns a result."""
+"""Checks of ``roverlink doctor``: Python packages, generated code, UDP port, firewall, multicast, and ROS 2.
+
+Each check examines one thing and returns its result as a `Diagnosis`. It changes nothing on the machine.
+"""
 
 from __future__ import annotations
 
@@ -50,18 +53,22 @@ class Diagnosis:
     verdict: str
     """``ok``, ``warning`` or ``error``."""
     check: str
+    """Name of the thing that was checked, such as ``firewall`` or ``UDP port 5000``."""
     says: str
+    """Text with the result, such as ``no active firewall found``."""
     cure: str = ""
+    """Command or advice that solves the problem; empty if nothing has to be done."""
 
     def as_dict(self) -> dict[str, str]:
-        """Return the result as JSON values."""
+        """Return the result as a dictionary for JSON, with the keys ``verdict``, ``check``, ``says`` and ``cure``."""
         return dataclasses.asdict(self)
 
 
 def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
     """Run all checks and return their results. A check that fails is a result, not an exception.
 
-    ``project`` is the folder from the command line, or None.
+    ``project`` is the folder of the project; None for the nearest one, from the current folder upwards. ``ros`` holds
+    the parameters of the bridge to check, such as its UDP port.
     """
     found = list(_python())
     try:
@@ -69,8 +76,8 @@ def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
         settings = parameters.read(registry, ros.parameters)
     except RoverlinkError as error:
         return [*found, Diagnosis("error", "generated code", str(error)), *_ros(None)]
-    messages = len(registry.handlers)
-    found.append(Diagnosis("ok", "generated code", f"{messages} messages, fingerprint {registry.fingerprint[:12]}"))
+    messages, fingerprint = len(registry.handlers), registry.fingerprint[:12]
+    found.append(Diagnosis("ok", "generated code", f"{messages} messages, fingerprint of the table {fingerprint}"))
     return [*found, *_network(settings), *_firewall(settings), *_multicast(), *_ros(registry)]
 
 
@@ -79,14 +86,20 @@ def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
 
 def _python() -> Iterator[Diagnosis]:
     version = platform.python_version()
-    yield Diagnosis("ok", "python", f"{version} on {platform.system()} {platform.machine()}")
+    yield Diagnosis("ok", "python", f"version {version} on {platform.system()} {platform.machine()}")
     for package in _NEEDED:
         if installed_version(package) is None:
-            yield Diagnosis("error", package, "not installed", f"{sys.executable} -m pip install {package}")
+            yield Diagnosis(
+                "error",
+                package,
+                "roverlink needs this Python package, but it is not installed",
+                f"{sys.executable} -m pip install {package}",
+            )
     missing = [f"{extra} ({package})" for package, extra in _EXTRAS.items() if installed_version(package) is None]
     if missing:
-        names = ",".join(extra for package, extra in _EXTRAS.items() if installed_version(package) is None)
-        yield Diagnosis("ok", "extras", f"not installed: {', '.join(missing)}", f"pip install 'roverlink[{names}]'")
+        names = " ".join(package for package in _EXTRAS if installed_version(package) is None)
+        says = f"these optional parts of roverlink (and packages) are not installed: {', '.join(missing)}"
+        yield Diagnosis("ok", "extras", says, f"if you need them: {sys.executable} -m pip install {names}")
 
 
 # --- the network ------------------------------------------------------------------------------------------------
@@ -98,29 +111,33 @@ def _network(settings: Parameters) -> Iterator[Diagnosis]:
         sock = udp.bind(address, port, settings.receive_buffer)
     except RoverlinkError as error:
         holder = _holder(port)
-        cure = f"it is used by {holder}" if holder else "run `ss -lunp` as root to see which program uses it"
+        used = f"it is used by {holder}" if holder else "`sudo ss -lunp` shows the programs that use UDP ports"
+        cure = f"{used}; another port is set with --ros-args -p listen_port:=PORT"
         yield Diagnosis("error", f"UDP port {port}", str(error), cure)
     else:
         with sock:
-            yield Diagnosis("ok", f"UDP port {port}", f"free on {address}")
+            yield Diagnosis("ok", f"UDP port {port}", f"no other program uses it on the address {address}")
             yield _buffer(udp.receive_buffer(sock), settings.receive_buffer)
     try:
         udp.resolve(settings.dst_ip, 9)
-        yield Diagnosis("ok", "dst_ip", settings.dst_ip)
+        yield Diagnosis("ok", "dst_ip", f"{settings.dst_ip}, the address to which datagrams for the peers are sent")
     except RoverlinkError as error:
-        yield Diagnosis("error", "dst_ip", str(error), "set it with -p dst_ip:=ADDRESS")
+        yield Diagnosis("error", "dst_ip", str(error), "set the peers' address with --ros-args -p dst_ip:=ADDRESS")
 
 
 def _buffer(got: int, wanted: int) -> Diagnosis:
     if got >= wanted:
-        return Diagnosis("ok", "receive buffer", f"{got} bytes")
-    says = f"{got} bytes instead of {wanted}: datagrams of a burst may be lost"
-    cure = f"sysctl -w net.core.rmem_max={wanted}; to keep it, write that setting to /etc/sysctl.d/60-roverlink.conf"
+        return Diagnosis("ok", "receive buffer", f"{got} bytes (the bridge requests {wanted})")
+    says = f"{got} bytes instead of {wanted}, so datagrams may be lost when many arrive at once"
+    setting = f"net.core.rmem_max={wanted}"
+    cure = f"sudo sysctl -w {setting}; to keep this setting, write `{setting}` to /etc/sysctl.d/60-roverlink.conf"
     return Diagnosis("warning", "receive buffer", says, cure)
 
 
 def _holder(port: int) -> str:
-    """Return the name of the program that uses a UDP port; an empty text if we have no permission to see it.
+    """Return the name of the program that uses a UDP port, such as ``python3 (process 4711)``.
+
+    Return an empty text if the program is not found, for example because it belongs to another user.
 
     The columns of /proc/net/udp are in proc(5); the tenth is the socket's inode. A process that uses the socket has a
     link to ``socket:[inode]`` among its file descriptors.
@@ -151,21 +168,24 @@ def _firewall(settings: Parameters) -> Iterator[Diagnosis]:
         yield Diagnosis(
             "warning",
             "firewall",
-            "ufw is active; it may block datagrams and DDS",
-            f"ufw allow {port}/udp; ufw allow 7400:57400/udp",
+            "ufw is active; it may block the peers' datagrams and the DDS messages of ROS 2",
+            f"sudo ufw allow {port}/udp; sudo ufw allow 7400:57400/udp",
         )
     elif _output("firewall-cmd", "--state").strip() == "running":
-        cure = f"firewall-cmd --permanent --add-port={port}/udp --add-port=7400-57400/udp && firewall-cmd --reload"
-        yield Diagnosis("warning", "firewall", "firewalld is active; it may block datagrams and DDS", cure)
+        ports = f"--add-port={port}/udp --add-port=7400-57400/udp"
+        cure = f"sudo firewall-cmd --permanent {ports} && sudo firewall-cmd --reload"
+        says = "firewalld is active; it may block the peers' datagrams and the DDS messages of ROS 2"
+        yield Diagnosis("warning", "firewall", says, cure)
     elif re.search(r"hook input [^}]*policy drop", _output("nft", "list", "ruleset"), re.DOTALL):
-        cure = f"nft add rule inet filter input udp dport {{ {port}, 7400-57400 }} accept"
-        yield Diagnosis("warning", "firewall", "nftables drops packets that no rule accepts", cure)
+        cure = f"sudo nft add rule inet filter input udp dport '{{ {port}, 7400-57400 }}' accept"
+        says = "nftables drops packets that no rule accepts, so it may drop the peers' datagrams and DDS messages"
+        yield Diagnosis("warning", "firewall", says, cure)
     else:
         yield Diagnosis("ok", "firewall", "no active firewall found")
 
 
 def _output(*command: str) -> str:
-    """Return the output of a command; an empty text if the command does not exist or is not allowed."""
+    """Return the output of a command; an empty text if the command does not exist or cannot run."""
     program = shutil.which(command[0])
     if program is None:
         return ""
@@ -179,11 +199,15 @@ def _output(*command: str) -> str:
 
 
 def _multicast() -> Iterator[Diagnosis]:
-    """Check that this host receives a datagram that it sends to DDS's multicast group, because discovery needs this."""
+    """Check that this host receives a datagram that it sends to DDS's multicast group.
+
+    Nodes of ROS 2 find each other (discovery) with such datagrams.
+    """
     if os.environ.get("ROS_LOCALHOST_ONLY") == "1":
         yield Diagnosis("ok", "multicast", "not needed: ROS_LOCALHOST_ONLY=1 restricts ROS 2 to this host")
         return
-    cure = "ip link set DEV multicast on; ip route add 224.0.0.0/4 dev DEV"
+    device = "where DEV is the network interface, such as eth0"
+    cure = f"sudo ip link set DEV multicast on; sudo ip route add 224.0.0.0/4 dev DEV, {device}"
     with (
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender,
@@ -199,11 +223,11 @@ def _multicast() -> Iterator[Diagnosis]:
             sender.sendto(b"roverlink doctor", (_GROUP, receiver.getsockname()[1]))
             receiver.recv(64)
         except OSError as error:
-            yield Diagnosis(
-                "warning", "multicast", f"does not work ({error}), so discovery does not find other hosts", cure
-            )
+            says = f"does not work ({error}), so ROS 2 does not find nodes on other machines"
+            yield Diagnosis("warning", "multicast", says, cure)
         else:
-            yield Diagnosis("ok", "multicast", f"datagrams to {_GROUP} come back")
+            says = f"works: this machine receives what it sends to {_GROUP}, the group with which ROS 2 finds nodes"
+            yield Diagnosis("ok", "multicast", says)
 
 
 # --- ROS 2 ------------------------------------------------------------------------------------------------------
@@ -215,15 +239,18 @@ def _ros(registry: Registry | None) -> Iterator[Diagnosis]:
     rclpy = _imports("rclpy")
     if distribution and not rclpy:
         says = f"ROS 2 {distribution} is sourced, but this Python {platform.python_version()} cannot import rclpy"
-        yield Diagnosis(
-            "warning", "rclpy", says, "create the environment with the Python of ROS 2 and --system-site-packages"
-        )
+        environment = "/usr/bin/python3 -m venv --system-site-packages .venv"
+        cure = f"create the virtual environment with the Python of ROS 2, for example with `{environment}`"
+        yield Diagnosis("warning", "rclpy", says, cure)
     if rclpy and registry is not None:
         yield _interfaces(registry)
     dds = installed_version("cyclonedds")
     if not rclpy and dds is None:
-        cure = "pip install cyclonedds (x86-64), or source an installed ROS 2"
-        yield Diagnosis("error", "ROS 2", "neither rclpy nor Cyclone DDS is installed: the bridge has no topics", cure)
+        cure = (
+            "pip install cyclonedds (only on x86-64), or source an installed ROS 2: source /opt/ros/DISTRO/setup.bash"
+        )
+        says = "neither rclpy nor Cyclone DDS is installed, so the bridge cannot connect to ROS 2"
+        yield Diagnosis("error", "ROS 2", says, cure)
     elif not rclpy:
         yield _joins(str(dds), domain)
 
@@ -237,12 +264,12 @@ def _imports(module: str) -> bool:
 
 
 def _joins(version: str, domain: str) -> Diagnosis:
-    """Check that Cyclone DDS has a supported version and can join a domain."""
+    """Check that Cyclone DDS has a supported version and can join the ROS 2 domain (ROS_DOMAIN_ID)."""
     if version.partition(".")[0] != "11":
         return Diagnosis(
             "error",
             "Cyclone DDS",
-            f"version {version} is installed, but 11 is needed",
+            f"version {version} is installed, but roverlink needs version 11",
             "pip install 'cyclonedds>=11,<12'",
         )
     try:
@@ -250,17 +277,16 @@ def _joins(version: str, domain: str) -> Diagnosis:
             pass
     except RoverlinkError as error:
         return Diagnosis("error", "Cyclone DDS", str(error))
-    return Diagnosis(
-        "ok", "Cyclone DDS", f"version {version} can join domain {domain}; no ROS 2 installation is needed"
-    )
+    says = f"version {version} can join ROS 2 domain {domain}; an installation of ROS 2 is not needed"
+    return Diagnosis("ok", "Cyclone DDS", says)
 
 
 def _interfaces(registry: Registry) -> Diagnosis:
-    """Check that the interface packages that rclpy imports have the messages of the table, with the same fields."""
+    """Check that the ROS 2 message packages that rclpy imports have the messages of the table, with the same fields."""
     message_types: list[type[Message]] = [handler.message_type for handler in registry.by_topic.values()]
     try:
         for message_type in (*message_types, DiagnosticArray):
             installed_class(message_type)
     except MiddlewareError as error:
         return Diagnosis("error", "interfaces", str(error))
-    return Diagnosis("ok", "interfaces", f"{registry.package} is the one that was generated")
+    return Diagnosis("ok", "interfaces", f"the installed ROS 2 package {registry.package} has the generated messages")

@@ -1,6 +1,6 @@
-"""Options of the commands that check .proto files, and the checks that these options select.
+"""Options that select the .proto files to check, and the start of the checks, for lint, history and next-number.
 
-The commands check a project with a table, or a folder of .proto files without a table.
+These commands check a project with a table (mapping.yaml), or a folder of .proto files without a table.
 """
 
 from __future__ import annotations
@@ -19,33 +19,38 @@ from roverlink.runtime.core.errors import SetupError
 
 
 def add_subject(parser: argparse.ArgumentParser) -> None:
-    """Add the options to a parser that select the table, or a folder of .proto files without a table."""
+    """Add the options that select what to check to a parser: the table, or a folder of .proto files without a table."""
     parser.add_argument(
         "root",
         nargs="?",
         type=Path,
         metavar="PROTO_ROOT",
-        help="folder of .proto files; give it only if there is no mapping.yaml",
+        help="folder of .proto files to check; give it only if there is no mapping.yaml",
     )
     add_table(parser)
     parser.add_argument(
         "--envelope",
         default="",
         metavar="FILE",
-        help="with PROTO_ROOT: the .proto file that declares the envelope, relative to PROTO_ROOT",
+        help="with PROTO_ROOT: the .proto file that declares the envelope (the message that holds each payload in a "
+        "oneof); the path is relative to PROTO_ROOT",
     )
     parser.add_argument(
-        "--message", default="", metavar="NAME", help="with PROTO_ROOT: name of the envelope's protobuf message"
+        "--message",
+        default="",
+        metavar="NAME",
+        help="with PROTO_ROOT: name of the envelope's protobuf message, such as PBEnvelope",
     )
 
 
 def linted(arguments: argparse.Namespace, root: Path | None, question: Question) -> Linted:
-    """Check the .proto files in ``root``, or the project of the table if ``root`` is None.
+    """Check the .proto files in the folder ``root``, or the project of the table if ``root`` is None.
 
-    ``question`` selects the checks. Raises `SetupError` if the options name an envelope although ``root`` is None.
+    ``question`` holds the additional checks that the user requests, such as that of git's history. Raises `SetupError`
+    if the options name an envelope although ``root`` is None.
     """
     if root is None and (arguments.envelope or arguments.message):
-        raise SetupError("--envelope and --message need PROTO_ROOT, the folder of a tree without mapping.yaml")
+        raise SetupError("--envelope and --message need PROTO_ROOT, a folder of .proto files without mapping.yaml")
     if root is None:
         return lint_project(table_file(arguments.table), question)
     return lint_tree(root, EnvelopeName(arguments.envelope, arguments.message), question)
@@ -61,14 +66,15 @@ def folder_of(arguments: argparse.Namespace) -> Path:
 
 
 def sources(found: Linted) -> Sources:
-    """Return the source files to which the diagnostics of a check refer."""
+    """Return access to the source files that the diagnostics of a check name."""
     return Sources(found.folder, commit_of=found.commit_of)
 
 
 def print_limits(found: Linted) -> int:
-    """Print on standard error what could not be checked, and return the exit code.
+    """Print the diagnostics about inputs that could not be read completely, such as a shallow clone, on standard error.
 
-    The commands that print no other diagnostics call this.
+    Return the exit code: 2 if one of these diagnostics is fatal, else 0. Commands that print no other diagnostics of
+    the check call this function.
     """
     show(found.limits, sources(found), sys.stderr)
     return UNABLE if any(finding.severity is Severity.FATAL for finding in found.limits) else OK

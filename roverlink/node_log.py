@@ -1,4 +1,4 @@
-"""The log of our nodes on the topic ``/rosout``."""
+"""Publication of a node's log on the topic ``/rosout``, as ROS 2 nodes do."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 
 def publish_log(logger: logging.Logger, middleware: Middleware, ros: RosArguments) -> ExitStack:
-    """Publish the log of a node, unless its arguments turn this off, until the returned stack is closed.
+    """Publish the log of a node on ``/rosout`` until the returned exit stack is closed.
 
-    Close the stack before the middleware.
+    Nothing is published if the node's ROS arguments contain ``--disable-rosout-logs``. Close the stack before the
+    middleware, because the middleware's publisher sends the log.
     """
     published = ExitStack()
     if ros.logs_to_rosout:

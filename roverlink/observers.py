@@ -1,17 +1,20 @@
-"""Observers that `roverlink run` attaches to a bridge: diagnostics, metrics, Foxglove and the recorder.
+"""Observers that `roverlink run` attaches to a bridge: diagnostics, metrics, the page, Foxglove and the recorder.
 
-They are attached before the bridge starts: as an `Observer` of the bridge, or as a wrapper of the middleware. A bridge
-without observers does no extra work.
+They measure or record the messages that pass the bridge. To see datagrams, an observer is an `Observer` of the bridge.
+To see messages of topics, it wraps the middleware that the bridge gets. A bridge without observers does no extra work.
 """
 
 from __future__ import annotations
 
 import argparse
 import logging
+import time
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from roverlink import link_page
 from roverlink.console import megabytes, port
 from roverlink.runtime import Bridge, MiddlewareError, Registry, SetupError
 from roverlink.runtime.bridge.bridge import Observer
@@ -22,47 +25,74 @@ from roverlink.runtime.monitoring.foxglove_server import PORT as FOXGLOVE_PORT
 from roverlink.runtime.monitoring.foxglove_server import FoxgloveServer
 from roverlink.runtime.monitoring.histogram import LatencyProbe
 from roverlink.runtime.monitoring.monitor import Monitor
-from roverlink.runtime.monitoring.state import Recording
+from roverlink.runtime.monitoring.state import Recording, State
 from roverlink.runtime.recording import COMPRESSIONS
 from roverlink.runtime.ros_arguments.parameters import Parameters
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
+if TYPE_CHECKING:
+    from roverlink.link_page.live_link import LiveLink
+
 RECORDING_HELP = (
-    "file for the recorded topics, such as run.mcap (datagrams go to run.datagrams.mcap). If FILE is a folder, a file "
-    "that is named after the date and time is created in it"
+    "file for the recorded topics, such as run.mcap (datagrams go to run.datagrams.mcap beside it); if FILE is a "
+    "folder, a file that is named after the date and time is created in it"
 )
+"""Help text of FILE, the path of the recording, for ``roverlink run --record FILE`` and ``roverlink record FILE``."""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that attach observers to a parser. `roverlink run` and `roverlink record` have these options."""
+    """Add the options for diagnostics, metrics, the page, Foxglove and the files of a recording to a parser.
+
+    The commands `roverlink run` and `roverlink record` have these options.
+    """
     parser.add_argument(
-        "--no-diagnostics", action="store_true", help="do not publish the bridge's state on the topic /diagnostics"
+        "--no-diagnostics",
+        action="store_true",
+        help="do not publish the bridge's state on the topic /diagnostics (`roverlink top` needs it)",
     )
-    parser.add_argument("--metrics", type=port, metavar="PORT", help="serve metrics for Prometheus on this TCP port")
+    parser.add_argument(
+        "--metrics",
+        type=port,
+        metavar="PORT",
+        help="serve metrics for Prometheus on this TCP port, under the path /metrics",
+    )
     parser.add_argument(
         "--foxglove",
         type=port,
         nargs="?",
         const=FOXGLOVE_PORT,
         metavar="PORT",
-        help=f"show the topics live in Foxglove, which connects to this TCP port (default: {FOXGLOVE_PORT})",
+        help="let the viewer Foxglove show the topics live; Foxglove connects to this TCP port "
+        f"(without PORT: {FOXGLOVE_PORT})",
+    )
+    link_page.add_option(parser, "--page")
+    parser.add_argument(
+        "--foxglove-address",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="with --foxglove: IPv4 address to listen on (default: %(default)s, which only this computer can reach; "
+        "0.0.0.0: every computer that reaches this one, without a password)",
     )
     parser.add_argument(
         "--rotate",
         type=megabytes,
         metavar="MB",
-        help="start a new file when the current file of the recording has this size in megabytes (default: never)",
+        help="with a recording: start a new file when the current file has this size in megabytes (default: never)",
     )
     parser.add_argument(
         "--compression",
         choices=COMPRESSIONS,
         default="zstd",
-        help="compression of the recording's files (default: %(default)s)",
+        help="with a recording: compression of the files (default: %(default)s)",
     )
 
 
 class BridgeObservers:
-    """All observers of one bridge. They are opened on an exit stack, which closes them."""
+    """All observers of one bridge, as the options of the command line select them.
+
+    Call `wrap` and give `observers` to the bridge before it starts. Call `monitor` after its start. The exit stack
+    ``stack`` closes the recorder and the Foxglove server.
+    """
 
     def __init__(
         self,
@@ -77,33 +107,39 @@ class BridgeObservers:
         self._logger, self._stack = logger, stack
         self._probe = LatencyProbe()
         self.observers: list[Observer] = []
+        """Observers of datagrams that the bridge gets when it is made; complete after the call of `wrap`."""
         self._recording: Callable[[], Recording | None] = lambda: None
+        self._live: LiveLink | None = None
         if self._monitored:
             self.observers.append(self._probe)
 
     @property
     def _monitored(self) -> bool:
-        return not self._arguments.no_diagnostics or self._arguments.metrics is not None
+        asked = (self._arguments.metrics, self._arguments.page)
+        return not self._arguments.no_diagnostics or any(option is not None for option in asked)
 
     def wrap(self, middleware: Middleware) -> Middleware:
-        """Return the middleware, wrapped so that the recorder and Foxglove get all messages if the options request it.
+        """Wrap the middleware so that recorder, Foxglove and page get messages, if the options request them.
 
-        Raises `SetupError` if a file cannot be written or a port is not available.
+        Return the middleware to give to the bridge. Raises `SetupError` if a file cannot be written or a port is not
+        available.
         """
         if self._arguments.record is not None:
             middleware = self._recorded(middleware, self._arguments.record)
         if self._arguments.foxglove is not None:
-            address = self._settings.listen_address
+            address = self._arguments.foxglove_address
             server = self._stack.enter_context(FoxgloveServer(self._ros.node.name, address, self._arguments.foxglove))
-            self._logger.info("connect Foxglove to ws://%s:%d", address, server.port)
+            self._logger.info("connect Foxglove to %s", server.url)
             middleware = TappedMiddleware(middleware, server)
+        if self._arguments.page is not None:
+            middleware = self._shown(middleware, self._arguments.page)
         self._middleware = middleware
         return middleware
 
     def monitor(self, bridge: Bridge) -> ExitStack:
-        """Start the monitoring of a bridge, and return the exit stack that ends the monitoring.
+        """Start the diagnostics, metrics and page of a bridge, and return the exit stack that ends them.
 
-        Close this stack before the bridge, because the bridge closes the topics on which the monitoring publishes.
+        Close this stack before the bridge, because the bridge closes the topics on which the diagnostics are published.
         """
         watch = ExitStack()
         if not self._monitored:
@@ -112,7 +148,7 @@ class BridgeObservers:
         if not self._arguments.no_diagnostics:
             topic = self._ros.topic(diagnostic_array.TOPIC)
             try:
-                monitor.add_listener(diagnostic_array.publisher(self._middleware, topic))
+                monitor.add_listener(diagnostic_array.publisher(self._middleware, self._ros.node.full_name, topic))
             except MiddlewareError as error:
                 self._logger.warning("cannot publish diagnostics on %s: %s", topic, error)
         if self._arguments.metrics is not None:
@@ -122,19 +158,48 @@ class BridgeObservers:
 
             address = self._settings.listen_address
             server = watch.enter_context(MetricsServer(address, self._arguments.metrics, monitor.state))
-            self._logger.info("metrics: http://%s:%d/metrics", address, server.port)
+            self._logger.info("metrics: %smetrics", server.url)
+        if self._live is not None:
+            monitor.add_listener(self._show_state(self._live))
         watch.enter_context(monitor)
         return watch
+
+    def _shown(self, middleware: Middleware, address: tuple[str, int]) -> Middleware:
+        from roverlink.link_page.last_values import LastValues
+        from roverlink.link_page.live_link import LiveLink
+        from roverlink.link_page.log_lines import LogLinesHandler
+
+        values = LastValues(self._rows)
+        self._live = LiveLink(values)
+        link_page.serve(self._live, address, self._stack, self._logger.info)
+        self._stack.enter_context(closing(LogLinesHandler(self._logger, self._live.log)))
+        return TappedMiddleware(middleware, values)
+
+    @staticmethod
+    def _show_state(live: LiveLink) -> Callable[[State], None]:
+        from roverlink.heard_bridges import page_of
+
+        def show(state: State) -> None:
+            if (page := page_of(diagnostic_array.array_of(state, time.time_ns(), {}))) is not None:
+                live.take_state(page)
+
+        return show
+
+    @property
+    def _rows(self) -> dict[str, str]:
+        """Names of the rows by the full names of their own topics."""
+        return {self._ros.topic(handler.route.topic): handler.route.name for handler in self._registry.handlers}
 
     def _recorded(self, middleware: Middleware, path: Path) -> Middleware:
         from roverlink.runtime.recording.datagram_tap import DatagramTap
         from roverlink.runtime.recording.queued_file import Settings
         from roverlink.runtime.recording.recorder import Recorder
 
-        rows = {self._ros.topic(handler.route.topic): handler.route.name for handler in self._registry.handlers}
         settings = Settings(self._arguments.compression, self._arguments.rotate)
         try:
-            recorder = Recorder(path, self._registry, rows, self._logger, settings, {"node": self._ros.node.full_name})
+            recorder = Recorder(
+                path, self._registry, self._rows, self._logger, settings, {"node": self._ros.node.full_name}
+            )
             self._stack.enter_context(recorder)
         except OSError as error:
             raise SetupError(f"{path}: cannot write the file: {error.strerror}") from error

@@ -1,4 +1,4 @@
-"""Progress bar of a long task."""
+"""Progress bar of a long task on the terminal."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from rich.console import Console
 from rich.progress import Progress
 
 Report = Callable[[int, int], None]
-"""Function called with the amounts done and to do."""
+"""Function that a long task calls with two amounts: done so far, and in total."""
 
 
 @contextmanager
 def progress(what: str) -> Iterator[Report]:
     """Show a progress bar on a terminal until the block ends; show nothing if there is no terminal.
 
-    Yields a function to call with the amounts that are done and to do. ``what`` is the text beside the bar.
+    Yields a function. The task calls it with the amount done so far and the total amount, such as ``report(30, 200)``.
+    ``what`` is the text beside the bar.
     """
     shown = sys.stderr.isatty()
     with Progress(console=Console(file=sys.stderr), transient=True, disable=not shown, redirect_stdout=False) as bar:

@@ -1,4 +1,4 @@
-"""Facts about a row for ``roverlink explain``: on the wire, in ROS 2 and in the generated code."""
+"""Facts about a row of mapping.yaml for ``roverlink explain``: on the wire, in ROS 2 and in the generated code."""
 
 from __future__ import annotations
 
@@ -27,9 +27,10 @@ _NUMBER = re.compile("[0-9]{1,9}")  # the largest field number, 536870911, has n
 
 
 class Project:
-    """Table of a project, with everything that is compiled from it.
+    """Table (mapping.yaml) of a project, compiled and linted, as the source of all facts about its rows.
 
-    Raises `DiagnosticsError` if it does not compile.
+    With ``history``, the meanings of the numbers in git's history are read, too. Raises `DiagnosticsError` if the table
+    does not compile.
     """
 
     def __init__(self, table: Path, *, history: bool) -> None:
@@ -39,14 +40,14 @@ class Project:
         self.hashes = type_hashes(self.compiled.bridge)
 
     def find(self, word: str) -> Row | None:
-        """Return the row whose number, name, topic or message is ``word``; None if there is no such row."""
+        """Return the row whose number, name, topic, proto message or ROS message is ``word``; None if there is none."""
         for row in self.context.table.rows:
             if word in (str(row.number), row.name, row.topic, row.proto, row.ros):
                 return row
         return None
 
     def taken(self, word: str) -> str:
-        """Return the reason why a number without a row is not free.
+        """Return the reason why a new row cannot have the number ``word``, such as ``is reserved in envelope.proto``.
 
         Returns an empty text if the number is free, or if ``word`` is not a number.
         """
@@ -91,9 +92,10 @@ class Project:
         return next(member for member in self.compiled.bridge.envelope.members if member.number == number)
 
     def _ros(self, route: ir.Route) -> dict[str, Any]:
-        """Return the message on the row's own topic.
+        """Return the name and the type hash of the ROS message on the row's own topic.
 
-        A standard message has no type hash here, because ROS 2 defines it.
+        The type hash, such as ``RIHS01_4d1e...``, is computed by ROS 2's rules from the definition of the message. It
+        is None for a standard message, such as ``sensor_msgs/msg/Imu``, because ROS 2 defines that message.
         """
         if route.conversion is None:
             return {"message": route.standard_topics[0].message, "type_hash": None}
@@ -102,7 +104,10 @@ class Project:
 
     @staticmethod
     def _standard(standard: ir.StandardTopic) -> dict[str, Any]:
-        """Return the facts about an extra topic, with the proto field from which each ROS field gets its value."""
+        """Return the facts about an extra topic, which carries a standard message (key ``also`` of the row).
+
+        They include the proto field from which each ROS field gets its value.
+        """
         fields = [{"ros": name, "takes": taken} for name, taken in extra_topic_text.fields(standard)]
         return {
             "topic": standard.topic,
@@ -146,7 +151,7 @@ class Project:
         }
 
     def _proto_field(self, message: str, path: tuple[str, ...]) -> ProtoField | None:
-        """Return the field of a proto message at a path of field names; None if there is no such field."""
+        """Return the field of a proto message at a path of names, such as ``("pose", "x")``; None if there is none."""
         found: ProtoField | None = None
         for name in path:
             declared = self.context.schema.messages.get(message) if self.context.schema else None
@@ -155,12 +160,15 @@ class Project:
         return found
 
     def _published(self, number: int) -> list[str]:
-        """Return the entries of the ledger for a number, as texts."""
+        """Return the entries of mapping.lock for a number, as texts such as ``imu_info (SensorBoardIMUInfo)``."""
         entries = [entry for entry in self.context.ledger.entries if entry.number == number]
         return [f"{entry.name} ({entry.proto}){', retired' if entry.retired else ''}" for entry in entries]
 
     def _history(self, number: int) -> list[str] | None:
-        """Return the meanings that a number has had in git's history; None if the history was not requested."""
+        """Return the payloads that have had a number in git's history, as texts with the first and the last commit.
+
+        Returns None if the history was not requested.
+        """
         if self.context.past is None:
             return None
         usages = self.context.past.history.numbers(self.context.table.envelope.message).get(number, ())

@@ -1,7 +1,8 @@
-"""Message types of topics, and messages as text, for ``roverlink echo`` and ``roverlink pub``."""
+"""Message types of topics, and messages as YAML or JSON text, for ``roverlink echo`` and ``roverlink pub``."""
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
 import os
@@ -23,20 +24,37 @@ _UNICODE_BREAKS = frozenset("\x85\u2028\u2029")
 _TOPIC = re.compile(r"(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
 
-def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[type[Message], Qos]:
-    """Return message type and QoS of a topic: those of the topic's row, or those of the type ``type_name``.
+def add_topic(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments ``topic`` (its name) and ``--type`` (its message type, if no row has the topic) to a parser."""
+    parser.add_argument("topic", help="name of the ROS 2 topic, such as imu_data")
+    parser.add_argument(
+        "--type",
+        metavar="PKG/msg/NAME",
+        help="type of the messages, such as std_msgs/msg/String; needed only for a topic that is not in mapping.yaml",
+    )
 
-    Raises `SetupError` if there is neither a row nor a type, or if the name of the topic is invalid.
+
+def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[type[Message], Qos]:
+    """Return the message type and the QoS of a topic.
+
+    If ``type_name`` is given, such as ``std_msgs/msg/String``, they are this type and the default QoS. Otherwise they
+    are those of the row that has the topic. Raises `SetupError` if there is neither a type nor a row, or if the name of
+    the topic is invalid.
     """
     if not _TOPIC.fullmatch(topic):
-        raise SetupError(f"{topic!r} is not a topic name: letters, digits and underscores, with slashes between names")
+        raise SetupError(
+            f"{topic!r} is not a topic name: use letters, digits and underscores, with slashes between the parts"
+        )
     if type_name is not None:
         return _named_type(registry, type_name), Qos()
     known = registry.by_topic.values()
     handler = next((one for one in known if full_topic(one.route.topic) == full_topic(topic)), None)
     if handler is None:
         hint = nearest(topic.removeprefix("/"), registry.by_topic)
-        raise SetupError(f"no row has the topic {topic!r} ({hint}); give the --type of any other topic")
+        raise SetupError(
+            f"no row of mapping.yaml has the topic {topic!r} ({hint}); for a topic without a row, give its message "
+            "type with --type PKG/msg/NAME"
+        )
     return handler.message_type, handler.route.qos
 
 
@@ -50,17 +68,20 @@ def _named_type(registry: Registry, type_name: str) -> type[Message]:
 
 
 def full_topic(topic: str) -> str:
-    """Return the fully qualified name that a topic of the table has if the bridge's node has its default name."""
+    """Return the fully qualified name of a topic of the table: ``imu_data`` -> ``/imu_data``.
+
+    The name is right if the node of the bridge has its default name and namespace, and does not remap the topic.
+    """
     return NodeIdentity(NODE).topic(topic)
 
 
 def identity(command: str) -> NodeIdentity:
-    """Return a name for the node of a command; the name differs for each process."""
+    """Return the name of the ROS 2 node that a command is, with the process id: ``roverlink_echo_4711``."""
     return NodeIdentity(f"roverlink_{command}_{os.getpid()}")
 
 
 def yaml_text(values: Mapping[str, Any]) -> str:
-    """Return a message as YAML, in the form that ``ros2 topic echo`` prints. Long lines are not folded."""
+    """Return the values of a message as YAML, in the form of ``ros2 topic echo``. Long lines are not folded."""
     # width: PyYAML folds long texts at 80 columns by default.
     return yaml.dump(dict(values), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=sys.maxsize)
 
@@ -80,7 +101,7 @@ _Dumper.add_representer(str, _Dumper.represent_text)
 
 
 def json_text(values: Mapping[str, Any]) -> str:
-    """Return a message as one line of JSON. NaN and infinity become strings, as in protobuf's JSON."""
+    """Return the values of a message as one line of JSON. NaN and infinity become strings, as in protobuf's JSON."""
     return json.dumps(_json_ready(values), allow_nan=False)
 
 

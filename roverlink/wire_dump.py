@@ -1,4 +1,4 @@
-"""Explanation of the bytes of a protobuf message, with one line for each field."""
+"""Explanation of the bytes of a serialized protobuf message, with one line for each field."""
 
 from __future__ import annotations
 
@@ -22,19 +22,21 @@ if TYPE_CHECKING:
 
 
 class WireLine(NamedTuple):
-    """Line of the explanation: some bytes with their meaning."""
+    """One line of the explanation: the bytes of a field, and their meaning."""
 
     depth: int
-    """Number of messages around the bytes."""
+    """Nesting depth of the field: 0 in the outermost message, 1 in a message inside it."""
     bytes: str
-    """Bytes in hexadecimal."""
+    """Bytes in hexadecimal, such as ``0d 00 00 c0 3f``."""
     meaning: str
+    """Name, number and value of the field, such as ``accel_x = 1: 1.5``."""
 
 
 def wire_lines(data: bytes, message: Any, depth: int = 0) -> Iterator[WireLine]:
-    """Yield a line for each field. A nested message has one line for its start, and one line for each of its fields.
+    """Yield a line for each field of the serialized message ``data``.
 
-    ``message`` is the descriptor of the message, ``depth`` the number of messages around it.
+    A nested message has one line for its start, and one line for each of its fields. ``message`` is the descriptor of
+    the message, and ``depth`` the nesting depth of its fields (see `WireLine`).
     """
     start = 0
     groups: list[Any] = []  # open groups; their fields follow as top-level fields of the reader
@@ -62,7 +64,7 @@ def _content(content: bytes, kind: int, field: FieldDescriptor) -> str:
 
 
 def _value(data: bytes, position: int, kind: int, field: FieldDescriptor) -> tuple[str, int]:
-    """Return the text for a varint or a value of fixed size, and the position after the value."""
+    """Return the text for the varint or the value of fixed size at ``position``, and the position after the value."""
     if kind == VARINT:
         raw, end = varint(data, position)
         return _of_varint(raw, field), end

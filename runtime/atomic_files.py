@@ -14,9 +14,9 @@ from roverlink.runtime.core.errors import SetupError
 def replacing(path: Path) -> Iterator[Path]:
     """Yield the path of a temporary file that replaces the file ``path`` when the block ends.
 
-    A concurrent reader of ``path`` sees the old content or the new content. If the block fails or writes nothing,
-    ``path`` keeps its content. If ``path`` is a device or a pipe, which cannot be replaced, ``path`` itself is yielded.
-    Raises `OSError`.
+    The block writes the new content to the temporary file. A concurrent reader of ``path`` sees the old content or the
+    new content. If the block fails or writes nothing, ``path`` keeps its content. If ``path`` is a device or a pipe,
+    which cannot be replaced, ``path`` itself is yielded. Raises `OSError` if the file cannot be replaced.
     """
     if path.exists() and not path.is_file():
         yield path
@@ -34,7 +34,10 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Create or replace a file. If that fails, raises `SetupError` and leaves an existing file unchanged."""
+    """Create the file ``path``, or replace it in one step as `replacing` does.
+
+    If the file cannot be written, raises `SetupError` and leaves an existing file unchanged.
+    """
     try:
         with replacing(path) as part:
             part.write_bytes(content)

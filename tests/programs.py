@@ -35,6 +35,11 @@ class Program:
         for reader in self._readers:
             reader.start()
 
+    @property
+    def pid(self) -> int:
+        """The number of its process."""
+        return self._process.pid
+
     @staticmethod
     def _read(stream: object, lines: list[str]) -> None:
         for line in stream:  # type: ignore[attr-defined]  # a pipe, as it was asked for

@@ -14,9 +14,9 @@ from roverlink.runtime.core.errors import SetupError
 OLDEST = (4, 11)
 
 _QUIET = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
-"""Environment variables, read by OpenCV at import, that silence its and FFmpeg's messages about missing cameras.
+"""Environment variables that OpenCV reads at import. They silence messages of OpenCV and FFmpeg about missing cameras.
 
-A user who wants to see these messages sets the variables.
+A variable that the user has set keeps its value, so the user can make the messages visible.
 """
 
 
@@ -30,12 +30,13 @@ def _load() -> Any:
         module.aruco.ArucoDetector  # noqa: B018  # without contrib, OpenCV has no aruco module before 4.7
     except (ImportError, AttributeError) as error:
         raise SetupError(
-            f"the camera programs need OpenCV ({error}); install it with `pip install 'roverlink[vision]'`"
+            f"the camera programs need OpenCV ({error}); install it with "
+            "`pip install 'opencv-contrib-python-headless>=4.11'`"
         ) from error
     if version < OLDEST:
         raise SetupError(
             f"the camera programs need OpenCV {'.'.join(map(str, OLDEST))} or newer, but {module.__version__} is "
-            "installed; upgrade it with `pip install --upgrade 'roverlink[vision]'`"
+            "installed; upgrade it with `pip install --upgrade 'opencv-contrib-python-headless>=4.11'`"
         )
     return module
 

@@ -1,4 +1,4 @@
-"""YAML files that people write. Each value keeps its line and column for error messages."""
+"""YAML files that people write, such as `landmarks.yaml`. Each value keeps its line and column for error messages."""
 
 from __future__ import annotations
 
@@ -16,31 +16,31 @@ from roverlink.runtime.text.strict_yaml import YamlTextError, compose, construct
 from roverlink.vision.camera.camera_model import Floats
 
 LARGEST = 1e9
-"""Limit of all numbers: no length in metres, angle in degrees or camera parameter is as large."""
+"""Largest absolute value of a number in a file; real lengths, angles and camera parameters are much smaller."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Item:
-    """Value in a YAML file. A value is checked only when the program uses it."""
+    """Value in a YAML file, with its place in the file. It is converted and checked only when the program uses it."""
 
     path: Path
     node: yaml.Node
     name: str
-    """Name of the value in messages."""
+    """Name of the value in error messages, such as ``landmark 7: position``."""
 
     def error(self, message: str) -> SetupError:
-        """Return an error with file, line and column of the value."""
+        """Return an error whose message begins with file, line and column of the value: ``boards.yaml:3:9: ...``."""
         mark = self.node.start_mark
         return SetupError(f"{self.path}:{mark.line + 1}:{mark.column + 1}: {message}")
 
     @property
     def shown(self) -> str:
-        """Value as text for error messages: a scalar as it is written, or else the kind of the value."""
+        """Value as text for error messages: a scalar as it is written, or else ``a mapping`` or ``a list of 3``."""
         return shown(self.node)
 
     @property
     def value(self) -> Any:
-        """Value as a Python object. Raises `SetupError` if that is impossible, as for February 30."""
+        """Value as a Python object. Raises `SetupError` if the conversion fails, as for the date ``2024-02-30``."""
         try:
             return construct(self.node)
         except YamlTextError as error:
@@ -68,8 +68,9 @@ class Item:
     def entries(self, kind: str = "") -> dict[Any, Item]:
         """Return the values of a mapping by their keys.
 
-        In error messages, the name of a value is `kind` and its key, such as ``camera front``. Raises `SetupError` if
-        this item is not a mapping.
+        The name of a returned value in error messages is `kind` and its key, such as ``board gate``. Without `kind`, it
+        is the name of this item and the key, such as ``board gate: side``. Raises `SetupError` if this item is not a
+        mapping.
         """
         start = f"{kind} " if kind else f"{self.name}: "
         return {key.value: Item(self.path, node, f"{start}{key.text}") for key, node in self._pairs()}
@@ -77,7 +78,7 @@ class Item:
     def known_entries(self, known: Collection[str]) -> dict[str, Item]:
         """Return the values of a mapping by their keys, as `entries` does.
 
-        Raises `SetupError` also if a key is not in `known`.
+        Raises `SetupError` if this item is not a mapping, or if one of its keys is not in `known`.
         """
         for key, _ in self._pairs():
             if key.value not in known:
@@ -85,7 +86,10 @@ class Item:
         return self.entries()
 
     def _pairs(self) -> Iterator[tuple[Item, yaml.Node]]:
-        """Yield the keys and values of a mapping. If a key occurs twice, the later value counts."""
+        """Yield each key of the mapping, as an item, with the YAML node of its value.
+
+        A key can occur twice if ``<<`` merges another mapping into this one. Then the later value counts.
+        """
         if not isinstance(self.node, yaml.MappingNode):
             raise self.error(f"{self.name} is not a mapping")
         for key, value in self.node.value:
@@ -117,7 +121,8 @@ class Item:
 def read_file(path: Path, what: str) -> Item:
     """Read a YAML file.
 
-    Raises `SetupError` if the file cannot be read or parsed; `what` says in the error what the file is.
+    Raises `SetupError` if the file cannot be read or parsed. `what` names the content of the file in the error message,
+    such as ``landmarks``.
     """
     try:
         text = path.read_text(encoding="utf-8")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from roverlink.__main__ import COMMANDS, command_line
+from roverlink.command_line import COMMANDS, command_line
 
 INDEX = "reference/commands/index.md"
 

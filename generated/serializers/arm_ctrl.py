@@ -17,10 +17,10 @@ _LAYOUT = cdr.fixed_layout(ArmBoardControlSignals)
 
 
 class FastArmCtrlHandler(ArmCtrlHandler):
-    """ArmCtrlHandler that converts and serializes in one step."""
+    """ArmCtrlHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(self, payload: movement_control_in_pb2.ArmBoardControlSignals) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.control_gripper_rotation,

@@ -17,10 +17,10 @@ _LAYOUT = cdr.fixed_layout(ArmBoardDiagnostics)
 
 
 class FastArmDiagHandler(ArmDiagHandler):
-    """ArmDiagHandler that converts and serializes in one step."""
+    """ArmDiagHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(self, payload: motor_diagnostics_pb2.ArmBoardDiagnostics) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         gripper_rotation_motor = payload.gripper_rotation_motor
         gripper_pitch_motor = payload.gripper_pitch_motor
         base_motor = payload.base_motor

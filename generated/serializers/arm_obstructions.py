@@ -17,12 +17,12 @@ _LAYOUT = cdr.fixed_layout(ArmBoardObstructions)
 
 
 class FastArmObstructionsHandler(ArmObstructionsHandler):
-    """ArmObstructionsHandler that converts and serializes in one step."""
+    """ArmObstructionsHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(
         self, payload: movement_software_target_pb2.ArmBoardObstructions
     ) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.obstructions_list,

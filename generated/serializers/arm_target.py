@@ -17,12 +17,12 @@ _LAYOUT = cdr.fixed_layout(ArmBoardTargetMovement)
 
 
 class FastArmTargetHandler(ArmTargetHandler):
-    """ArmTargetHandler that converts and serializes in one step."""
+    """ArmTargetHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(
         self, payload: movement_software_target_pb2.ArmBoardTargetMovement
     ) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.target_x,

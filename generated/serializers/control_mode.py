@@ -17,10 +17,10 @@ _LAYOUT = cdr.fixed_layout(BasestationControlMode)
 
 
 class FastControlModeHandler(ControlModeHandler):
-    """ControlModeHandler that converts and serializes in one step."""
+    """ControlModeHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(self, payload: control_mode_pb2.BasestationControlMode) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.mode,

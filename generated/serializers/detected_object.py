@@ -17,10 +17,10 @@ _LAYOUT = cdr.fixed_layout(BasestationDetectedObject)
 
 
 class FastDetectedObjectHandler(DetectedObjectHandler):
-    """DetectedObjectHandler that converts and serializes in one step."""
+    """DetectedObjectHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(self, payload: detected_object_pb2.BasestationDetectedObject) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         bbox = payload.bbox
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

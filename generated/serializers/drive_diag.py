@@ -17,10 +17,10 @@ _LAYOUT = cdr.fixed_layout(DrivingBoardDiagnostics)
 
 
 class FastDriveDiagHandler(DriveDiagHandler):
-    """DriveDiagHandler that converts and serializes in one step."""
+    """DriveDiagHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(self, payload: motor_diagnostics_pb2.DrivingBoardDiagnostics) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         front_left_motor = payload.front_left_motor
         middle_left_motor = payload.middle_left_motor
         back_left_motor = payload.back_left_motor

@@ -17,10 +17,10 @@ _LAYOUT = cdr.fixed_layout(DrivingBoardMotorMessage)
 
 
 class FastDriveMotorHandler(DriveMotorHandler):
-    """DriveMotorHandler that converts and serializes in one step."""
+    """DriveMotorHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(self, payload: motor_msg_pb2.DrivingBoardMotorMessage) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.distance_to_go,

@@ -17,12 +17,12 @@ _LAYOUT = cdr.fixed_layout(DrivingBoardMotorPeriodicProgress)
 
 
 class FastDriveProgressHandler(DriveProgressHandler):
-    """DriveProgressHandler that converts and serializes in one step."""
+    """DriveProgressHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(
         self, payload: motor_periodic_progress_pb2.DrivingBoardMotorPeriodicProgress
     ) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.distance_left,

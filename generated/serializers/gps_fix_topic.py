@@ -36,12 +36,12 @@ _LAYOUT = _SERIALIZED.layout
 
 
 class FastGpsFixTopic(GpsFixTopic):
-    """GpsFixTopic that converts and serializes in one step."""
+    """GpsFixTopic that converts a payload to a serialized ROS message in one step."""
 
     def _pack(
         self, payload: gps_sensor_pb2.SensorBoardGPSInfo, stamp: Time = UNSTAMPED
     ) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             _BEFORE_HEADER_STAMP_SEC,
             stamp.sec,

@@ -17,10 +17,10 @@ _LAYOUT = cdr.fixed_layout(SensorBoardGPSInfo)
 
 
 class FastGpsInfoHandler(GpsInfoHandler):
-    """GpsInfoHandler that converts and serializes in one step."""
+    """GpsInfoHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(self, payload: gps_sensor_pb2.SensorBoardGPSInfo) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.latitude,

@@ -17,10 +17,10 @@ _LAYOUT = cdr.fixed_layout(BasestationObjectSelection)
 
 
 class FastObjectSelectionHandler(ObjectSelectionHandler):
-    """ObjectSelectionHandler that converts and serializes in one step."""
+    """ObjectSelectionHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(self, payload: object_selection_pb2.BasestationObjectSelection) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.object_id,

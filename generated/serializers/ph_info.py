@@ -17,10 +17,10 @@ _LAYOUT = cdr.fixed_layout(SensorBoardPHInfo)
 
 
 class FastPhInfoHandler(PhInfoHandler):
-    """PhInfoHandler that converts and serializes in one step."""
+    """PhInfoHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(self, payload: ph_sensor_pb2.SensorBoardPHInfo) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.ph_value,

@@ -28,14 +28,14 @@ _LAYOUT = _SERIALIZED.layout
 
 
 class FastPressureFluidPressureTopic(PressureFluidPressureTopic):
-    """PressureFluidPressureTopic that converts and serializes in one step."""
+    """PressureFluidPressureTopic that converts a payload to a serialized ROS message in one step."""
 
     def _pack(
         self,
         payload: pressure_sensor_pb2.SensorBoardPressureInfo,
         stamp: Time = UNSTAMPED,
     ) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             _BEFORE_HEADER_STAMP_SEC,
             stamp.sec,

@@ -17,10 +17,10 @@ _LAYOUT = cdr.fixed_layout(SensorBoardPressureInfo)
 
 
 class FastPressureInfoHandler(PressureInfoHandler):
-    """PressureInfoHandler that converts and serializes in one step."""
+    """PressureInfoHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(self, payload: pressure_sensor_pb2.SensorBoardPressureInfo) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.sensor_index,

@@ -17,12 +17,12 @@ _LAYOUT = cdr.fixed_layout(BasestationRockMeasureRequest)
 
 
 class FastRockMeasureRequestHandler(RockMeasureRequestHandler):
-    """RockMeasureRequestHandler that converts and serializes in one step."""
+    """RockMeasureRequestHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(
         self, payload: rock_measure_request_pb2.BasestationRockMeasureRequest
     ) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.x1,

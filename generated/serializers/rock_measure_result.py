@@ -17,12 +17,12 @@ _LAYOUT = cdr.fixed_layout(BasestationRockMeasureResult)
 
 
 class FastRockMeasureResultHandler(RockMeasureResultHandler):
-    """RockMeasureResultHandler that converts and serializes in one step."""
+    """RockMeasureResultHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(
         self, payload: rock_measure_result_pb2.BasestationRockMeasureResult
     ) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.length_cm,

@@ -17,10 +17,10 @@ _LAYOUT = cdr.fixed_layout(SensorBoardDiagnostics)
 
 
 class FastSensorDiagHandler(SensorDiagHandler):
-    """SensorDiagHandler that converts and serializes in one step."""
+    """SensorDiagHandler that converts a payload to a serialized ROS message in one step."""
 
     def _pack(self, payload: diagnostics_pb2.SensorBoardDiagnostics) -> bytes:
-        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
+        """Convert a payload to its ROS message, serialized as CDR."""
         ph_sensor = payload.ph_sensor
         imu_sensor = payload.imu_sensor
         gps_sensor_1 = payload.gps_sensor_1

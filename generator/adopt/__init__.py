@@ -1,11 +1,11 @@
-"""Adoption of a tree of .proto files that was written without a table: drafts a mapping.yaml for the tree.
+"""Adoption of existing .proto files for `roverlink init --from`: drafts a mapping.yaml for them.
 
-- `proto_tree` finds the envelope, and the files that compile together.
+- `proto_tree` reads the folder, and finds the envelope and the files that compile together with it.
 - `guesses` guesses the sender and the receivers of each message from names, folders and comments.
-- `retired_numbers` reads from git the numbers that were used before.
+- `retired_numbers` reads from git's history the field numbers that the envelope used before.
 - `fitting` changes names that ROS 2 forbids, and leaves out fields that cannot be converted.
-- `lint_levels` lowers the severity of the rules that the tree breaks.
-- `draft` holds the content of the table, and `table_text` writes it as text.
+- `lint_levels` lowers the severity of the lint rules that the .proto files break.
+- `draft` holds the drafted content of mapping.yaml, and `table_text` converts it to text.
 
 This package writes no file of the project. For a folder without .proto files, `roverlink.generator.new_project` starts
 a project.

@@ -1,4 +1,4 @@
-"""Adoption of a tree of .proto files in one pass: reads the tree, drafts the table, and compiles it."""
+"""All steps of adopting a folder of .proto files: reads the files, drafts a mapping.yaml, and compiles it."""
 
 from __future__ import annotations
 
@@ -32,18 +32,22 @@ from roverlink.generator.table import reader
 
 @dataclass(frozen=True, slots=True)
 class AdoptionRequest:
-    """Tree of .proto files for which a table is wanted. An empty ``file``, ``message`` or ``oneof`` is guessed."""
+    """Options of `roverlink init --from`: the folder of .proto files for which a mapping.yaml is drafted.
+
+    ``file``, ``message`` and ``oneof`` name the envelope, and the oneof of its payloads. An empty one is guessed.
+    """
 
     root: Path
     file: str = ""
     message: str = ""
     oneof: str = ""
     package: str = "comms"
+    """Name of the ROS 2 package to generate."""
 
 
 @dataclass(frozen=True, slots=True)
 class Adoption:
-    """Draft of a table, with the files that it compiles to and the findings of the lint."""
+    """Result of an adoption: the draft of mapping.yaml, its generated files, and the diagnostics of the lint."""
 
     draft: Draft
     past: AdoptedPast
@@ -57,10 +61,10 @@ class Adoption:
 
 
 def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int], None] | None = None) -> Adoption:
-    """Draft a table for a tree of .proto files, and compile it. Nothing is written to disk.
+    """Draft a mapping.yaml for a folder of .proto files, and compile it. Nothing is written to disk.
 
-    ``report`` is called with the number of file states read from git's history, and their total. Raises
-    `DiagnosticsError` if the table cannot be compiled; it contains all mistakes.
+    ``report`` shows progress: it is called with the number of file versions read from git's history so far, and their
+    total. Raises `DiagnosticsError` with all mistakes if the draft cannot be compiled.
     """
     project, root = table_path.resolve().parent, wanted.root.resolve()
     shown_root = Path(os.path.relpath(root, project)).as_posix()
@@ -92,16 +96,19 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
     lower(draft, lint(context), context.schema or tree.schema)
     text = text_of(draft)
     compiled, changes = compile_text(table_path, text)
-    refuse_overwriting(changes, besides=[f"{shown_root}/{tree.envelope.file}"])
+    envelope = f"{shown_root}/{tree.envelope.file}"  # the table has all its content, so it may be replaced
+    changes = [dataclasses.replace(one, foreign=False) if one.path == envelope else one for one in changes]
+    refuse_overwriting(changes)
     findings += lint(dataclasses.replace(context, table=reader.parse(text, table_path.name, [])))
     found = tuple(in_order([*findings, *compiled.warnings]))
     return Adoption(draft, past, compiled, found, tuple(changes), tuple(tree.scalars))
 
 
 def _context(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnostic]) -> Context:
-    """Return the context in which the rules check the draft.
+    """Return the input of the lint rules for the draft: the drafted table, and the declarations of the .proto files.
 
-    It has the drafted table, and the tree. If generate will write the envelope's file, that text replaces the file.
+    If `roverlink generate` will write the envelope's file, the lint sees the text that will be written, and not the
+    present content of the file. Nothing is written here. ``findings`` collects the mistakes in nanopb's options.
     """
     table = reader.parse(text_of(draft), table_file, [])
     schema, files = tree.schema, {file: one for file, one in tree.files.items() if file not in tree.exclude}
@@ -121,7 +128,7 @@ def _context(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnosti
 
 
 def _foreign(project: Path, root: Path) -> str:
-    """Return the reason why this project must not write to the folder of the protos; empty if it may."""
+    """Return the reason why this project must not write to ``root``, the folder of .proto files; empty if it may."""
     if not root.is_relative_to(project):
         return "its folder is outside this project"
     # A submodule or a nested clone: generate would change files that another repository tracks. A submodule has a file

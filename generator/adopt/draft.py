@@ -1,4 +1,4 @@
-"""Draft of a table: its facts and guesses, each with the reason for it."""
+"""Draft of a mapping.yaml as data: its facts and guesses, with reasons that become comments in the file."""
 
 from __future__ import annotations
 
@@ -7,20 +7,22 @@ from dataclasses import dataclass, field
 
 @dataclass(slots=True)
 class DraftRow:
-    """Draft of a row of the table."""
+    """Draft of one row of mapping.yaml: a payload with its ROS message, peer and direction."""
 
     number: int
     name: str
     proto: str
     comment: str
-    """Comment of the member in the envelope."""
+    """Comment of the payload's field in the envelope's .proto file."""
     peer: str
     inbound: bool
+    """True if the peer sends the message to ROS 2; False if ROS 2 sends it to the peer."""
     doubt: str
     """Reason why the row's direction is a guess; empty if it is certain."""
     ros: str = ""
     """Name of the ROS message; empty if it is the name of the proto message."""
     fields: dict[str, str] = field(default_factory=dict)
+    """Renamed fields: the name of each proto field with the name of its ROS field."""
     ignore: dict[str, str] = field(default_factory=dict)
     """Fields of the payload that cannot be converted; each name with the reason."""
     lint: dict[str, str] = field(default_factory=dict)
@@ -34,36 +36,39 @@ class DraftRow:
 
 @dataclass(slots=True)
 class DraftPeer:
-    """Draft of a peer."""
+    """Draft of a peer: a machine that exchanges messages with ROS 2."""
 
     name: str
     prefixes: tuple[str, ...]
+    """First words of the names of the peer's messages, such as ``SensorBoard``; empty if none are known."""
 
 
 @dataclass(frozen=True, slots=True)
 class DraftRetired:
-    """Number that the envelope used in the past, according to git's history, and does not use now."""
+    """Draft of an entry under `retired`: a field number that the envelope used in the past and does not use now."""
 
     number: int
     name: str
     proto: str
     note: str
+    """Comment for the table, such as the last commit that used the number; empty if there is none."""
 
 
 @dataclass(slots=True)
 class Draft:
-    """Draft of the whole table."""
+    """Draft of the whole mapping.yaml."""
 
     root: str
-    """Folder of the protos, relative to the table."""
+    """Folder of the .proto files, relative to the folder of mapping.yaml."""
     package: str
     file: str
-    """File of the envelope, relative to the folder of the protos."""
+    """The envelope's .proto file, relative to `root`."""
     message: str
     oneof: str
     oneof_doubt: str
     """Reason why the choice of the envelope is a guess; empty if it is certain."""
     owner: str
+    """``mapping`` if `roverlink generate` writes the envelope's file, ``proto`` if it only checks the file."""
     owner_reason: str
     exclude: dict[str, str]
     """Files that do not compile with the others; each path with the reason."""

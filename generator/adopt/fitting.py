@@ -1,6 +1,6 @@
 """Changes of a draft for ROS 2: renames messages and fields, and leaves out fields that cannot be converted.
 
-Every row is resolved once, as generate does it. Each diagnostic is then assigned to the field that causes it.
+Every row is compiled once, as `roverlink generate` does it. The diagnostics show which fields have to be changed.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from roverlink.generator.table import reader
 
 
 def fit(draft: Draft, schema: Schema, table: str) -> None:
-    """Set in the draft's rows the names that ROS 2 allows, and the fields to ignore.
+    """Change the draft's rows so that ROS 2 allows all names, and fields that cannot be converted are ignored.
 
-    A field is ignored if it cannot be converted; the reason is the diagnostic's message. ``table`` is the file name of
-    the draft. A mistake that concerns a whole payload is not repaired; generate reports it.
+    The reason for an ignored field is the message of the diagnostic about it. ``table`` is the file name of the draft
+    in diagnostics. A mistake that concerns a whole payload is not repaired; generate reports it.
     """
     _name_messages(draft.rows, schema)
     findings: list[Diagnostic] = []
@@ -59,7 +59,10 @@ def _name_messages(rows: list[DraftRow], schema: Schema) -> None:
 
 
 def _declarations(schema: Schema) -> Mapping[Span, tuple[str, ProtoField | None]]:
-    """Return the message or enum that is declared at each place, and the field if a field is declared there."""
+    """Return, by place, the full name of the message or enum that is declared there.
+
+    At the place of a field, this is the message that contains the field, and the second value is the field.
+    """
     found: dict[Span, tuple[str, ProtoField | None]] = {enum.span: (name, None) for name, enum in schema.enums.items()}
     for message in schema.messages.values():
         found[message.span] = message.full_name, None

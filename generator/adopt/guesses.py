@@ -1,4 +1,7 @@
-"""Guesses of each message's sender and receivers, from names, folders and comments. The draft shows each doubt."""
+"""Guesses of the sender and the receiver of each payload, from names, folders and comments.
+
+The drafted mapping.yaml marks each uncertain guess with a comment.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,7 @@ _MACHINES = {
 
 @dataclass(frozen=True, slots=True)
 class _Component:
-    """Machine that sends or receives some of the messages."""
+    """Machine, such as a board, that sends or receives some of the messages."""
 
     prefix: str
     """First words of the names of this machine's messages; empty if only the folder names the machine."""
@@ -72,7 +75,10 @@ def guess_rows(tree: Tree) -> tuple[list[DraftPeer], list[DraftRow]]:
 
 
 def _components(tree: Tree, members: Iterable[ProtoField]) -> dict[str, _Component]:
-    """Return the machine of each payload by the payload's type. A payload without a recognized machine is left out."""
+    """Return the machine that sends or receives each payload, by the full name of the payload's message.
+
+    A payload is left out if neither its name nor its folder shows a machine.
+    """
     types = sorted({member.type_name for member in members})
     folders = {proto: PurePosixPath(tree.schema.messages[proto].file).parent.name for proto in types}
     several = len({folder for folder in folders.values() if _is_machine(folder)}) > 1
@@ -92,7 +98,10 @@ def _is_machine(folder: str) -> bool:
 
 
 def _prefix(name: str, folder: str) -> str:
-    """Return the first words of a message's name if they name a machine, such as ``SensorBoard``; empty otherwise."""
+    """Return the first words of a message's name if they name a machine; empty otherwise.
+
+    The message ``SensorBoardIMUInfo`` gives ``SensorBoard``. ``folder`` is the name of the folder with its .proto file.
+    """
     own, of_folder = words(name), words(folder)
     if of_folder and _is_machine(folder) and own[: len(of_folder)] == of_folder and len(own) > len(of_folder):
         return camel_prefix(name, len(of_folder))
@@ -105,9 +114,10 @@ def _prefix(name: str, folder: str) -> str:
 
 
 def _peer(of_component: list[str]) -> str:
-    """Return the peer of a machine, given the words of its name.
+    """Return the name of the peer for a machine, given the words of the machine's name.
 
-    All boards become one peer, because they usually share a port. Each machine of an operator is its own peer.
+    All boards become the peer ``hardware``, because they usually share a port. Each machine that a person operates,
+    such as a base station, becomes a peer of its own.
     """
     return "_".join(of_component) if set(of_component) & OPERATORS else _HARDWARE
 
@@ -140,9 +150,9 @@ def _row(member: ProtoField, tree: Tree, component: _Component | None, machines:
 
 
 def _named(introduction: re.Pattern[str], text: str, machines: Mapping[str, str]) -> str:
-    """Return the peer whose machine a comment names after words such as "sent by"; empty if it names none.
+    """Return the peer whose machine the comment ``text`` names after words such as "sent by"; empty if it names none.
 
-    ``introduction`` matches the words, and ``machines`` gives the peer for each machine's name.
+    ``introduction`` matches words such as "sent by", and ``machines`` has the peer for each machine's name.
     """
     text = " ".join(text.lower().split())
     for match in introduction.finditer(text):
@@ -158,7 +168,7 @@ def _named(introduction: re.Pattern[str], text: str, machines: Mapping[str, str]
 def _inbound_by_comment(sender: str, receiver: str) -> bool | None:
     """Return True for a message to ROS 2, False for a message to a peer, None if the comment does not tell.
 
-    ``sender`` and ``receiver`` are the machines that the comment names, or empty.
+    ``sender`` and ``receiver`` are the peers that the comment names, ``ros`` for ROS 2, or empty.
     """
     if sender and sender != _OURS:
         return True

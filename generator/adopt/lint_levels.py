@@ -1,4 +1,7 @@
-"""Lower severities for rules that the taken-over tree breaks: their findings become hints."""
+"""Lower severities for the lint rules that the adopted .proto files break: their diagnostics become hints.
+
+So most old mistakes do not fail the lint of an adopted project.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +19,10 @@ _MANY_ROWS = 3
 
 
 def lower(draft: Draft, findings: Iterable[Diagnostic], schema: Schema) -> None:
-    """Lower to hints the rules that have findings. Each setting gets a reason in the draft.
+    """Set in the draft the severity ``hint``, with a reason, for each rule that has raised an error or a warning.
 
-    If a rule's findings are about few rows, the rule is lowered for these rows; otherwise for the whole table.
+    If the diagnostics of a rule are about at most three rows, the setting applies to these rows; otherwise to the whole
+    table. Some rules keep their severity, because the generated code would be wrong.
     """
     grave = [finding for finding in findings if finding.severity.rank <= Severity.WARNING.rank]
     may_count_less = modules().keys() - _MUST_HOLD
@@ -36,7 +40,7 @@ def lower(draft: Draft, findings: Iterable[Diagnostic], schema: Schema) -> None:
 
 
 def _rows_about(finding: Diagnostic, draft: Draft, schema: Schema) -> list[DraftRow]:
-    """Return the rows whose `lint` settings would apply to a diagnostic."""
+    """Return the rows that a diagnostic is about. The `lint` settings of these rows apply to it."""
     if finding.type in ("", draft.message):
         return [row for row in draft.rows if row.number == finding.number]
     return [row for row in draft.rows if any(finding.type in kind for kind in schema.reachable(row.proto))]

@@ -1,6 +1,6 @@
 """Reader for a tree of .proto files: finds the envelope, and the files that compile together with it.
 
-It also decides who owns the envelope's file.
+It also decides if `roverlink generate` may write the envelope's file.
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
+from roverlink.generator.emit.render import carries_header
 from roverlink.generator.init_rules import NO_SUCH_ENVELOPE, NOTHING_TO_TAKE_OVER
 from roverlink.generator.protos.files import read_protos
 from roverlink.generator.protos.parser import SCALARS, File
+from roverlink.generator.protos.parser.tokens import Kind, Lexer, Token
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
 from roverlink.generator.protos.protoc import compile_protos
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
@@ -21,7 +23,7 @@ from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
 @dataclass(frozen=True, slots=True)
 class Tree:
-    """Folder with .proto files, as it was read: its envelope, and the files that compile together with the envelope."""
+    """Content of a folder with .proto files: the envelope, and the files that compile together with it."""
 
     root: Path
     files: Mapping[str, File]
@@ -56,7 +58,9 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
     findings: list[Diagnostic] = []
     files = read_protos(root, shown_root, findings) if root.is_dir() else {}
     if findings or not files:
-        none = NOTHING_TO_TAKE_OVER.at(Span(shown_root), "the folder contains no .proto file")
+        none = NOTHING_TO_TAKE_OVER.at(
+            Span(shown_root), "the folder contains no .proto file", "give the folder of your .proto files with --from"
+        )
         raise DiagnosticsError(findings or [none])
     candidates = list(_envelopes(files, file, message))
     if not candidates:
@@ -69,7 +73,10 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
 
 
 def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iterator[tuple[str, str]]:
-    """Yield file and full name of each message that may be the envelope; the one with the largest oneof first."""
+    """Yield file and full name of each message that may be the envelope; the message with the largest oneof first.
+
+    If ``wanted_file`` or ``wanted`` is set, only messages in this file or with this name are considered.
+    """
     found = []
     for path, file in files.items():
         for message in file.messages:
@@ -98,13 +105,17 @@ def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root:
 
 
 def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
-    """Return the oneof of the payloads: the oneof ``wanted``. If that is empty, the oneof with the most messages."""
+    """Return the name of the oneof with the payloads: ``wanted``, or if empty, the oneof with the most messages.
+
+    Raises `DiagnosticsError` if the envelope has no such oneof.
+    """
     counted = Counter(field.oneof for field in envelope.fields if field.oneof and field.type == "message")
     found = wanted or next((name for name, _ in counted.most_common(1)), "")
     if not counted[found]:
         named = f"no oneof {wanted!r}" if wanted else "no oneof"
         message = f"the message {envelope.full_name!r} has {named} that contains messages"
-        raise DiagnosticsError([NO_SUCH_ENVELOPE.at(envelope.span or Span(shown_root), message)])
+        help = "name the envelope with --message, and its oneof with --oneof"
+        raise DiagnosticsError([NO_SUCH_ENVELOPE.at(envelope.span or Span(shown_root), message, help)])
     return found
 
 
@@ -158,9 +169,9 @@ def _closure(file: str, files: Mapping[str, File]) -> list[str]:
 def _faults(
     error: DiagnosticsError, kept: Iterable[str], files: Mapping[str, File], exclude: Mapping[str, str], shown_root: str
 ) -> dict[str, str]:
-    """Return the files in which protoc reports errors, each with the message.
+    """Return the files in which protoc reports errors, each with protoc's message.
 
-    If protoc names no file, returns the files that import an excluded file.
+    If protoc names none of the files, returns the files that import an excluded file.
     """
     said = {finding.span.file: finding for finding in reversed(error.findings) if finding.rule == DOES_NOT_COMPILE}
     faults = {file: said[shown(shown_root, file)].message for file in kept if shown(shown_root, file) in said}
@@ -180,30 +191,52 @@ def _faults(
 def owner(tree: Tree, reserved: Iterable[int], reserved_names: Iterable[str], foreign: str) -> tuple[str, str]:
     """Return the owner of the envelope's file, ``mapping`` or ``proto``, and the reason.
 
-    The owner is ``mapping`` only if nothing is lost when the file is written from the table. ``reserved`` and
-    ``reserved_names`` are the numbers and names that the table will reserve. ``foreign`` is the reason why the file
-    must not be written because its folder belongs to another project, or empty.
+    With ``mapping``, `roverlink generate` writes the file from the table. With ``proto``, it only checks the file. The
+    owner is ``mapping`` only if nothing in the file would be lost.
+
+    ``reserved`` and ``reserved_names`` are the numbers and names that the table will reserve. ``foreign`` is the reason
+    why this project must not write to the file's folder; empty if it may.
     """
     envelope, file = tree.envelope, tree.files[tree.envelope.file]
     # `reserved 5 to max` would be half a billion numbers.
     numbers = {number for first, last in envelope.reserved for number in range(first, min(last, first + 10_000) + 1)}
     beside = [field.name for field in envelope.fields if field.oneof != tree.oneof]
     declared = [one for one in file.messages if one.full_name == envelope.full_name]
+    text = (tree.root / tree.envelope.file).read_text(encoding="utf-8", errors="replace")
+    lexer = Lexer(text)
+    lexer.run()
+    commented = not carries_header(text) and any(token.comments for token in lexer.tokens)
+    options = [envelope.options, tree.schema.file_options.get(envelope.file), *(one.options for one in envelope.fields)]
     # Each of these would be lost, because the envelope's file is written from rows, and rows have none of it.
     reasons = {
         foreign: bool(foreign),
         f"it has members outside the oneof ({', '.join(beside)})": bool(beside),
         f"its oneof has members that are not messages ({', '.join(tree.scalars)})": bool(tree.scalars),
-        "its file declares more than the envelope": len([*file.messages, *file.enums]) > 1,
+        "its file declares more than the envelope": len([*file.messages, *file.enums]) > 1
+        or not _UNWRITTEN.isdisjoint(_outermost_names(lexer.tokens)),
         "it reserves numbers that the table does not know": bool(
             numbers - set(reserved) or set(envelope.reserved_names) - set(reserved_names)
         ),
         "a comment in it claims a number": any(one.claims for one in declared),
-        "it has options": bool(envelope.options or tree.schema.file_options.get(envelope.file)),
+        "it has options": any(options),
         "it can be extended": envelope.extendable,
         "it is not written in proto3": file.syntax != "proto3",
+        "it has comments": commented,
     }
     why = next((reason for reason, holds in reasons.items() if holds), "")
     if why:
         return "proto", f"generate only checks the file, because {why}"
     return "mapping", "generate writes the file from the rows, because it contains only the oneof"
+
+
+_UNWRITTEN = frozenset({"service", "extend", "public", "weak"})
+"""Keywords outside of messages that the generated envelope never has (``public`` and ``weak`` are kinds of imports)."""
+
+
+def _outermost_names(tokens: Iterable[Token]) -> Iterator[str]:
+    """Yield the keywords and names outside of all braces."""
+    depth = 0
+    for token in tokens:
+        depth += token.is_symbol("{") - token.is_symbol("}")
+        if depth == 0 and token.kind is Kind.NAME:
+            yield token.text

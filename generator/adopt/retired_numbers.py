@@ -1,4 +1,4 @@
-"""Numbers that the envelope used in git's history and does not use now. The draft lists them as retired."""
+"""Field numbers that the envelope used in git's history and does not use now. The draft lists them as retired."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ _TYPE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 
 @dataclass(frozen=True, slots=True)
 class AdoptedPast:
-    """Numbers of the envelope in git's history."""
+    """Result of reading the envelope's field numbers from git's history."""
 
     retired: list[DraftRetired]
     commits: int
     """Number of commits that were read; 0 if there is no repository."""
     reused: list[int]
-    """Numbers of today's envelope that had another meaning before."""
+    """Numbers of today's envelope that had another meaning before, such as another payload."""
 
 
 def read_past(root: Path, tree: Tree, rows: list[DraftRow], report: Callable[[int, int], None] | None) -> AdoptedPast:
-    """Read the numbers that the envelope of a tree had in git's history.
+    """Read the field numbers that the envelope had in git's history.
 
-    The result is empty if the tree is not in a git repository. ``report`` is called with the number of file states that
-    were read, and their total.
+    The result is empty if ``root`` is not in a git repository. ``report`` shows progress: it is called with the number
+    of file versions that were read so far, and their total.
     """
     try:
         history = read_history(root, report)

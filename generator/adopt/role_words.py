@@ -1,4 +1,4 @@
-"""Words in names and comments that show who sends a message, and if it is a command or a report."""
+"""English words in names and comments that show who sends a message, and if it is a command or a report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Text of mapping.yaml for a draft; the reasons in the draft become comments."""
+"""Conversion of a draft to the text of mapping.yaml; the reasons in the draft become comments."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def _lowered(rules: Mapping[str, str], margin: str) -> Iterator[str]:
 
 
 def _commented(line: str, comment: str) -> list[str]:
-    """Return a line with a comment behind it. If that is too long, the comment is a line of its own before it."""
+    """Return a line with a comment at its end. If this is too long, return two lines: the comment, then the line."""
     if not comment:
         return [line]
     comment = " ".join(comment.split())

@@ -1,1 +1,1 @@
-"""Generation of files from the IR."""
+"""Generation of files from the IR, the checked content of mapping.yaml and the .proto files."""

@@ -1,6 +1,7 @@
-"""Source code for scalings of numbers: ``payload.pressure_kpa * 1000.0``, and back, ``message.x / DEG_TO_RAD``.
+"""Source code that converts a number to another unit, ``payload.pressure_kpa * 1000.0``, and the inverse conversion.
 
-The operators are the same in C++ and Python. A `Dialect` describes how a language writes numbers and constants.
+A `Scaling` of the IR describes the conversion of the number. The arithmetic operators are the same in C++ and Python,
+so both targets use this module. A `Dialect` describes how one of the languages writes numbers and constants.
 """
 
 from __future__ import annotations
@@ -12,23 +13,24 @@ from fractions import Fraction
 from roverlink.generator.ir.interfaces import Scaling
 
 _EXACT = 2**53
-"""Largest power of two up to which a double represents every integer."""
+"""Limit up to which a double represents every integer exactly."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    """Way in which a programming language writes numbers and constants."""
+    """Spelling of numbers, powers and constants in a programming language."""
 
     separator: str
-    """Character between groups of three digits in a number."""
+    """Character between groups of three digits in a number: ``_`` in Python's ``1_000``."""
     pi: str
+    """Expression for π: ``math.pi`` in Python."""
     power: str
-    """Format string of a power, with the placeholders ``base`` and ``exponent``."""
+    """Format string of a power, with the placeholders ``base`` and ``exponent``: ``{base}**{exponent}`` in Python."""
     constant: str
-    """Format string of a constant's name, with the placeholder ``name``."""
+    """Format string for the name of a constant such as ``DEG_TO_RAD``, with the placeholder ``name``."""
 
     def number(self, value: Fraction, *, whole: bool) -> str:
-        """Return a number as source code: an integer if `whole` is true, else the nearest float.
+        """Return the literal of a number: an integer if ``whole`` is true, else the nearest float.
 
         >>> Dialect("_", "math.pi", "{base}**{exponent}", "_{name}").number(Fraction(1_000_000), whole=False)
         '1_000_000.0'
@@ -39,17 +41,18 @@ class Dialect:
 
 
 class Arithmetic:
-    """Writer of scalings as source code. It collects the constants that the expressions use."""
+    """Writer of expressions that convert numbers. It collects the constants that the expressions use."""
 
     def __init__(self, dialect: Dialect) -> None:
         self._dialect = dialect
         self.constants: dict[str, str] = {}
-        """Expression of each constant, by the constant's name."""
+        """Expression of each constant, by the constant's name: ``{"DEG_TO_RAD": "math.pi / 180"}``."""
 
     def scaled(self, text: str, scaling: Scaling, *, whole: bool) -> str:
-        """Return the expression that applies a scaling to the expression ``text``.
+        """Return the expression that converts a number by a scaling: ``payload.kpa * 1000.0``.
 
-        ``whole`` is true if the result is an integer.
+        ``text`` is the expression of the number, here ``payload.kpa``. ``whole`` is true if the result must be an
+        integer.
         """
         if scaling.pi:
             return f"{self._pi_operand(text, scaling)} * {self._constant(scaling)}"
@@ -59,9 +62,9 @@ class Arithmetic:
         return self._plus(self._times(text, scaling.factor, whole=whole), scaling.offset, whole=whole)
 
     def back(self, text: str, scaling: Scaling, *, whole: bool) -> str:
-        """Return the expression that undoes a scaling: it computes the original number from the scaled one.
+        """Return the expression that inverts a scaling: it computes the original number from the scaled number.
 
-        ``text`` is the expression of the scaled number.
+        ``text`` is the expression of the scaled number. ``whole`` is true if the result must be an integer.
         """
         if scaling.pi:
             size = abs(scaling.factor)
@@ -76,10 +79,10 @@ class Arithmetic:
         return self._by(inner, scaling.factor, whole=whole)
 
     def _times(self, text: str, factor: Fraction, *, whole: bool) -> str:
-        """Return the product of an expression and a factor, with the operators that round least.
+        """Return the expression ``text`` multiplied by a factor, with the operator whose result has the least rounding.
 
-        The results are ``x / 1.8`` for 5/9, and ``-x / 1000.0`` for -1/1000. The number 1.8 has few digits, whereas
-        0.5555... would be rounded.
+        The result is ``x / 1.8`` for the factor 5/9, and ``-x / 1000.0`` for -1/1000. The number 1.8 has few digits,
+        whereas 0.5555... would be rounded.
         """
         number = self._dialect.number
         size = abs(factor)
@@ -108,13 +111,13 @@ class Arithmetic:
         return f"{text} {'-' if offset < 0 else '+'} {self._dialect.number(abs(offset), whole=whole)}"
 
     def _pi_operand(self, text: str, scaling: Scaling) -> str:
-        """Return the expression that is multiplied with the constant: the number with the scaling's sign and offset."""
+        """Return the left operand of ``x * DEG_TO_RAD``: the expression ``text`` with the scaling's sign and offset."""
         size = abs(scaling.factor)
         signed = f"-{text}" if scaling.factor < 0 else text
         return f"({self._plus(signed, scaling.offset / size, whole=False)})" if scaling.offset else signed
 
     def _constant(self, scaling: Scaling) -> str:
-        """Return the name of the constant for a scaling that contains π, and add the constant to `constants`."""
+        """Return the name of the constant for a scaling that contains π. Add the constant to `constants`."""
         size, pi = abs(scaling.factor), self._dialect.pi
         power = pi if abs(scaling.pi) == 1 else self._dialect.power.format(base=pi, exponent=abs(scaling.pi))
         if scaling.pi > 0:
@@ -139,9 +142,9 @@ def _is_decimal(value: Fraction) -> bool:
 
 
 def _shifted_first(scaling: Scaling) -> bool:
-    """Return True if the offset has to be added before the multiplication, as in (F - 32) / 1.8.
+    """Return True if the offset has to be added before the multiplication, as in ``(fahrenheit - 32.0) / 1.8``.
 
-    Added afterwards, the offset would be a number with infinitely many digits.
+    If it were added after the multiplication, the offset would be a number with infinitely many digits, -160/9.
     """
     return not _is_decimal(scaling.offset) and _is_decimal(scaling.offset / scaling.factor)
 

@@ -1,4 +1,4 @@
-"""Step of the compiler that makes the text of every generated file."""
+"""Step of the compiler that makes the text of every generated file. It does not write the files to the disk."""
 
 from __future__ import annotations
 
@@ -11,27 +11,29 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, 
 from roverlink.generator.emit import envelope_file, mapping_json_schema, targets, user_templates
 from roverlink.generator.emit.output_rules import FORBIDDEN_PATH, TARGET_FAILED, UNKNOWN_TARGET
 from roverlink.generator.emit.python_format import format_python
-from roverlink.generator.emit.render import Files
+from roverlink.generator.emit.render import Files, carries_header
 from roverlink.generator.table import Table
 
 FOLDER = "generated"
-"""Folder of generated files in the paths that targets return; `placed` replaces it by the real folder."""
+"""First folder in the paths that targets return: ``generated/registry.py``. `placed` replaces it by the real folder."""
 
 
 def placed(path: str, bridge: ir.Bridge) -> str:
-    """Return a generated file's real path: the project's Python package takes the place of ``generated/``."""
+    """Return the path at which a generated file is written, relative to the table.
+
+    If the table sets the Python package ``rover.comms``, ``generated/registry.py`` becomes ``rover/comms/registry.py``.
+    """
     return f"{bridge.folder}{path.removeprefix(FOLDER)}" if path.startswith(f"{FOLDER}/") else path
 
 
 def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path) -> dict[str, str]:
-    """Return the text of every file that a table compiles to, by its path relative to the table.
+    """Return the text of every file that is generated from a table, by the file's path relative to the table.
 
-    ``published`` is the ledger of the last run. The template folders of the table are relative to ``project``. Raises
-    `DiagnosticsError` with all mistakes in targets and templates.
+    ``published`` is the ledger (mapping.lock) that the last run wrote. ``project`` is the folder to which the table's
+    template folders are relative. Raises `DiagnosticsError` with all mistakes in targets and templates.
     """
     collected = _Collected()
     collected.add(Span(bridge.table), [(f"{bridge.folder}/{mapping_json_schema.FILE}", mapping_json_schema.text())])
-    collected.add(Span(bridge.table), [(lock.NAME, lock.render(bridge, published))])
     if bridge.envelope.ours:
         path = f"{table.proto.root}/{bridge.envelope.file}"
         collected.add(Span(bridge.table), [(path, envelope_file.text(bridge.envelope, bridge.table))])
@@ -41,12 +43,19 @@ def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path)
     for folder in table.templates:
         span = table.at(f"templates.{folder}")
         rendered = _below_folder(user_templates.emit(bridge, project, folder, span), span)
-        collected.add(span, _inside(project, _placed(rendered, bridge), span))
-    return collected.files()
+        collected.add(span, _placed(rendered, bridge))
+    files = collected.files()
+    unmarked = [path for path, text in files.items() if not carries_header(text)]
+    return dict(
+        sorted({**files, lock.NAME: lock.render(bridge, lock.settings_of_rows(table), published, unmarked)}.items())
+    )
 
 
 class _Collected:
-    """Collection of generated files, and of the diagnostics about them. Each file knows its place in the table."""
+    """Collection of generated files, and of the diagnostics about them.
+
+    For each file, it also stores the place in the table that lists the file's target or template folder.
+    """
 
     def __init__(self) -> None:
         self._files: dict[str, str] = {}
@@ -56,17 +65,15 @@ class _Collected:
     def add(self, span: Span, files: Iterable[tuple[str, str]]) -> None:
         """Add the files of a target or of a template folder, which the table lists at ``span``.
 
-        Reports a file that another target or template has added before.
+        Adds a diagnostic for a file that another target or template folder has added before.
         """
         try:
             for path, text in files:
                 if path in self._files:
-                    also = [(self._asked[path], "this one writes the file first")]
-                    self._findings.append(
-                        FORBIDDEN_PATH.at(
-                            span, f"two targets or template folders write the same file, {path!r}", also=also
-                        )
-                    )
+                    also = [(self._asked[path], "the first target or folder that writes the file")]
+                    message = f"two targets or template folders write the same file, {path!r}"
+                    help = "remove one of the two from the table, or rename a template"
+                    self._findings.append(FORBIDDEN_PATH.at(span, message, help, also))
                 self._files[path] = text
                 self._asked[path] = span
         except DiagnosticsError as error:
@@ -98,11 +105,15 @@ def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
     except Exception as error:  # code of another package may raise anything
         package = found.dist.name if found.dist else found.value
         message = f"the target {found.name!r} of the package {package!r} failed: {type(error).__name__}: {error}"
-        raise DiagnosticsError([TARGET_FAILED.at(span, message)]) from error
+        help = "report this to the authors of the package, or remove the target from `targets`"
+        raise DiagnosticsError([TARGET_FAILED.at(span, message, help)]) from error
 
 
 def _formatted(files: Files) -> Files:
-    """Format the Python files of a target with black; the modules that protoc generated are not changed."""
+    """Yield the files of a target, the Python files formatted by black.
+
+    Files that are not Python, and the modules that protoc generated, do not change.
+    """
     texts = dict(files)
     ours = {path: text for path, text in texts.items() if path.endswith(".py") and "/pb2/" not in path}
     yield from (texts | format_python(ours)).items()
@@ -113,25 +124,13 @@ def _placed(files: Files, bridge: ir.Bridge) -> Files:
 
 
 def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tuple[str, str]]:
-    """Yield the files unchanged. Raises `DiagnosticsError` if a path is not below the folder of generated files.
+    """Yield the files unchanged. Raises `DiagnosticsError` if a path is not below ``generated/``.
 
-    This checks the targets of other packages, and the templates of users.
+    The emitter checks the files of other packages' targets and of users' templates in this way.
     """
     for path, text in files:
         pure = PurePosixPath(path)
         if pure.parts[:1] != (FOLDER,) or len(pure.parts) < 2 or ".." in pure.parts or "\\" in path:
-            message = f"cannot write {path!r}: it is not below {FOLDER}/"
-            raise DiagnosticsError([FORBIDDEN_PATH.at(span, message)])
+            message = f"cannot write {path!r}: the path is not below {FOLDER}/"
+            raise DiagnosticsError([FORBIDDEN_PATH.at(span, message, "correct the target or the template")])
         yield str(pure), text
-
-
-def _inside(project: Path, files: Files, span: Span) -> Files:
-    """Yield the files unchanged. Raises `DiagnosticsError` if a symbolic link leads out of the project.
-
-    The templates come from users and can contain any text, so nothing may be written outside the project.
-    """
-    for path, text in files:
-        if not (project / path).parent.resolve().is_relative_to(project.resolve()):
-            message = f"cannot write {path!r}: a link in its path leads outside the project"
-            raise DiagnosticsError([FORBIDDEN_PATH.at(span, message)])
-        yield path, text

@@ -1,4 +1,4 @@
-"""Text of the envelope's .proto file, for a project whose table owns that file."""
+"""Text of the envelope's .proto file. roverlink writes this file if the table says ``owner: mapping``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from roverlink.generator.emit.render import header, render
 
 
 def text(envelope: ir.Envelope, table: str) -> str:
-    """Return the envelope's .proto file: its imports, its oneof, and its reserved numbers and names."""
+    """Return the text of the envelope's .proto file: imports, the oneof of payloads, and reserved numbers and names.
+
+    ``table`` is the name of the table, for the comment at the top.
+    """
     package, _, message = envelope.message.rpartition(".")
     return render(
         "envelope.proto.j2",

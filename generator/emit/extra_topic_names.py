@@ -1,4 +1,4 @@
-"""Names of the modules and classes that are generated for extra topics."""
+"""Names of the modules and classes that are generated for extra topics: those that rows list under ``also``."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class NamedExtraTopic:
     """Extra topic of a row, with the names of its generated module and class."""
 
     route: ir.Route
-    """Route of the row, with the extra topic's name and QoS.
+    """Copy of the row's route, with the name and the QoS of the extra topic.
 
-    Settings that concern only the row's own topic are removed.
+    It has no settings that concern only the row's own topic, such as ``deadman``.
     """
     standard: StandardTopic
     file: str

@@ -1,4 +1,4 @@
-"""Description of how the fields of a standard message are filled, in words for comments and the documentation."""
+"""Descriptions of the values that fill the fields of a standard message, as text for docs/messages.md."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ from roverlink.generator.ir.interfaces import (
 
 
 def fields(standard: StandardTopic) -> list[tuple[str, str]]:
-    """Return each filled field of a standard topic's message: its name, and the description of its value."""
+    """Return each filled field of a standard topic's message: its path, and the description of its value.
+
+    An entry is ``("angular_velocity.x", "`gyro_x` × 1/180 × π (deg/s to rad/s)")``.
+    """
     return list(_rows(standard.fields, ()))
 
 

@@ -1,4 +1,4 @@
-"""JSON Schema of mapping.yaml, generated/mapping.schema.json. Editors complete and check the table with it."""
+"""Generation of generated/mapping.schema.json, the JSON Schema with which editors complete and check mapping.yaml."""
 
 from __future__ import annotations
 
@@ -49,13 +49,16 @@ def json_schema() -> dict[str, Any]:
 
 
 class _Schemas:
-    """Converter from types of the table to JSON Schema. It collects the schemas of named types in ``definitions``."""
+    """Converter from the types of values in mapping.yaml to JSON Schema.
+
+    It collects the schemas of named types in ``definitions``, the ``$defs`` of the whole JSON Schema.
+    """
 
     def __init__(self, definitions: dict[str, Any]) -> None:
         self._definitions = definitions
 
     def of(self, type: Type) -> dict[str, Any]:
-        """Return the JSON Schema of a type."""
+        """Return the JSON Schema of a type; for a named type, a ``$ref`` to its definition."""
         if isinstance(type, Named):
             if type.name not in self._definitions:
                 self._definitions[type.name] = {}  # ends the recursion: the type contains itself

@@ -9,7 +9,8 @@ CANNOT_WRITE = Rule(
     "cannot-write",
     """A generated file cannot be written or compared.
 
-A folder has the file's name, or the file system does not allow the access. Files that were written before are kept.
+A folder has the file's name, or the file system does not allow the access. No file is changed: either all files get
+their new text, or all keep the old one.
 
 Bad::
 
@@ -27,7 +28,8 @@ UNKNOWN_TARGET = Rule(
     "unknown-target",
     """No installed package provides a target of this name.
 
-The name is misspelt, or the package that provides the target is not installed in this environment.
+A target is a generator of files, such as `python` or `ros2`. The name is misspelt, or the package that provides the
+target is not installed in this environment.
 
 Bad::
 
@@ -44,8 +46,8 @@ TARGET_FAILED = Rule(
     "target-failed",
     """A target from another package failed.
 
-The message comes from that package. The mistake is in the target; usually the target assumes something that is not true
-for this table.
+A target is a generator of files, and other packages can add targets. The error message comes from the other package.
+The mistake is in its target, which usually assumes something that is not true for this table.
 
 Bad::
 
@@ -53,16 +55,16 @@ Bad::
 
 Good::
 
-    $ pip install --upgrade rover-plots
+    $ pip install --upgrade ./rover-plots
 """,
 )
 
 FORBIDDEN_PATH = Rule(
     "OUT104",
     "forbidden-path",
-    """Two targets or templates write the same file, or one would write outside `generated/`.
+    """Two targets or templates write the same file, or one of them would write outside `generated/`.
 
-One file would replace the other, or a hand-written file.
+One generated file would replace the other, or it would replace a file that roverlink did not generate.
 
 Bad::
 
@@ -85,7 +87,7 @@ Good::
 NO_TEMPLATES = Rule(
     "OUT105",
     "no-templates",
-    """A folder under `templates` does not exist, or contains no file that ends with `.j2`.
+    """A folder that the table lists under `templates` does not exist, or contains no file that ends with `.j2`.
 
 Nothing would be rendered. The path is relative to the folder of mapping.yaml.
 
@@ -130,10 +132,10 @@ Good::
 FOREIGN_TEMPLATE = Rule(
     "OUT107",
     "foreign-template",
-    """A template is not a file of its folder, or the folder is not in the project.
+    """A template is a link out of its template folder, or the template folder is a link out of the project.
 
-A link can lead to any file of the computer, whose text would then be in a generated file. Templates also come with pull
-requests from strangers. Links out of the folder are therefore refused, and links to hidden files such as `.git/config`.
+A symbolic link can lead to any file of the computer, whose text would then be in a generated file. Strangers can add
+such a link in a pull request. Links to hidden files such as `.git/config` are refused for the same reason.
 
 Bad::
 
@@ -142,5 +144,45 @@ Bad::
 Good::
 
     $ cp ~/users.txt.j2 report/users.txt.j2
+""",
+)
+
+FOREIGN_FILE = Rule(
+    "OUT108",
+    "foreign-file",
+    """A generated file would replace a file that roverlink did not generate.
+
+Generated files carry a header with the line "Regenerate with: roverlink generate". Files without a header that your
+templates made are listed in mapping.lock. Any other file is never replaced, because its content would be lost. Move it
+to another place, or replace it with `roverlink generate --overwrite`. If you edit the envelope's .proto file yourself,
+write `owner: proto`: then roverlink only compares the file with the rows.
+
+Bad::
+
+    docs/messages.md: fatal[OUT108] the file exists and was not generated
+
+Good::
+
+    $ mv docs/messages.md docs/old-messages.md
+""",
+    Severity.FATAL,
+)
+
+OUTSIDE_THE_PROJECT = Rule(
+    "OUT109",
+    "outside-the-project",
+    """A generated file would be outside the project, or inside its folder `.git`.
+
+Files are written only in the folder of mapping.yaml and below. A `root` that starts with `..`, or a symbolic link,
+leads to another place. If the .proto files are outside the project, the envelope belongs to another project: write
+`owner: proto`.
+
+Bad::
+
+    ../protos/envelope.proto: error[OUT109] cannot write '../protos/envelope.proto': it is outside the project
+
+Good::
+
+    $ roverlink init --from ../protos   # writes `owner: proto`
 """,
 )

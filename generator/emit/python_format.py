@@ -1,4 +1,4 @@
-"""Layout of generated Python: as black lays it out, in 88 columns.
+"""Formatting of generated Python in the style of black, with lines of at most 88 columns.
 
 The templates print every line that fits into 88 columns as black would print it;
 tests/generator/test_generated_python.py checks this. black itself gets only modules with a line that black might have
@@ -20,14 +20,14 @@ from importlib.metadata import version
 from roverlink.generator.user_cache import cache_folder
 
 LINE_LENGTH = 88
-"""Columns of a line: black's default."""
+"""Largest number of columns in a line of generated Python. This is black's default."""
 _NEVER_BROKEN = (b"#", b'"""')  # lines of a comment, and first lines of a docstring
 _LARGEST = 256 * 2**20  # bytes of the cache
 _NO_CACHE = (OSError, sqlite3.Error)
 
 
 def literal(value: object) -> str:
-    r"""Spell a value as Python source, as `repr` does, but prefer double quotes as black does.
+    r"""Return a value as a Python literal, as `repr` does, but with double quotes where black uses them.
 
     >>> literal(("a", b"b", 'say "stop"'))
     '("a", b"b", \'say "stop"\')'
@@ -46,7 +46,8 @@ def literal(value: object) -> str:
 def fitted(statement: str) -> str:
     """Break a statement at its parentheses, as black does, if it is too long for a line.
 
-    The base class of a class is also broken at its brackets. A line that needs more than that stays too long.
+    A class statement is also broken at the square brackets of its base class. A line that is still too long is left to
+    `format_python`.
     """
     return "".join(f"{line}\n" for line in _broken(statement.rstrip("\n"), "(", ")"))
 
@@ -62,7 +63,10 @@ def _broken(line: str, open: str, close: str) -> list[str]:
 
 
 def format_python(texts: Mapping[str, str]) -> dict[str, str]:
-    """Return the modules by path, formatted by black."""
+    """Return the text of each module, by its path, in the style of black.
+
+    Only modules with a too long line are formatted by black itself. The templates give the others this style already.
+    """
     long = {path: text for path, text in texts.items() if _has_long_line(text)}
     return {**texts, **(_formatted(long) if long else {})}
 

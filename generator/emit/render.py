@@ -12,9 +12,15 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from roverlink.generator.emit.python_format import fitted, literal
 
 Files = Iterator[tuple[str, str]]
-"""Files that a target returns: the path of each file, relative to the table, and the text of the file."""
+"""Files that a target generates: pairs of a path, such as ``generated/registry.py``, and the text of the file."""
 
 REGENERATE = "Regenerate with: roverlink generate"
+_HEADER_WITHIN = 400  # characters; the header is at the top
+
+
+def carries_header(text: str) -> bool:
+    """Return True if a text starts with the header of generated files (see `header`)."""
+    return REGENERATE in text[:_HEADER_WITHIN]
 
 
 def shipped(folder: str) -> Path:
@@ -48,7 +54,7 @@ def render(template: str, **view: Any) -> str:
 
 
 def _docstring(text: str) -> str:
-    """Return a text as a Python docstring. The docstring is indented like the first line of the text."""
+    """Return a text as a Python docstring with quotes. The docstring is indented like the first line of the text."""
     margin = " " * (len(text) - len(text.lstrip(" ")))
     escaped = text.expandtabs(4).replace('"""', "'''").strip()
     first, *others = (line.removeprefix(margin).rstrip() for line in escaped.splitlines())
@@ -61,5 +67,8 @@ def _docstring(text: str) -> str:
 
 
 def header(origin: str, open: str = "#", close: str = "") -> str:
-    """Return the two comment lines at the top of a generated file; ``origin`` names the inputs of the file."""
+    """Return the two comment lines at the top of a generated file; ``origin`` names the inputs of the file.
+
+    ``open`` and ``close`` start and end a comment in the language of the file, such as ``<!--`` and `` -->``.
+    """
     return "\n".join(f"{open} {line}{close}" for line in (f"Generated from {origin}; do not edit.", f"{REGENERATE}"))

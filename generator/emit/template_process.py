@@ -1,9 +1,9 @@
 """Process that renders users' templates in Jinja's sandbox, with limits on time, memory and output.
 
-A pull request can bring a template, and CI renders it. The sandbox refuses access from the IR to Python's internals,
-but it has no limits. The limits of the process stop an endless loop, or a text that doubles 40 times. `user_templates`
-starts the process with a pickled `Request`. The process answers with JSON lines, because a pickled answer could run
-code in the process that reads it.
+A pull request from a stranger can add a template, which CI then renders. The sandbox refuses access from the IR to
+Python's internals, but it does not limit time and memory. The limits of the process stop an endless loop, or a text
+that doubles 40 times. `user_templates` starts the process with a pickled `Request`. The process answers with JSON
+lines, because a pickled answer could run code in the process that reads it.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ class Limits:
     seconds: int = 10
     """Processor time in seconds. The process that started this one waits six times as long."""
     memory: int = 1 << 30
-    """Address space of the process in bytes."""
+    """Largest address space of the process in bytes."""
     output: int = 64 << 20
-    """Number of characters of all rendered files together."""
+    """Largest number of characters of all rendered files together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,14 +107,14 @@ def _environment(root: Path) -> Environment:
 
 
 class _Sandbox(ImmutableSandboxedEnvironment):
-    """Jinja's sandbox. It also refuses powers with huge results, because Python cannot interrupt their computation."""
+    """Jinja's sandbox that also refuses powers with huge results, because Python cannot interrupt their computation."""
 
     intercepted_binops = frozenset({"**"})
 
     def call_binop(self, context: Any, operator: str, left: Any, right: Any) -> Any:
         bits = int(left).bit_length() * abs(int(right))
         if bits > _LARGEST_POWER:
-            raise SecurityError(f"a power of more than {_LARGEST_POWER} bits")
+            raise SecurityError(f"the result of '**' would have more than {_LARGEST_POWER} bits")
         return super().call_binop(context, operator, left, right)
 
 
@@ -124,14 +124,15 @@ class _InsideFolder(FileSystemLoader):
     def get_source(self, environment: Environment, template: str) -> tuple[str, str, Callable[[], bool]]:
         root = Path(self.searchpath[0]).resolve()
         if not is_inside(root / template, root):
-            raise TemplateError(f"{template!r} is not a file of the templates' folder")
+            raise TemplateError(f"{template!r} is not a visible file inside the folder of the templates")
         return super().get_source(environment, template)
 
 
 def is_inside(path: Path, root: Path) -> bool:
-    """Return True if a path leads to a template or a visible file below a folder, after resolving symbolic links.
+    """Return True if a path leads to a file that templates may read. Symbolic links are resolved first.
 
-    Hidden files are refused because the folder may be the project, and ``.git/config`` may contain a password.
+    The file must be below ``root``, and it must end with ``.j2`` or not be hidden. Hidden files are refused because the
+    root may be the project's folder, and ``.git/config`` may contain a password.
     """
     found = path.resolve()
     if not found.is_relative_to(root):
@@ -140,7 +141,10 @@ def is_inside(path: Path, root: Path) -> bool:
 
 
 def _renderings(template: str, bridge: ir.Bridge) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the path of each file that a template produces, and the variables that the template sees for this file."""
+    """Yield the path of each file that a template produces, and the variables that the template sees for this file.
+
+    ``{route}.md.j2`` produces a file for each row, ``{message}.md.j2`` for each ROS message, ``all.md.j2`` only one.
+    """
     if "{route}" in template:
         for route in bridge.routes:
             yield template.replace("{route}", route.name), {"bridge": bridge, "route": route}

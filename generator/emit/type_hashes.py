@@ -1,8 +1,8 @@
 """Type hashes of ROS 2 (REP 2016): from Iron on, nodes compare them to know if they have the same message definition.
 
 A hash is SHA-256 over a JSON text that describes the type and all nested types: names and types of the fields in order,
-without comments, constants and defaults. rosidl computes it when it builds the interface package. It is computed here
-for bridges that run without such a build.
+without comments, constants and defaults. rosidl computes the hash when it builds the interface package. roverlink also
+computes it, because a bridge can run without such a build.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _MESSAGES_OF_OTHER_PACKAGES = {"builtin_interfaces/msg/Duration": _SECONDS, "bui
 
 
 def type_hashes(bridge: ir.Bridge) -> dict[str, str]:
-    """Return the type hash of each message in the generated ROS 2 package, by the message's name."""
+    """Return the type hash of each message in the generated ROS 2 package, ``RIHS01_...``, by the message's name."""
     own = {f"{bridge.package}/msg/{message.name}": message.fields for message in bridge.messages}
     messages = {**_MESSAGES_OF_OTHER_PACKAGES, **own}
     return {
@@ -73,7 +73,10 @@ def _hash(name: str, messages: _Messages, package: str) -> str:
 
 
 def _description(name: str, messages: _Messages, package: str) -> dict[str, Any]:
-    """Return the description of a message without nested messages. REP 2016 prescribes the order of the keys."""
+    """Return the description of a message, without the descriptions of nested messages.
+
+    REP 2016 prescribes the order of the keys.
+    """
     fields = messages[name] or (_EMPTY,)
     return {"type_name": name, "fields": [{"name": one.name, "type": _type(one.type, package)} for one in fields]}
 

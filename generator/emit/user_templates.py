@@ -48,13 +48,21 @@ def emit(bridge: ir.Bridge, project: Path, folder: str, span: Span) -> Files:
 
 
 def _root(project: Path, folder: str, span: Span) -> Path:
-    """Return the path of the folder with the templates. Raises `DiagnosticsError` for a link out of the project.
+    """Return the path of a folder of templates. Raises `DiagnosticsError` if the folder is a link out of the project.
 
     Only the command line may name a folder outside the project, with a path that starts with ``..``.
     """
     root = (project / folder).resolve()
     if not folder.startswith("..") and not root.is_relative_to(project.resolve()):
-        raise DiagnosticsError([FOREIGN_TEMPLATE.at(span, f"{folder} is a link that leads out of the project")])
+        raise DiagnosticsError(
+            [
+                FOREIGN_TEMPLATE.at(
+                    span,
+                    f"the folder {folder!r} is a symbolic link that leads out of the project",
+                    "replace the link by a copy of the folder",
+                )
+            ]
+        )
     return root
 
 
@@ -62,11 +70,15 @@ def _templates(root: Path, folder: str, span: Span) -> tuple[str, ...]:
     found = sorted(root.rglob(f"*{SUFFIX}"))
     if not found:
         why = f"contains no file that ends with {SUFFIX}" if root.is_dir() else "is not a folder"
-        raise DiagnosticsError([NO_TEMPLATES.at(span, f"{folder} {why}")])
+        raise DiagnosticsError(
+            [NO_TEMPLATES.at(span, f"{folder!r} {why}", "check the path; it is relative to the folder of the table")]
+        )
     names = [path.relative_to(root).as_posix() for path in found]
     foreign = [
         FOREIGN_TEMPLATE.at(
-            Span(f"{folder}/{name}"), f"the file is not inside {folder}", "replace the link by a copy of the file"
+            Span(f"{folder}/{name}"),
+            f"the link does not lead to a visible file inside the folder {folder!r}",
+            "replace the link by a copy of the file",
         )
         for path, name in zip(found, names)
         if not path.is_file() or not is_inside(path, root)
@@ -77,7 +89,10 @@ def _templates(root: Path, folder: str, span: Span) -> tuple[str, ...]:
 
 
 def _rendered(request: Request, folder: str) -> Iterator[tuple[str, str]]:
-    """Yield path and text of each file. Raises `DiagnosticsError` for the first template that cannot be rendered."""
+    """Yield path and text of each rendered file.
+
+    Raises `DiagnosticsError` for the first template that cannot be rendered.
+    """
     template = ""
     for kind, *content in _answers(request):
         if kind == "template":

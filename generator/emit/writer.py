@@ -1,6 +1,7 @@
 """Last step of the compiler: compares the generated files with the disk, and writes them.
 
-No other module writes generated files.
+No other module writes generated files. Only files inside the project are written, and a file is replaced only if it
+carries the header of generated files, or if the caller says that it belongs to roverlink.
 """
 
 from __future__ import annotations
@@ -9,16 +10,18 @@ import contextlib
 import difflib
 import os
 import re
-import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from roverlink.generator.diagnostics import DiagnosticsError, Span
-from roverlink.generator.emit.output_rules import CANNOT_WRITE
-from roverlink.generator.emit.render import REGENERATE
+from roverlink.generator import journal, source_files
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
+from roverlink.generator.emit.output_rules import CANNOT_WRITE, FOREIGN_FILE, OUTSIDE_THE_PROJECT
+from roverlink.generator.emit.render import carries_header
 
-_MARK_WITHIN = 400  # bytes; the header is at the top
+_TABLE = "mapping.yaml"
+_MARK_WITHIN = 4096  # bytes; the header is at the top
+_LARGEST = 64 << 20  # bytes of a generated file; larger ones were not generated
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +31,8 @@ class Change:
     path: str
     before: str | None
     after: str | None
+    foreign: bool = False
+    """True if there is a file that roverlink did not write, so that it may be replaced only if the user says so."""
 
     @property
     def verb(self) -> str:
@@ -49,41 +54,71 @@ def _lines(text: str | None) -> list[str]:
     return [line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines]
 
 
-def compare(project: Path, files: Mapping[str, str], folders: Iterable[str]) -> list[Change]:
-    """Return the changes that give the files on disk the wanted texts.
+def compare(project: Path, files: Mapping[str, str], folders: Iterable[str], own: Collection[str] = ()) -> list[Change]:
+    """Return the changes that make the files on disk equal to ``files``: the generated texts by path.
 
-    ``folders`` are the folders of the project that may contain generated files. A generated file in them that is not
-    among the wanted files is removed.
+    ``folders`` are the folders of the project that may contain generated files. If a generated file in these folders is
+    not in ``files``, it is removed. ``own`` are the paths of files that belong to roverlink although they do not carry
+    the header of generated files, such as the ledger. Raises `DiagnosticsError` for paths outside the project, and for
+    a file that cannot be read.
     """
-    changes = [Change(path, _text(project, path), text) for path, text in files.items()]
+    _must_be_inside(project, files)
+    changes = [_change(project, path, text, own) for path, text in files.items()]
     stale = [Change(path, _text(project, path), None) for path in _generated(project, folders) if path not in files]
     return sorted(
         (change for change in (*changes, *stale) if change.before != change.after), key=lambda change: change.path
     )
 
 
-def write(project: Path, changes: Iterable[Change]) -> None:
-    """Write and remove files as the changes say.
+def write(project: Path, changes: Iterable[Change], overwrite: bool = False) -> None:
+    """Write and remove the files of a project as the changes say, all of them or none.
 
-    All texts are first written to temporary files. Then each file is replaced atomically. Raises `DiagnosticsError` for
-    a file that cannot be written.
+    Raises `DiagnosticsError` for a file that cannot be written, and for a file that roverlink did not write, unless
+    ``overwrite`` is set.
     """
     changes = list(changes)
-    with contextlib.ExitStack() as prepared:
-        replacements = []
-        for change in changes:
-            if change.after is not None:
-                with _reporting(change.path, "write"):
-                    temporary = _prepare(project / change.path, change.after)
-                prepared.callback(temporary.unlink, missing_ok=True)
-                replacements.append((change.path, temporary))
-        for path, temporary in replacements:
-            with _reporting(path, "write"):
-                temporary.replace(project / path)
-    for change in changes:
-        if change.after is None:
-            with _reporting(change.path, "remove"):
-                _remove(project / change.path, project / Path(change.path).parts[0])
+    if not overwrite:
+        refuse_foreign(changes)
+    try:
+        journal.switch(project, [(change.path, change.before, change.after) for change in changes])
+    except OSError as error:
+        removed = any(change.path == error.filename and change.after is None for change in changes)
+        raise _unable(str(error.filename), "remove" if removed else "write", error) from error
+
+
+def refuse_foreign(changes: Iterable[Change]) -> None:
+    """Raise `DiagnosticsError` if a change would overwrite a file that roverlink did not write."""
+    help = (
+        "move it to another place, or replace it with `roverlink generate --overwrite`; "
+        "an envelope that you edit yourself needs `owner: proto` in mapping.yaml"
+    )
+    theirs = [change.path for change in changes if change.foreign]
+    if theirs:
+        message = "the file exists and was not generated"
+        raise DiagnosticsError([FOREIGN_FILE.at(Span(path), message, help) for path in theirs])
+
+
+def _must_be_inside(project: Path, paths: Iterable[str]) -> None:
+    outside = [path for path in paths if journal.place_of(project, path) is None]
+    if outside:
+        raise DiagnosticsError([_outside(path) for path in outside])
+
+
+def _outside(path: str) -> Diagnostic:
+    if ".." in Path(path).parts:
+        message = f"cannot write {path!r}: it is outside the project"
+        help = "if another project owns the envelope, write `owner: proto`; else move the .proto files into this one"
+    else:
+        message = f"cannot write {path!r}: a symbolic link in its path leads outside the project, or into .git"
+        help = "replace the link by a folder or a file"
+    return OUTSIDE_THE_PROJECT.at(Span(path), message, help)
+
+
+def _change(project: Path, path: str, after: str, own: Collection[str]) -> Change:
+    before = _text(project, path)
+    # An empty file has nothing that could be lost.
+    foreign = before is not None and path not in own and bool(before.strip()) and not carries_header(before)
+    return Change(path, before, after, foreign)
 
 
 @contextlib.contextmanager
@@ -92,65 +127,43 @@ def _reporting(path: str, action: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise DiagnosticsError([CANNOT_WRITE.at(Span(path), f"cannot {action} the file: {error.strerror}")]) from error
+        raise _unable(path, action, error) from error
+
+
+def _unable(path: str, action: str, error: OSError) -> DiagnosticsError:
+    message = f"cannot {action} the file: {error.strerror}"
+    help = "check the permissions of the file and its folder, and that no folder has the name of the file"
+    return DiagnosticsError([CANNOT_WRITE.at(Span(path), message, help)])
 
 
 def _text(project: Path, path: str) -> str | None:
     with _reporting(path, "read"):
         try:
-            return (project / path).read_bytes().decode("utf-8", errors="replace")
+            return source_files.read(project, path, _LARGEST).decode("utf-8", errors="replace")
         except (FileNotFoundError, NotADirectoryError):
             return None
 
 
 def _generated(project: Path, folders: Iterable[str]) -> Iterable[str]:
-    """Yield the generated files in folders of the project. Their header tells that roverlink generated them."""
-    for folder in folders:
-        for path in sorted((project / folder).rglob("*")):
-            if path.is_file() and path.suffix != ".pyc" and _is_ours(path):
-                yield path.relative_to(project).as_posix()
+    """Yield the paths of files in folders of the project whose header says that roverlink generated them.
+
+    Links, and folders that belong to another project or another repository, are left out.
+    """
+    for top in folders:
+        for folder, folders_in, names in os.walk(project / top):
+            folders_in[:] = sorted(one for one in folders_in if not _is_other_project(Path(folder, one)))
+            for path in (Path(folder, name) for name in sorted(names)):
+                if path.suffix != ".pyc" and not path.is_symlink() and path.is_file() and _is_ours(path):
+                    yield path.relative_to(project).as_posix()
+
+
+def _is_other_project(folder: Path) -> bool:
+    return folder.name == ".git" or any(os.path.lexists(folder / name) for name in (_TABLE, ".git"))
 
 
 def _is_ours(path: Path) -> bool:
     try:
-        with path.open("rb") as file:
-            return REGENERATE.encode() in file.read(_MARK_WITHIN)
-    except PermissionError:  # files that roverlink wrote are readable
+        with source_files.open_file(path.parent, path.name) as file:
+            return carries_header(file.read(_MARK_WITHIN).decode("utf-8", errors="replace"))
+    except (PermissionError, source_files.RefusedFileError):  # files that roverlink wrote are readable
         return False
-
-
-def _prepare(path: Path, text: str) -> Path:
-    """Write a text to a temporary file beside ``path``, and return its path.
-
-    The temporary file is in the same folder, because a file of another file system cannot be replaced atomically.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    temporary = Path(name)
-    try:
-        with os.fdopen(descriptor, "wb") as file:
-            file.write(text.encode())
-        temporary.chmod(path.stat().st_mode if path.exists() else 0o666 & ~_umask())
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
-    return temporary
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
-
-
-def _remove(path: Path, stop: Path) -> None:
-    """Remove a file, and the folders above it that are empty afterwards; ``stop`` and the folders above it are kept."""
-    path.unlink()
-    for folder in path.parents:
-        if folder == stop or any(child.name != "__pycache__" for child in folder.iterdir()):
-            return
-        for child in folder.iterdir():
-            for compiled in child.iterdir():
-                compiled.unlink()
-            child.rmdir()
-        folder.rmdir()

@@ -1,7 +1,7 @@
-"""Intermediate representation (IR): the result of compiling the table, and the input of every template.
+"""Intermediate representation (IR) of mapping.yaml: the compiled table as data, from which all files are generated.
 
-`model` has routes, messages and conversions; `interfaces` has ROS 2's standard messages and the sources of their
-fields.
+`model` has routes, messages and conversions. `interfaces` has the standard messages of ROS 2, such as
+``sensor_msgs/msg/Imu``, and the expressions that compute their fields from a payload.
 """
 
 from roverlink.generator.ir.model import (

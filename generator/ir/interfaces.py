@@ -1,4 +1,4 @@
-"""IR of ROS 2's standard messages: their definitions, and the expressions that fill their fields.
+"""IR of ROS 2's standard messages, such as sensor_msgs/msg/Imu: definitions, and expressions that fill their fields.
 
 As in `roverlink.generator.ir.model`, nothing here depends on YAML, on protobuf, or on a programming language.
 """
@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 Path = tuple[str, ...]
-"""Path of a field: the names of the fields that lead to it, then the name of the field itself."""
+"""Path of a nested field, from the outermost name to its own: ``("pose", "position", "x")``."""
 
 Scalar = bool | int | float | str
 Value = Scalar | tuple[Scalar, ...]
-"""Value of a field, as written in the table."""
+"""Constant value of a ROS field, as written in mapping.yaml."""
 
 
 # --- definitions ------------------------------------------------------------------------------------------------
@@ -21,9 +21,10 @@ Value = Scalar | tuple[Scalar, ...]
 
 @dataclass(frozen=True, slots=True)
 class InterfaceType:
-    """Type of a field: a primitive, ``string``, a message, or an array or sequence of one of these."""
+    """Type of a standard message's field: primitive, ``string``, message, or an array or sequence of one of these."""
 
     name: str
+    """Name of the type, or of the elements' type: ``float64`` for ``float64[9]``."""
     length: int | None = None
     """Length of an array; None if it is not an array."""
     is_sequence: bool = False
@@ -90,10 +91,10 @@ class Interface:
 
 @dataclass(frozen=True, slots=True)
 class SourceEnum:
-    """Enum of a payload's field."""
+    """Enum that is the type of a payload's field."""
 
     name: str
-    """Full name."""
+    """Full name with the proto package, such as ``rover.Arm.Mode``."""
     proto_package: str
     """Proto package, the start of the full name; empty if there is none."""
     file: str
@@ -101,17 +102,20 @@ class SourceEnum:
 
     @property
     def local_name(self) -> str:
-        """Name without the package."""
+        """Name without the proto package, such as ``Arm.Mode``."""
         return self.name.removeprefix(f"{self.proto_package}.")
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Field of the payload from which a value is taken."""
+    """Field of the payload from which the value of a ROS field is taken."""
 
     path: Path
     type: str
-    """ROS primitive type that has the same values as the proto field; ``string`` or ``bytes`` for these types."""
+    """ROS primitive type with the same values as the proto field, such as ``int32`` for ``sint32``.
+
+    It is ``string`` or ``bytes`` for proto fields of these types.
+    """
     repeated: bool = False
     optional: bool = False
     """True if the field distinguishes *absent* from *zero*."""
@@ -123,7 +127,7 @@ class Source:
 
     @property
     def dotted(self) -> str:
-        """Path with dots, as the table writes it."""
+        """Path with dots, as mapping.yaml writes it: ``pose.position.x``."""
         return ".".join(self.path)
 
     @property
@@ -136,14 +140,14 @@ class Source:
 class Scaling:
     """Linear conversion of a number: ``(number * factor + offset) * π ** pi``.
 
-    `pi` is -1, 0 or 1, so that factors such as 180/π stay exact fractions. If it is not 0, the offset is 0.
+    `pi` is -1, 0 or 1, so that a factor such as 180/π is stored without rounding. If `pi` is not 0, the offset is 0.
     """
 
     factor: Fraction = Fraction(1)
     offset: Fraction = Fraction(0)
     pi: int = 0
     unit: str = ""
-    """Unit of the number before the conversion, as the table writes it; empty if there is none."""
+    """Unit of the number before the conversion, as mapping.yaml writes it: ``deg``; empty if there is none."""
     to: str = ""
     """Unit of the number after the conversion; empty if there is none."""
 
@@ -160,23 +164,23 @@ class Scaling:
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """Constant value, the same in every message."""
+    """Expression: a constant value, the same in every message."""
 
     value: Value
     name: str = ""
-    """Constant of a ROS message, if the table gives the value by this name; else empty."""
+    """Name of a ROS message's constant, if mapping.yaml gives the value by this name (``STATUS_FIX``); else empty."""
     holder: str = ""
-    """Full name of that ROS message."""
+    """Full name of the ROS message that declares the constant; empty without a name."""
 
     @property
     def shown(self) -> Value:
-        """Name, or else the value, as the table writes it."""
+        """Name of the constant if it has one, otherwise its value, as mapping.yaml writes it."""
         return self.name or self.value
 
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """Value of a payload field, after the conversion of its unit."""
+    """Expression: the value of a payload field, after the conversion of its unit."""
 
     source: Source
     scaling: Scaling = Scaling()
@@ -188,29 +192,32 @@ class Taken:
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """Value of a proto enum, and the value that the ROS field gets for it."""
+    """One value of a proto enum, with the constant that the ROS field gets for it."""
 
     number: int
     name: str
     counterpart: Constant
-    """Value in the ROS message."""
+    """Value of the ROS field."""
 
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """Value that depends on the value of an enum field; the table lists the result for each enum value."""
+    """Expression: a constant that depends on an enum field of the payload.
+
+    mapping.yaml lists the constant for each enum value.
+    """
 
     source: Source
     cases: tuple[Case, ...]
     default: Constant | None = None
-    """Result for every enum value that is not listed; None if such a value is an error."""
+    """Constant for every enum value that is not in `cases`; None if such a value is an error."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rotation:
-    """Quaternion that is computed from roll, pitch and yaw: angles in radians about the fixed axes x, y and z.
+    """Expression: a quaternion, computed from roll, pitch and yaw in radians.
 
-    The rotations are applied in this order (REP 103).
+    These are rotations about the fixed axes x, y and z, applied in this order (REP 103).
     """
 
     roll: Taken | Constant
@@ -220,21 +227,22 @@ class Rotation:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """Time or duration from a field of the payload. Without a source, it is the time of the datagram's reception."""
+    """Expression: a time or duration from a field of the payload, or the time of the datagram's reception."""
 
     source: Source | None
+    """Field of the payload; None for the time of the datagram's reception."""
     nanoseconds: Fraction = Fraction(1)
     """Number of nanoseconds in one unit of the payload's field."""
 
 
 @dataclass(frozen=True, slots=True)
 class Unset:
-    """Marker for a field that the conversion does not fill. The field keeps the default of a new message."""
+    """Expression for a ROS field that the conversion does not fill. The field keeps its default value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """Nested message whose fields are filled one by one."""
+    """Expression: a nested ROS message, with one expression for each of its fields."""
 
     fields: tuple[TargetField, ...]
 
@@ -253,7 +261,10 @@ class TargetField:
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
-    """Field of a standard message from which fields of the payload can be computed, and the expression to invert."""
+    """Field of a standard message that is converted in both directions, and the expression for its value.
+
+    If the expression is ``speed * 2``, the payload's field ``speed`` is computed back as half of the message's field.
+    """
 
     path: Path
     """Path of the field in the standard message."""

@@ -1,4 +1,4 @@
-"""IR of the bridge: routes, messages, conversions, and the wire schema.
+"""IR of the bridge: routes (compiled rows), messages, conversions, and the wire schema (numbers, names and types).
 
 Nothing here depends on YAML, on protobuf's Python classes, on Jinja, or on the language of a target. All classes are
 frozen and hold tuples, so that targets cannot change the input of other targets.
@@ -20,14 +20,16 @@ class Member:
 
     number: int
     name: str
+    """Field name in the oneof, such as ``imu_info``."""
     proto: str
+    """Full name of the payload's message."""
     file: str
     """.proto file of the payload, relative to the proto root."""
 
 
 @dataclass(frozen=True, slots=True)
 class Retired:
-    """Removed payload, whose number and name the envelope reserves."""
+    """Removed payload. The envelope reserves its number and name, so that no other payload gets them."""
 
     number: int
     name: str
@@ -36,7 +38,7 @@ class Retired:
 
 @dataclass(frozen=True, slots=True)
 class Burned:
-    """Number of the envelope that had several meanings in the past, and that must never be used again."""
+    """Field number of the envelope that had several meanings in the past, and must never get another one."""
 
     number: int
     uses: tuple[str, ...]
@@ -45,13 +47,13 @@ class Burned:
 
 @dataclass(frozen=True, slots=True)
 class Envelope:
-    """Message that contains every payload."""
+    """Protobuf message that is sent in each datagram. Its oneof contains one payload."""
 
     file: str
     message: str
     oneof: str
     ours: bool
-    """True if roverlink writes the envelope's file from the table."""
+    """True if `roverlink generate` writes the envelope's file; False if the file belongs to another repository."""
     members: tuple[Member, ...]
     retired: tuple[Retired, ...]
     burned: tuple[Burned, ...] = ()
@@ -66,7 +68,7 @@ class Peer:
     port: int
     strip_trailing_zeros: bool
     prefixes: tuple[str, ...] = ()
-    """Beginnings of the names of this peer's messages, one for each board; empty if any name is allowed."""
+    """Beginnings of the names of this peer's messages, such as ``SensorBoard``; empty if any name is allowed."""
     sources: tuple[str, ...] = ()
     """IP addresses and networks from which the peer may send; empty if any address is allowed."""
     source_rate: int | None = None
@@ -92,7 +94,7 @@ class RosField:
     type: RosType
     comment: str
     enum: str = ""
-    """Full name of the proto enum or oneof whose constants are the possible values; empty if there is none."""
+    """Full name of the proto enum or oneof whose constants are the field's possible values; empty if there is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +111,7 @@ class RosConstant:
 
 @dataclass(frozen=True, slots=True)
 class RosMessage:
-    """Message of the generated ROS 2 interface package."""
+    """ROS message of the generated interface package: the content of one .msg file."""
 
     name: str
     fields: tuple[RosField, ...]
@@ -134,7 +136,7 @@ class ConversionKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Wrapping:
-    """Proto message that only wraps one field, such as google.protobuf.FloatValue."""
+    """Wrapper message: a proto message that only contains one field, such as google.protobuf.FloatValue."""
 
     proto: str
     field: str
@@ -184,7 +186,7 @@ class FieldConversion:
 
 @dataclass(frozen=True, slots=True)
 class MapEntry:
-    """Conversion of a map's entries to a ROS message with a key and a value."""
+    """Conversion of a proto map field: each entry becomes a ROS message with a key and a value."""
 
     ros: str
     key: FieldConversion
@@ -216,14 +218,16 @@ class AnyMember:
     ros: str
     """Name of the ROS message to which this message is converted."""
     field: str
+    """Field that holds the converted message, in the ROS message for the Any."""
     constant: str
+    """Constant that marks this message as the content, in the ROS message for the Any."""
 
 
 @dataclass(frozen=True, slots=True)
 class AnyConversion:
-    """Conversion between a ROS message and a google.protobuf.Any.
+    """Conversion between a google.protobuf.Any and a generated ROS message with a field for each possible content.
 
-    The table lists the messages that the Any may contain.
+    mapping.yaml lists the messages that the Any may contain, under `any`.
     """
 
     source: str
@@ -247,14 +251,16 @@ class Deadman:
     """Payload that the bridge sends to a peer when the topic that commands the peer is silent for too long."""
 
     after_ms: int
+    """Longest silence of the topic in milliseconds, before the payload is sent."""
     repeat_ms: int
+    """Interval in milliseconds at which the payload is sent again during the silence."""
     send: tuple[tuple[str, bool | int | float | str | bytes], ...]
-    """Values of the payload, each with the path of the proto field, with dots."""
+    """Path (with dots) and value of each proto field that is set in the payload. All other fields are zero."""
 
 
 @dataclass(frozen=True, slots=True)
 class StandardTopic:
-    """Topic with a standard message, and the conversion between it and the payload."""
+    """Topic with a standard message of ROS 2, and the conversion between this message and the payload."""
 
     topic: str
     qos: Qos
@@ -268,14 +274,14 @@ class StandardTopic:
     """Full name of the standard message, such as ``sensor_msgs/msg/Imu``."""
     fields: tuple[TargetField, ...]
     recovered: tuple[Recovered, ...]
-    """Expressions that give the payload when they are inverted, in the order of the message's fields.
+    """Fields of the standard message from which the payload is computed, in the order of the message's fields.
 
     Empty if the payload cannot be computed from the message.
     """
     obstacle: str = ""
-    """Reason why the payload cannot be computed from the message; empty if it can."""
+    """Reason why the payload cannot be computed from the standard message; empty if it can."""
     lost: tuple[str, ...] = ()
-    """Fields of the payload that the standard message does not contain."""
+    """Paths of the payload's fields that the standard message does not contain, so that their values are lost."""
 
     @property
     def local_name(self) -> str:
@@ -284,13 +290,13 @@ class StandardTopic:
 
     @property
     def refusal(self) -> str:
-        """Error message of the conversion to the payload; empty if it is possible."""
+        """Error message for a conversion of the standard message to the payload; empty if this is possible."""
         return self.obstacle and f"{self.message} cannot be converted to {self.local_name}: {self.obstacle}"
 
 
 @dataclass(frozen=True, slots=True)
 class WireSize:
-    """Largest encoded sizes of a row's payload and datagram in bytes."""
+    """Largest sizes in bytes of a row's encoded payload, and of the datagram that contains it."""
 
     payload: int | None
     """Size of the payload; None if a field is unbounded."""
@@ -302,7 +308,7 @@ class WireSize:
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """Row of the table with all its parts resolved: the unit that targets generate a handler for."""
+    """Compiled row of mapping.yaml, with its messages and conversions. Targets generate one handler for each route."""
 
     number: int
     name: str
@@ -326,7 +332,7 @@ class Route:
     expect_rate: int | None = None
     """Smallest number of messages per second that is expected; below it, diagnostics warn. None for no check."""
     standard: StandardTopic | None = None
-    """Standard topic of the row itself; None if the row's topic has a generated ROS message."""
+    """The row's own topic if it has a standard message; None if it has a generated ROS message."""
     extra_topics: tuple[StandardTopic, ...] = ()
     """Extra topics of the row, which the table lists under `also`."""
 
@@ -337,12 +343,12 @@ class Route:
 
     @property
     def source(self) -> str:
-        """Sender of the messages in words, for texts: a peer or a topic."""
+        """Sender of the messages, in words for texts: ``the peer hardware`` or ``the topic arm_ctrl``."""
         return f"the peer {self.peer}" if self.inbound else f"the topic {self.topic}"
 
     @property
     def target(self) -> str:
-        """Receiver of the messages in words, for texts: a topic or a peer."""
+        """Receiver of the messages, in words for texts: ``the topic imu_data`` or ``the peer hardware``."""
         return f"the topic {self.topic}" if self.inbound else f"the peer {self.peer}"
 
     @property
@@ -353,7 +359,7 @@ class Route:
 
 @dataclass(frozen=True, slots=True)
 class WireField:
-    """Field of a proto message."""
+    """Field of a proto message, with the properties that mapping.lock records."""
 
     number: int
     name: str
@@ -406,7 +412,7 @@ class WireEnum:
 
 @dataclass(frozen=True, slots=True)
 class FieldBound:
-    """Size limit that the table gives to a field for microcontrollers."""
+    """Size limit of a string, `bytes` or repeated field for microcontrollers, from `bounds` in mapping.yaml."""
 
     file: str
     """Path of the .proto file that declares the field, relative to the proto root."""
@@ -422,10 +428,10 @@ class FieldBound:
 
 @dataclass(frozen=True, slots=True)
 class Bridge:
-    """Complete IR: the input of every target."""
+    """Complete intermediate representation of mapping.yaml: the input of every target, which generates files."""
 
     table: str
-    """File name of the table."""
+    """File name of the table: ``mapping.yaml``."""
     package: str
     python_package: str
     """Import name of the generated package."""

@@ -62,7 +62,11 @@ def is_cpp_keyword(name: str) -> bool:
 
 
 def unusable(name: str) -> str:
-    """Return the reason why a name cannot be the name of a ROS field; empty if it can."""
+    """Return the reason why ``name`` cannot be the name of a ROS field; an empty text if it can.
+
+    >>> unusable("class")
+    'it is a Python keyword'
+    """
     if keyword.iskeyword(name):
         return "it is a Python keyword"
     if is_cpp_keyword(name):
@@ -109,7 +113,11 @@ def field_name(proto: str) -> str:
 
 
 def lowered(proto: str) -> str:
-    """Convert a name to lower case with single underscores between the words."""
+    """Convert a name to lower case with single underscores between the words.
+
+    >>> lowered("wheelSpeed__"), lowered("two__underscores")
+    ('wheel_speed', 'two_underscores')
+    """
     return _single_underscores(snake_case(proto))
 
 
@@ -136,9 +144,9 @@ def camel_case(name: str) -> str:
 
 
 def distinct(name: str) -> str:
-    """Return a key for comparing field names: it is equal for two names that would collide in generated code.
+    """Return a comparison key for a field name. Two names with the same key would collide in generated code.
 
-    Class names and protobuf's JSON names drop underscores and change capitals.
+    Generated class names and protobuf's JSON names drop underscores and change capitals.
 
     >>> distinct("imu_info") == distinct("ImuInfo")
     True

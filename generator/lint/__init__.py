@@ -1,1 +1,1 @@
-"""The lint: the context that rules read, the rules, and the engine that runs them."""
+"""Lint of mapping.yaml and the .proto files: the rules, the data that rules may read, and the engine that runs them."""

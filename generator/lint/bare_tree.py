@@ -1,7 +1,7 @@
-"""Table that is made from a tree of .proto files, for a tree without a mapping.yaml.
+"""Table that is made from a folder of .proto files, so that the lint also works without a mapping.yaml.
 
-The rows of the table are the members of the envelope's oneof. So the rules about numbers and names work as they do on a
-table that was read from mapping.yaml.
+Each member of the envelope's oneof becomes a row of the table. So the rules about numbers and names work as they do on
+a table that was read from mapping.yaml.
 """
 
 from __future__ import annotations
@@ -23,12 +23,15 @@ class EnvelopeName:
     """Name and file of the envelope's message, as the user gave them on the command line."""
 
     file: str
-    """Path of the envelope's file, relative to the tree; empty if the user did not give it."""
+    """Path of the envelope's file, relative to the folder of .proto files; empty if the user did not give it."""
     message: str
 
 
 def table_of_tree(envelope: EnvelopeName) -> Table:
-    """Return the table for a tree, without rows. When the protos have been read, `with_members` adds the rows."""
+    """Return the table for a folder of .proto files, still without rows.
+
+    `with_members` adds the rows when the .proto files have been read.
+    """
     file = str(PurePosixPath(envelope.file)) if envelope.file else ""
     here = Span(file or ".")
     return Table(
@@ -45,11 +48,12 @@ def table_of_tree(envelope: EnvelopeName) -> Table:
 
 
 def with_members(table: Table, schema: Schema, findings: Sequence[Diagnostic] = (), past: Iterable[str] = ()) -> Table:
-    """Return the table of a tree with a row for each member of the envelope. Any other table is returned unchanged.
+    """Add a row for each member of the envelope to a table that was made by `table_of_tree`.
 
-    The user may name the envelope's message without its package. If the envelope is not declared, but is one of the
-    messages of the ``past``, the table is returned unchanged, too. Otherwise a missing envelope raises
-    `DiagnosticsError`, which contains ``findings`` as well.
+    A table from mapping.yaml, or a table without an envelope, is returned unchanged. The user may name the envelope's
+    message without its package. ``past`` are the names of all messages in git's history: if only the history has the
+    envelope, the table is returned unchanged, too. Otherwise a missing envelope raises `DiagnosticsError`, which also
+    contains ``findings``.
     """
     if table.proto.root or not (table.envelope.message or table.envelope.file):
         return table
@@ -78,20 +82,26 @@ def must_have_envelope(table: Table, findings: Sequence[Diagnostic]) -> None:
 
 
 def _full_name(envelope: EnvelopeSettings, schema: Schema) -> str:
-    """Return the full name of the envelope's message. If several messages match, return the name that the user gave."""
+    """Return the full name of the envelope's message.
+
+    If no message or several messages match, return the name that the user gave.
+    """
     named = _named(envelope.message, schema.messages)
     return named[0] if len(named) == 1 and envelope.message not in named else envelope.message
 
 
 def _named(name: str, messages: Iterable[str]) -> list[str]:
-    """Return the full names of the messages that have a name in any package; empty if the name is empty."""
+    """Return the full names of all messages that are called ``name``, in any package.
+
+    ``Envelope`` finds ``rover.Envelope``. An empty name finds nothing.
+    """
     return [message for message in messages if name and f".{message}".endswith(f".{name}")]
 
 
 def _no_envelope(settings: EnvelopeSettings, schema: Schema, elsewhere: ProtoMessage | None) -> Diagnostic:
-    """Return the diagnostic for a missing envelope: its name or its file, as the user gave them, is wrong.
+    """Return the diagnostic for an envelope that was not found: the name or the file that the user gave is wrong.
 
-    ``elsewhere`` is the message if another file than ``settings.file`` declares it.
+    ``elsewhere`` is the envelope's message if another file than ``settings.file`` declares it, and otherwise None.
     """
     name, file = settings.message, settings.file
     in_file = [message.full_name for message in schema.messages.values() if message.span.file == file]
@@ -108,9 +118,9 @@ def _no_envelope(settings: EnvelopeSettings, schema: Schema, elsewhere: ProtoMes
 
 
 def _largest_oneof(envelope: ProtoMessage) -> str:
-    """Return the name of the oneof with the most members.
+    """Return the name of the oneof that has the most members in the envelope.
 
-    The name is empty for a message without oneofs; then all its fields count as payloads.
+    The name is empty for an envelope without oneofs; then all its fields count as payloads.
     """
     counted = Counter(field.oneof for field in envelope.fields if field.oneof)
     return counted.most_common(1)[0][0] if counted else ""

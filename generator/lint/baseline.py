@@ -5,6 +5,7 @@ The state comes from a git ref, a folder or a descriptor set.
 
 from __future__ import annotations
 
+import dataclasses
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,11 +14,11 @@ from pathlib import Path
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.message import DecodeError
 
-from roverlink.generator import lock
+from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
 from roverlink.generator.git import Commit, GitError, Repository
-from roverlink.generator.lint.input_rules import NO_SUCH_STATE, UNREADABLE_STATE
-from roverlink.generator.lock import Entry
+from roverlink.generator.lint.input_rules import DEEPEN, NO_SUCH_STATE, UNREADABLE_STATE
+from roverlink.generator.lock import Entry, RowSettings
 from roverlink.generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
 from roverlink.generator.protos.descriptors import schema_of
 from roverlink.generator.protos.files import read_protos
@@ -26,11 +27,12 @@ from roverlink.generator.protos.schema import Schema
 from roverlink.generator.table import Table, reader
 
 _TABLE = "mapping.yaml"
+_LARGEST_SET = 64 << 20  # bytes of a descriptor set, which contains many files and their comments
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Facts about the current project that are needed to read an earlier state of it."""
+    """Settings of the current project that are needed to read an earlier state of the project."""
 
     root: str
     """The folder of the .proto files, relative to the project; empty for the project's own folder."""
@@ -42,23 +44,27 @@ class Layout:
 
 @dataclass(frozen=True, slots=True)
 class Baseline:
-    """An earlier state of a project."""
+    """An earlier state of a project, with which the lint compares the current state."""
 
     name: str
-    """The name of the state, with which the file names of its places begin in diagnostics."""
+    """The beginning of the state's file names in diagnostics: ``main:`` for the git ref main, or the given path."""
     schema: Schema
     entries: tuple[Entry, ...]
-    """The payloads that the state's envelope, ledger and table contain."""
+    """The payloads in the envelope, the ledger and the table of the state."""
+    settings: tuple[RowSettings, ...]
+    """The settings of the rows, in the table and in the ledger of the state; empty if it has no table."""
     bounds: Bounds | None
     commit_of: Callable[[Span], Commit | None]
-    """Function that returns the commit which last changed the line of a place; None if it is unknown."""
+    """Function that takes a place and returns the commit that last changed its line; None if this commit is unknown."""
+    commit: str = ""
+    """The id of the state's commit; empty if a folder or a file holds the state."""
 
 
 def open_baseline(spec: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
-    """Read the earlier state that the option ``--against`` names. Parts that cannot be read are reported.
+    """Read the earlier state that ``spec``, the value of the option ``--against``, names.
 
-    If a folder or file has the name, it is used, and otherwise the git ref. Raises `DiagnosticsError` if nothing has
-    the name.
+    ``spec`` is a folder, a file with a descriptor set, or else a git ref. Diagnostics about parts that cannot be read
+    are added to ``findings``. Raises `DiagnosticsError` if nothing has this name, or if nothing can be read.
     """
     path = Path(spec)
     if path.is_dir():
@@ -70,14 +76,16 @@ def open_baseline(spec: str, project: Path, layout: Layout, findings: list[Diagn
 
 def _descriptor_set(path: Path, spec: str, layout: Layout) -> Baseline:
     try:
-        compiled = FileDescriptorSet.FromString(path.read_bytes())
+        compiled = FileDescriptorSet.FromString(source_files.read(path.parent, path.name, _LARGEST_SET))
     except (OSError, DecodeError) as error:
-        message = "is not a descriptor set, as written by `protoc --descriptor_set_out` or `buf build`"
-        raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), message)]) from error
+        why = f": {error.strerror}" if isinstance(error, OSError) else ""
+        message = f"the file is not a descriptor set{why}"
+        help = "write a descriptor set with `protoc --descriptor_set_out` or `buf build`"
+        raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), message, help)]) from error
     if not compiled.file:
-        raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), "is a descriptor set without any file")])
+        raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), "the descriptor set contains no .proto file")])
     schema = schema_of(compiled, spec)
-    return Baseline(spec, schema, tuple(_members(schema, layout)), None, lambda _: None)
+    return Baseline(spec, schema, tuple(_members(schema, layout)), (), None, lambda _: None)
 
 
 def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
@@ -86,7 +94,10 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic])
         commit = repository.resolve(ref)
     except GitError as error:
         message = f"{ref!r} is not a folder, a file, or a git ref"
-        help = str(error) or "`git branch --all` and `git tag` list the refs; a shallow clone has few of them"
+        help = (
+            str(error)
+            or f"`git branch --all` and `git tag` list the refs; a shallow clone gets all of them with {DEEPEN}"
+        )
         raise DiagnosticsError([NO_SUCH_STATE.at(Span("--against"), message, help)]) from error
     with tempfile.TemporaryDirectory(prefix="roverlink-state-") as folder:
         try:
@@ -96,13 +107,15 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic])
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_bytes(data)
         except (GitError, OSError) as error:
-            raise DiagnosticsError([UNREADABLE_STATE.at(Span(ref), f"cannot be read: {error}")]) from error
+            raise DiagnosticsError(
+                [UNREADABLE_STATE.at(Span(ref), f"the earlier state cannot be read: {error}")]
+            ) from error
 
         def commit_of(span: Span) -> Commit | None:
             file = span.file.removeprefix(f"{ref}:")
             return repository.commit_of_line(file, span.line, commit) if span.line else None
 
-        return _baseline_in(Path(folder), f"{ref}:", layout, commit_of, findings)
+        return dataclasses.replace(_baseline_in(Path(folder), f"{ref}:", layout, commit_of, findings), commit=commit)
 
 
 def _is_wanted(file: str) -> bool:
@@ -116,12 +129,12 @@ def _baseline_in(
     commit_of: Callable[[Span], Commit | None],
     findings: list[Diagnostic],
 ) -> Baseline:
-    """Read an earlier state from a folder.
+    """Read an earlier state from a folder; ``name`` is the beginning of its file names in diagnostics.
 
     The folder is a project, the folder of a project's .proto files, or any other folder with .proto files.
     """
-    # The rules judge the state of today. Of the earlier state, only what makes it unreadable is reported: it cannot be
-    # edited any more.
+    # The rules check the current state. Of the earlier state, only faults that make it unreadable are reported, because
+    # the user cannot edit it any more.
     own: list[Diagnostic] = []  # faults of the earlier state, which cannot be edited
     table = reader.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
     published = lock.read(folder / lock.NAME, own, shown(name, lock.NAME))
@@ -129,23 +142,27 @@ def _baseline_in(
     shown_root = shown(name, root) if root else name
     files = read_protos(folder / root, shown_root, findings)
     if not files:
-        raise DiagnosticsError([*findings, UNREADABLE_STATE.at(Span(shown_root), "contains no .proto file")])
+        raise DiagnosticsError(
+            [*findings, UNREADABLE_STATE.at(Span(shown_root), "the earlier state contains no .proto file")]
+        )
     excluded = table.proto.exclude if table else layout.exclude
     schema, errors = compile_tree(folder / root, [file for file in files if file not in excluded], shown_root)
     findings += [finding for finding in own if finding.severity is Severity.FATAL]
     findings += [_of_state(error) for error in errors]
     entries = (*published.entries, *_rows(table), *_members(schema, layout))
     of_table = as_lines(table_bounds(table, schema, folder / root, [])) if table else {}
-    return Baseline(name, schema, entries, read_bounds(schema, folder / root, shown_root, [], of_table), commit_of)
+    settings = (*([lock.settings_of_rows(table)] if table else []), published.settings)
+    bounds = read_bounds(schema, folder / root, shown_root, [], of_table)
+    return Baseline(name, schema, entries, settings, bounds, commit_of)
 
 
 def _of_state(error: Diagnostic) -> Diagnostic:
-    """Return the diagnostic for an error of protoc in the earlier state.
+    """Return the diagnostic for an error of protoc in a file of the earlier state.
 
-    Its help does not ask the user to edit the file.
+    The user cannot edit an earlier state, so the help suggests a comparison with another state.
     """
     help = "compare with another state, or with a descriptor set"
-    return UNREADABLE_STATE.at(error.span, f"does not compile: {error.message}", help)
+    return UNREADABLE_STATE.at(error.span, f"the earlier state does not compile: {error.message}", help)
 
 
 def _rows(table: Table | None) -> list[Entry]:
@@ -154,7 +171,7 @@ def _rows(table: Table | None) -> list[Entry]:
 
 
 def _members(schema: Schema, layout: Layout) -> list[Entry]:
-    """Return the members of the envelope's oneof in an earlier state."""
+    """Return the payloads in the envelope of an earlier state: the members of the envelope's oneof."""
     envelope = schema.messages.get(layout.envelope_message)
     fields = [field for field in envelope.fields if field.oneof == layout.oneof] if envelope else []
     return [Entry(f.number, f.name, f.wire_type, "", False, False, f.span) for f in fields]

@@ -1,8 +1,9 @@
-"""`buf breaking`: the program buf finds changes that break generated source code or JSON, which our rules do not check.
+"""Comparison of two states with the program buf (``buf breaking``).
 
-buf gets both states as descriptor sets of protoc, and its whole configuration on the command line. So it needs no
-network and no buf.yaml, and works with any earlier state. It uses buf's category FILE, which contains the rules of all
-other categories or stricter ones. Results that our own rules about bytes and the envelope already report are dropped.
+buf also finds changes that break generated source code or JSON, which our own rules do not check. buf gets both states
+as descriptor sets of protoc, and its whole configuration on the command line. So it needs no network and no buf.yaml,
+and works with any earlier state. We use buf's category FILE of rules, which contains the rules of all other categories
+or stricter ones. Results that our own rules about bytes and the envelope already report are dropped.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ _NUMBER = re.compile(r'(?:missing values: \[|")(-?\d+)')
 
 
 def rule(id: str) -> Rule | None:
-    """Return the `Rule` for a rule of buf, such as ``FIELD_NO_DELETE``; None if ``id`` cannot name a rule of buf."""
+    """Return the `Rule` for a rule of buf, such as ``FIELD_NO_DELETE``; None if ``id`` has another form."""
     return Rule(id, "buf-breaking", f"buf documents {id}.", Severity.WARNING) if _RULE.fullmatch(id) else None
 
 
@@ -87,11 +88,11 @@ def require() -> None:
 
 
 def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]:
-    """Compare two states with buf, and return the changes that break users of the protos.
+    """Compare two states with buf, and return a diagnostic for each change that breaks users of the .proto files.
 
-    Raises `DiagnosticsError` if buf fails.
-
-    The deletion of a map's entry message is dropped, because buf also reports the map field.
+    ``shown_root`` is the folder of the .proto files, as diagnostics show it. protoc makes an entry message for each map
+    field. If both are deleted, only the diagnostic about the map field is returned. Raises `DiagnosticsError` if buf
+    fails.
     """
     if not before.files or not after.files:
         return []  # no file compiled, and protoc's errors are already reported
@@ -145,9 +146,10 @@ def _failure(why: str) -> DiagnosticsError:
 
 
 def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_root: str) -> Diagnostic:
-    """Return the diagnostic for a line of buf's output, which is parsed JSON.
+    """Return the diagnostic for one line of buf's output; ``said`` is the line as parsed JSON.
 
-    A deleted file has no place. For other output, this raises `ValueError`, `LookupError` or `TypeError`.
+    buf gives no place for a deleted file; the place is then the folder of the .proto files. Raises `ValueError`,
+    `LookupError` or `TypeError` if ``said`` has another form.
     """
     id, message, path = str(said["type"]), str(said["message"]), str(said.get("path", ""))
     broken = rule(id)
@@ -167,10 +169,10 @@ def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_ro
 
 
 def _full_name(message: str, path: str, span: Span, before: Schema, after: Schema) -> str:
-    """Return the full name of the message or enum that a text of buf mentions; empty if it mentions none.
+    """Return the full name of the message or enum that buf's text ``message`` mentions; empty if it mentions none.
 
     buf writes the full name, the name without package, or only the last part of a nested type's name. If several types
-    match, the one that starts last before the place of the diagnostic is meant.
+    of the file match, this returns the type that starts last before ``span``, the place of the diagnostic.
     """
     name = _TYPE.search(message)
     if name is None:
@@ -186,7 +188,10 @@ def _full_name(message: str, path: str, span: Span, before: Schema, after: Schem
 
 
 def unstated(theirs: Iterable[Diagnostic], ours: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """Yield buf's diagnostics without those about a field or value whose number our own rules already report."""
+    """Yield the diagnostics of buf (``theirs``) that our own rules do not already report (``ours``).
+
+    Two diagnostics are about the same fault if they have the same message or enum and the same number.
+    """
     told = {(one.type, one.number) for one in ours if one.rule.id.startswith(_OURS)}
     for one in theirs:
         of_range = (

@@ -1,4 +1,4 @@
-"""Pins: a pin is the commit of the protos that another project, the consumer, uses.
+"""Pins: a pin says which commit of the .proto files another project, the consumer, uses.
 
 Pins are read from git submodules, from FetchContent in CMake files, or from a text file with one pin in each line.
 """
@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.git import GitError, Repository
 from roverlink.generator.lint.input_rules import UNREADABLE_PINS
@@ -26,32 +27,33 @@ _SUBMODULE = "160000"  # the mode of a submodule in a tree
 
 @dataclass(frozen=True, slots=True)
 class Pin:
-    """A project that uses the protos, and the commit of the protos that it uses."""
+    """A project that uses the .proto files (the consumer), and the commit of the .proto files that it uses."""
 
     consumer: str
     commit: str
-    """The commit as written: an id, a tag or a branch."""
+    """The commit as the source of the pin writes it: an id, a tag or a branch."""
     span: Span
     source: str
     """The file or the repository from which the pin was read."""
     listed: bool = False
-    """True if the pin was read from a list of pins.
+    """True if the pin was read from a text file with one pin in each line.
 
-    Such a list only has pins of the protos; other sources have more.
+    Such a file only has pins of the .proto files. Submodules and CMake files pin other repositories, too.
     """
     address: str = ""
-    """The address of the repository that the pin belongs to; empty if it is unknown."""
+    """The address (URL) of the repository whose commit is pinned; empty if it is unknown."""
 
 
 def read_pins(sources: Iterable[Path], findings: list[Diagnostic]) -> tuple[Pin, ...]:
-    """Read the pins from files and repositories. A source that contains no pin is reported."""
+    """Read the pins from files and repositories. A source without any pin is reported in ``findings``."""
     pins: list[Pin] = []
     for source in sources:
         read = len(findings)
         found = list(_pins_of(source, findings))
         if not found and len(findings) == read:
-            message = "contains no pinned commit: no submodule, no FetchContent with a GIT_TAG, no line `name commit`"
-            findings.append(UNREADABLE_PINS.at(Span(str(source)), message))
+            message = "the file or folder contains no pinned commit"
+            help = "name a repository with a submodule or a FetchContent with GIT_TAG, or a file of lines `name commit`"
+            findings.append(UNREADABLE_PINS.at(Span(str(source)), message, help))
         pins += found
     return tuple(pins)
 
@@ -62,7 +64,11 @@ def _pins_of(source: Path, findings: list[Diagnostic]) -> Iterator[Pin]:
         return
     name = source.resolve().name
     yield from _submodules(source, name)
-    paths = sorted(path for path in source.rglob("*") if path.name.endswith(_CMAKE) and path.is_file())
+
+    def unread(path: str, fault: str) -> None:
+        findings.append(UNREADABLE_PINS.at(Span(str(source / path)), fault))
+
+    paths = [source / path for path in source_files.walk(source, unread) if path.endswith(_CMAKE)]
     yield from _cmake_pins({path: _text(path, findings) for path in paths}, source, name)
 
 
@@ -80,27 +86,28 @@ def _pins_in_file(path: Path, findings: list[Diagnostic]) -> Iterator[Pin]:
                 findings.append(
                     UNREADABLE_PINS.at(
                         Span(str(path), number, 1),
-                        f"the line {line.strip()!r} is not a name and a commit (`name commit`)",
+                        f"the line {line.strip()!r} is not a name and a commit, such as `rover 4f1c2ab`",
                     )
                 )
 
 
 def _text(path: Path, findings: list[Diagnostic]) -> str:
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        text = source_files.read(path.parent, path.name).decode("utf-8", errors="replace")
     except OSError as error:
         findings.append(UNREADABLE_PINS.at(Span(str(path)), f"cannot be read: {error.strerror}"))
         return ""
     if "\0" in text:
-        findings.append(UNREADABLE_PINS.at(Span(str(path)), "is a binary file, not a list of pins"))
+        findings.append(UNREADABLE_PINS.at(Span(str(path)), "the file is binary, and not a list of pins"))
         return ""
     return text
 
 
 def _cmake_pins(texts: Mapping[Path, str], source: Path, consumer: str) -> Iterator[Pin]:
-    """Yield a pin for each FetchContent declaration with a GIT_TAG in CMake files; ``texts`` has the text of each file.
+    """Yield a pin for each ``FetchContent_Declare`` or ``ExternalProject_Add`` with a ``GIT_TAG`` in CMake files.
 
-    Comments are ignored. A CMake variable is replaced by the value that `set` gives to it.
+    ``texts`` has the text of each file. ``source`` is the file or repository that the user named. Comments are
+    ignored. A CMake variable is replaced by the value that ``set`` gives to it.
     """
     # Spaces take the place of a comment, so that every offset still belongs to the same line.
     bare = {path: _COMMENT.sub(lambda match: match[1] or " " * len(match[0]), text) for path, text in texts.items()}
@@ -115,7 +122,7 @@ def _cmake_pins(texts: Mapping[Path, str], source: Path, consumer: str) -> Itera
 
 
 def _word_after(keyword: str, words: list[str], variables: Mapping[str, str]) -> str:
-    """Return the word behind a keyword, with known CMake variables replaced; empty if the keyword is missing."""
+    """Return the word after a keyword, with known CMake variables replaced; empty if the keyword is missing."""
     if keyword not in words[:-1]:
         return ""
     word = words[words.index(keyword) + 1].strip('"')
@@ -143,7 +150,7 @@ def _addresses(folder: Path) -> dict[str, str]:
     modules = configparser.ConfigParser(strict=False, interpolation=None)
     try:
         # git indents the lines of a section. For configparser, an indented line would continue the value before it.
-        text = (folder / ".gitmodules").read_text(encoding="utf-8", errors="replace")
+        text = source_files.read(folder, ".gitmodules").decode("utf-8", errors="replace")
         modules.read_string("\n".join(line.strip() for line in text.splitlines()))
     except (OSError, configparser.Error):
         return {}

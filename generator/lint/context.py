@@ -1,25 +1,26 @@
-"""The context: all data that the rules may look at, such as the table, the protos, and earlier states."""
+"""Context of a lint: all data that the rules may look at, such as the table, the .proto files, and earlier states."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field, replace
 
-from roverlink.generator.diagnostics import Span, shown
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span, shown
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.history import History, branch_name
 from roverlink.generator.lint.pinned_numbers import Pinned
-from roverlink.generator.lock import Entry, Ledger
+from roverlink.generator.lock import Entry, Ledger, RowSettings, Setting, settings_of_row, topics_of
 from roverlink.generator.nanopb import Bounds
 from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
-from roverlink.generator.table import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER, Table
+from roverlink.generator.table import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER, Row, Table
 
 
 def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "") -> tuple[SchemaChange, ...]:
-    """Return the change between the ledger's schema and a schema, in a tuple; empty if the ledger has no entries.
+    """Return the change from the ledger's schema (mapping.lock, at the last ``generate``) to the current ``schema``.
 
-    ``incomplete`` names a message that `schema` does not contain in its final form. This message is not compared.
+    The tuple has one item; it is empty if the ledger has no entries. ``incomplete`` is the full name of a message that
+    lacks fields in ``schema``, because a row of the table has a mistake. This message is not compared.
     """
     if not published.entries:
         return ()
@@ -30,26 +31,51 @@ def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "")
 
 @dataclass(frozen=True, slots=True)
 class Past:
-    """The history of the protos in git, and the checks of it that the user requested."""
+    """History of the .proto files in git, and the checks of this history that the user requested."""
 
     history: History
     of_numbers: bool = False
     """True if the user requested the check of every number's history (``--history``)."""
     of_branches: bool = False
-    """True if the user requested the comparison of open branches (``--branches``)."""
+    """True if the user requested the comparison of branches that are not merged yet (``--branches``)."""
     pinned: tuple[Pinned, ...] = ()
-    """For each project that uses the protos: the numbers of the envelope at the commit which that project uses."""
+    """Other projects that use the .proto files (``--pins``), each with its commit and the envelope's numbers there."""
+    before: frozenset[str] = frozenset()
+    """Ids of the baseline's commit and its ancestors; empty if no commit is the baseline (``--against``)."""
 
     def taken(self, envelope: str) -> dict[int, str]:
-        """Return every number that the envelope ever had on any branch, with a text that says who has or had it."""
+        """Return every number that the envelope ever had on any branch, with a text that says which field had it.
+
+        ``envelope`` is the full name of the envelope's message. The text continues a sentence that starts with the
+        number: ``is 'imu_info' (ImuInfo) on main``. Numbers of commented-out fields are included.
+        """
         taken: dict[int, str] = {}
         for number, usages in self.history.claims(envelope).items():
-            taken[number] = f"was named in a comment for {usages[-1].name!r} ({usages[-1].came})"
+            taken[number] = f"was the number of the commented-out field {usages[-1].name!r} ({usages[-1].came})"
         for number, usages in self.history.numbers(envelope).items():
             last = usages[-1]
             where = f" on {branch_name(last.live_at[0])}" if last.live_at else f" until {last.went}"
             taken[number] = f"{'is' if last.live_at else 'was'} {last.name!r} ({last.type}){where}"
         return taken
+
+
+@dataclass(frozen=True, slots=True)
+class ChangedSetting:
+    """Setting of a row that was published with another value, such as its direction."""
+
+    before: dict[str, Setting]
+    """The published settings by their texts; each text differs from that of today."""
+    now: Setting | None
+    """The setting today; None if the row does not have it any more."""
+
+    @property
+    def published(self) -> str:
+        """The end of a diagnostic's message: the published texts, as in ``it was published with 'a' and with 'b'``."""
+        return f"it was published with {' and with '.join(map(repr, self.before))}"
+
+    def related(self) -> list[tuple[Span, str]]:
+        """Return the places of the published settings, each with a text, for a diagnostic."""
+        return [(setting.span, f"{text!r} was published here") for text, setting in self.before.items()]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,16 +92,58 @@ class Context:
     """The declarations in each .proto file that the table excludes, by path."""
     changes: tuple[SchemaChange, ...] = ()
     earlier_entries: tuple[Entry, ...] = ()
-    """The payloads of the baseline; empty without a baseline."""
+    """The payloads of the baseline, which is the earlier state that ``--against`` names; empty without a baseline."""
+    earlier_settings: tuple[RowSettings, ...] = ()
+    """The settings of the baseline's rows; empty without a baseline."""
     bounds: Bounds | None = None
-    """The size limits of nanopb; None if they were not read."""
+    """The size limits of strings, arrays and other fields for nanopb; None if they were not read."""
     past: Past | None = None
-    """The history in git; None if the user requested no check of it."""
+    """The history of the .proto files in git; None if the user requested no check of the history."""
 
     @property
     def published(self) -> tuple[Entry, ...]:
-        """All payloads that were published, according to the ledger and the baseline."""
+        """All payloads that were published, according to the ledger (mapping.lock) and the baseline (``--against``)."""
         return (*self.ledger.entries, *self.earlier_entries)
+
+    def changed_settings(self, row: Row) -> dict[str, ChangedSetting]:
+        """Return the settings of a row that were published with another value, by key.
+
+        Settings that the row did not have before are left out. The result is empty for a table with mistakes, in which
+        a setting may be missing because it could not be read, and for a member of an envelope without a table.
+        """
+        if not self.table.whole or not row.direction:
+            return {}
+        now = settings_of_row(row, self.table)
+        changed: dict[str, ChangedSetting] = {}
+        for published in (self.ledger.settings, *self.earlier_settings):
+            for key, setting in published.get((row.number, row.proto), {}).items():
+                today = now.get(key)
+                if today is None or today.text != setting.text:
+                    before = changed.setdefault(key, ChangedSetting({}, today)).before
+                    before.setdefault(setting.text, setting)
+        return changed
+
+    def diagnostic_of_change(
+        self, rule: Rule, row: Row, change: ChangedSetting, message: str, help: str, span: Span, rests_on: Span
+    ) -> Diagnostic:
+        """Return the diagnostic of a rule about a changed setting of a row, with the places of the published settings.
+
+        It is dropped as a consequence if another diagnostic stands at the row's number, at its message or at
+        ``rests_on``.
+        """
+        places = [row.at("number"), row.at("proto"), rests_on]
+        envelope = self.table.envelope.message
+        return rule.at(span, message, help, change.related(), type=envelope, number=row.number, rests_on=places)
+
+    def changed_topics(self) -> Iterator[tuple[Row, str, ChangedSetting | None, ChangedSetting | None]]:
+        """Yield each topic of each row, with the published type and the published QoS if they differ from today's.
+
+        A topic that the row does not have any more is left out.
+        """
+        for row in self.table.rows:
+            changed = self.changed_settings(row)
+            for topic, type_key, qos_key in topics_of(row):
+                yield row, topic.topic, changed.get(type_key), changed.get(qos_key)
 
     def next_number(self) -> int:
         """Return the envelope number for the next payload: the smallest free number above all used and published ones.
@@ -98,8 +166,8 @@ class Context:
     def occupied(self, number: int, besides: Set[int] = frozenset()) -> Iterator[tuple[int, int, str]]:
         """Yield the occupied numbers of the envelope from ``number`` on, until a number is free.
 
-        Each item is a range with both ends included, and the reason why it is occupied. Numbers in ``besides`` count as
-        free.
+        Each item is the first and the last number of a range, and the reason why the range is occupied:
+        ``(8, 12, "is reserved in envelope.proto")``. Numbers in ``besides`` count as free.
         """
         taken, closed = self.taken(), list(self._closed())
         while True:
@@ -112,18 +180,21 @@ class Context:
             number = found[0][0] + 1
 
     def largest_number(self) -> int:
-        """Return the largest number of the table and of all published payloads; 0 for none."""
+        """Return the largest envelope number in the table and among all published payloads; 0 if there is none."""
         return max([0, *self.table.numbers, *(entry.number for entry in self.published)])
 
     def taken(self) -> dict[int, str]:
-        """Return every single number of the envelope that is used or must not be reused, with the reason."""
+        """Return each number of the envelope that is used or must not be used again, with the reason as text.
+
+        Ranges of reserved numbers are not included.
+        """
         # From the weakest reason to the strongest: a later one replaces an earlier one for the same number.
         table, envelope = self.table, self.table.envelope.message
         taken: dict[int, str] = {}
         for path, message in self.declared(envelope):
             taken |= {field.number: f"is {field.name!r} in {path}" for field in message.fields}
         for claim, span in self.envelope_claims():
-            taken[claim.number] = f"is named in a comment for {claim.name!r} ({span})"
+            taken[claim.number] = f"is the number of the commented-out field {claim.name!r} ({span})"
         if self.past is not None:
             taken |= self.past.taken(envelope)
         for number, burned in self.ledger.burned_in(envelope).items():
@@ -136,7 +207,7 @@ class Context:
         return taken | {row.number: f"is {row.name!r} ({row.proto})" for row in table.rows}
 
     def _closed(self) -> Iterator[tuple[int, int, str]]:
-        """Yield ranges of numbers that the envelope must not use, each with the reason. Both ends are included."""
+        """Yield ranges of numbers that the envelope must not use: first number, last number, and the reason."""
         yield IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1, "is reserved for protobuf itself"
         for path, message in self.declared(self.table.envelope.message):
             for first, last in message.reserved:
@@ -145,17 +216,20 @@ class Context:
                 yield first, last, f"is for extensions in {path}"
 
     def place(self, file: str, line: int, column: int) -> Span:
-        """Return a place in a .proto file; ``file`` is relative to the folder of the protos."""
+        """Return a place in a .proto file, as diagnostics show it; ``file`` is relative to the .proto folder."""
         return Span(shown(self.table.proto.root, file), line, column)
 
     def envelope_claims(self) -> Iterator[tuple[ProtoField, Span]]:
-        """Yield each member of the envelope that stands in a comment, with its place."""
+        """Yield each field of the envelope that is commented out in a .proto file, with its place."""
         for path, message in self.declared(self.table.envelope.message):
             for claim in message.claims:
                 yield claim, self.place(path, claim.span.line, claim.span.column)
 
     def declared(self, full_name: str) -> Iterator[tuple[str, ProtoMessage]]:
-        """Yield each declaration of a message with the path of its file. A message may be declared in several files."""
+        """Yield each declaration of the message ``full_name``, with the path of its file.
+
+        By mistake, several files may declare the same message.
+        """
         for path, file in self.files.items():
             for message in file.messages:
                 if message.full_name == full_name:

@@ -1,4 +1,4 @@
-"""The engine of the lint: runs every rule, and then changes the severities as the table says."""
+"""Engine of the lint: runs every rule, and then lowers severities as the table says in its ``lint`` sections."""
 
 from __future__ import annotations
 
@@ -16,8 +16,12 @@ _OF_CHANGES = "WIR"
 
 
 def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
-    """Return the diagnostics of all rules, and those of buf in ``of_buf``, with the severities that the table sets."""
-    # Two rules, or two earlier states, may say the same. A dict removes repetitions and keeps the order of the rules.
+    """Run all rules, and return their diagnostics and those of buf, with the severities that the table sets.
+
+    ``of_buf`` are the diagnostics of the program buf. Those that repeat a diagnostic of our own rules are dropped.
+    """
+    # Two rules may find the same fault, and so may comparisons with two earlier states. A dict removes repetitions and
+    # keeps the order of the rules.
     found = dict.fromkeys(finding for module in modules().values() for finding in module.check(context))
     said = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
     counted = (_as_the_table_says(finding, context) for finding in said)
@@ -25,7 +29,11 @@ def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic
 
 
 def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:
-    """Drop diagnostics about a changed field of the envelope if a rule about the envelope also reports the field."""
+    """Yield the diagnostics without those that report a field of the envelope a second time.
+
+    If a rule about the envelope (``ENV...``) reports a number, the diagnostics of the rules about changes (``WIR...``)
+    for the same number are dropped. ``envelope`` is the full name of the envelope's message.
+    """
     found = list(found)
     payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
     told = {*payloads, None} if payloads else payloads  # None stands for a range of reserved numbers
@@ -35,7 +43,10 @@ def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator
 
 
 def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | None:
-    """Return a diagnostic with the severity that the table sets; None if the table turns it off."""
+    """Return a diagnostic with the severity that the table sets; None if the table turns it off.
+
+    A fatal diagnostic stays as it is.
+    """
     if finding.severity is Severity.FATAL:
         return finding
     severity: Severity = finding.severity
@@ -56,9 +67,10 @@ def _lowerings(finding: Diagnostic, context: Context) -> Iterator[Lowered]:
 
 
 def _is_about(finding: Diagnostic, number: int, proto: str, context: Context) -> bool:
-    """Return True if a diagnostic is about a row of the table.
+    """Return True if a diagnostic is about the row with the envelope number ``number`` and the message ``proto``.
 
-    It is, if it has the row's number and concerns the envelope, or if it concerns the row's message or a type inside.
+    A diagnostic about the envelope, or about no type, must have the row's number. Any other diagnostic must be about
+    the row's message, or about a message or enum inside it.
     """
     if finding.type in ("", context.table.envelope.message):
         return finding.number == number

@@ -1,4 +1,7 @@
-"""Free numbers for fields and enum values: numbers that no declaration, comment or published state has used."""
+"""Free numbers for fields and enum values, which help texts offer to the user.
+
+A number is free if no declaration, no comment and no published state has used it.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,9 @@ _IMPLEMENTATION = (IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1
 
 
 def next_field_number(context: Context, full_name: str, taken: Iterable[int] = ()) -> int | None:
-    """Return the number for the next field of a message: above all numbers that were ever used. None if none is left.
+    """Return a free number for a new field of a message; None if no number is left.
+
+    The number is larger than all numbers that fields of the message use, used earlier, or have in a comment.
 
     ``taken`` are numbers that help texts have already offered for other fields.
     """
@@ -36,7 +41,9 @@ def next_field_number(context: Context, full_name: str, taken: Iterable[int] = (
 
 
 def next_enum_number(context: Context, full_name: str, taken: Iterable[int] = ()) -> int | None:
-    """Return the number for the next value of an enum: above all numbers that were ever used. None if none is left.
+    """Return a free number for a new value of an enum; None if no number is left.
+
+    The number is larger than all numbers that values of the enum use, used earlier, or have in a comment.
 
     ``taken`` are numbers that help texts have already offered for other values.
     """
@@ -52,7 +59,10 @@ def next_enum_number(context: Context, full_name: str, taken: Iterable[int] = ()
 
 
 def new_numbers(context: Context, pair: EnumPair) -> dict[str, int]:
-    """Return a free number for each new enum value that took the number of an old value, by the new value's name."""
+    """Return a free number for each new enum value that took the number of an old value.
+
+    The keys are the names of the new values.
+    """
     known, taken = {value.name for value in pair.old.values}, {value.number for value in pair.old.values}
     numbers: dict[str, int] = {}
     for value in pair.new.values:
@@ -63,7 +73,7 @@ def new_numbers(context: Context, pair: EnumPair) -> dict[str, int]:
 
 
 class NewNumbers:
-    """The free numbers that help texts offer for the fields of a changed schema; each number is offered once."""
+    """Free numbers that help texts offer for fields that need another number; each free number is offered once."""
 
     def __init__(self, context: Context, change: SchemaChange) -> None:
         self._context = context
@@ -90,7 +100,10 @@ class NewNumbers:
 
 
 def back_or_renumber(numbers: NewNumbers, pair: FieldPair, undo: str = "") -> str:
-    """Return a help text that tells how to undo the change of a field, or how to give the field a new number."""
+    """Return a help text that tells how to undo the change of a field, or how to give the field a new number.
+
+    ``undo`` is the first part of the text; if it is empty, the text says to put back the old declaration.
+    """
     owner, old, new = written(pair)
     undo = undo or back(pair)
     message = pair.change.after.messages.get(owner)
@@ -105,7 +118,10 @@ def back_or_renumber(numbers: NewNumbers, pair: FieldPair, undo: str = "") -> st
 def changed_field(
     rule: Rule, numbers: NewNumbers, pair: FieldPair, message: str, place: Callable[[ProtoField], Span]
 ) -> Diagnostic:
-    """Return the diagnostic for a change that makes old values of a field unreadable."""
+    """Return the diagnostic for a change that makes old values of a field unreadable.
+
+    ``place`` returns the part of a field's declaration to point at, such as its name or its type.
+    """
     return rule.at(
         place(pair.new),
         message,

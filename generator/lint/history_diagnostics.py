@@ -1,11 +1,15 @@
-"""Diagnostics about history: the place of a number today, and the commits that gave it its meanings."""
+"""Diagnostics about numbers that had several meanings in git's history.
+
+A diagnostic shows where the number is declared today, and which commits gave it its meanings.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Sequence, Set
 from itertools import groupby
 
-from roverlink.generator.diagnostics import Diagnostic, Rule, Span, Use
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span, Use
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.history import Confidence, History, Kind, Relation, Reuse, Usage, branch_name
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
@@ -17,15 +21,16 @@ _RELATIONS = {
 }
 _CONFIDENCES = {
     Confidence.CERTAIN: "",
-    Confidence.LIKELY: "; some of the files have syntax errors",
-    Confidence.DOUBTFUL: "; all of the files have syntax errors",
+    Confidence.LIKELY: "; this is not certain: some of the old files have syntax errors, or a type is not declared",
+    Confidence.DOUBTFUL: "; this is doubtful: all old files with one of these meanings have syntax errors",
 }
 
 
 def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[str, int, list[Reuse]]]:
-    """Yield each number of a message or enum that had several meanings in history, with its changes of meaning.
+    """Yield each number that had several meanings in git's history, with its changes of meaning.
 
-    Only changes of the given kinds count. Numbers that the user has accepted with ``--accept`` are left out.
+    Each item has the full name of the message or enum, the number, and the changes. Only changes of the given kinds
+    count. Numbers whose meanings the user has accepted with ``--accept`` are left out.
     """
     past = context.past
     if past is None or not past.of_numbers:
@@ -45,22 +50,29 @@ def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[str, 
 
 
 def _stands_for(name: str, owner: str, context: Context, history: History) -> bool:
-    """Return True if a message now has the other name ``name``, so that its reuses are reported under that name."""
+    """Return True if the reuses of the message or enum ``owner`` are reported under its other full name ``name``.
+
+    A message that moved to another package has several full names. Its reuses are reported once, under the name that is
+    declared today.
+    """
     today = [(_declared(context, each) is not None, each) for each in (owner, name)]
     return today[0] < today[1] and {*history.names(owner)} <= {*history.names(name)}
 
 
 def _usages(history: History, owner: str, number: int, reuses: Sequence[Reuse]) -> list[Usage]:
-    """Return the usages that some reuses concern, the earliest first."""
+    """Return the usages of a number (its meanings) that the given reuses are about, the earliest first."""
     concerned = {usage for reuse in reuses for usage in (reuse.earlier, reuse.later)}
     return [usage for usage in history.numbers(owner)[number] if usage in concerned]
 
 
 def reported(rule: Rule, context: Context, owner: str, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
-    """Return the diagnostic about one number that had several meanings. The context must contain the history."""
+    """Return the diagnostic about one number that had several meanings in history.
+
+    It is a hint if the baseline's history has all these meanings already. The context must contain the history.
+    """
     assert context.past is not None, "the rules of history check this first"  # noqa: S101  # for mypy
     usages = _usages(context.past.history, owner, number, reuses)
-    return rule.at(
+    finding = rule.at(
         place_of(context, owner, number),
         f"number {number} of {owner!r} was {_told(usages, reuses)}; {_today(context, owner, number)}"
         f"{_CONFIDENCES[max(reuse.confidence for reuse in reuses)]}",
@@ -70,10 +82,27 @@ def reported(rule: Rule, context: Context, owner: str, number: int, reuses: Sequ
         number=number,
         uses=[Use(usage.type, usage.name, usage.came, usage.went) for usage in usages],
     )
+    # With --against, what matters is the change since the baseline. A tree without a table has no ledger into which
+    # earlier cases could be accepted, so that without this every change would fail because of them.
+    if all(_began(reuse) <= context.past.before for reuse in reuses):
+        return dataclasses.replace(finding, severity=Severity.HINT)
+    return finding
+
+
+def _began(reuse: Reuse) -> set[str]:
+    """Return the ids of the commits without which the number would not have both meanings."""
+    # A message that kept its name has one usage, and got its new content later.
+    return {
+        reuse.earlier.came.id,
+        reuse.new.commit.id if reuse.later is reuse.earlier and reuse.new else reuse.later.came.id,
+    }
 
 
 def _told(usages: Sequence[Usage], reuses: Sequence[Reuse]) -> str:
-    """Return a text with the meanings of a number, and how they followed each other in time."""
+    """Return a text with the meanings of a number, and how they followed each other in time.
+
+    An example is ``'gps' (Gps) and 'wind' (Wind), one after the other on one branch``.
+    """
     last = reuses[-1]
     told = " and ".join(dict.fromkeys(_called(usage) for usage in usages))
     if len(usages) == 1 and last.old:
@@ -83,9 +112,10 @@ def _told(usages: Sequence[Usage], reuses: Sequence[Reuse]) -> str:
 
 
 def place_of(context: Context, owner: str, number: int) -> Span:
-    """Return the place of a field's or value's number today.
+    """Return the place where a number of the message or enum ``owner`` is declared today.
 
-    If no declaration has the number, this is the place of its message or enum, or else of the envelope.
+    If no declaration has the number, this is the place of the message or enum. If the message or enum does not exist
+    today, it is the place of the envelope.
     """
     declared = _declared(context, owner)
     if declared is None:
@@ -95,7 +125,10 @@ def place_of(context: Context, owner: str, number: int) -> Span:
 
 
 def stands_today(context: Context, owner: str, number: int) -> tuple[str, str] | None:
-    """Return type and name of the field or value that has a number today; None if no declaration has it."""
+    """Return type and name of the field or enum value that has a number today; None if no declaration has the number.
+
+    The type of an enum value is empty.
+    """
     declared = _declared(context, owner)
     part = _parts(declared).get(number) if declared else None
     return None if part is None else (part.wire_type if isinstance(part, ProtoField) else "", part.name)
@@ -127,7 +160,11 @@ def _today(context: Context, owner: str, number: int) -> str:
 
 
 def _help(context: Context, owner: str, number: int) -> str:
-    accept = "`roverlink lint --history --accept` records this case, and later runs only report new cases"
+    accept = (
+        "`roverlink lint --history --accept` records this case in the ledger; later runs only report new cases"
+        if context.table.proto.root
+        else "with `--against REF`, cases that the branch or tag REF has already are only hints"
+    )
     declared = _declared(context, owner)
     if declared is None or _is_reserved(declared, number):
         return accept
@@ -142,8 +179,8 @@ def _called(usage: Usage) -> str:
 
 def _usage(usage: Usage) -> str:
     end = (
-        f"was removed with {usage.went}"
+        f"and was removed with {usage.went}"
         if usage.went
-        else f"is on {', '.join(branch_name(ref) for ref in usage.live_at[:3])}"
+        else f"and is now on {', '.join(branch_name(ref) for ref in usage.live_at[:3])}"
     )
     return f"{_called(usage)} was added with {usage.came}, {end}"

@@ -1,15 +1,22 @@
-"""Rules about input that the lint cannot read: an earlier state, the protos, git's history, or pins."""
+"""Rules about input that the lint cannot read: an earlier state, the .proto files, git's history, or pins.
+
+A pin is the commit of the .proto files that another project uses.
+"""
 
 from __future__ import annotations
 
 from roverlink.generator.diagnostics import Rule, Severity
+
+DEEPEN = "`git fetch --unshallow origin '+refs/heads/*:refs/remotes/origin/*'` (on GitHub: fetch-depth: 0)"
+"""Help for a shallow clone, which has one branch and a part of its commits."""
 
 NO_SUCH_STATE = Rule(
     "STA101",
     "no-such-state",
     """`--against` names something that is not a folder, a file or a git ref.
 
-Without the earlier state, the lint cannot check any change.
+`--against` names the earlier state of the project with which the lint compares. Without this state, the lint cannot
+check any change.
 
 Bad::
 
@@ -27,11 +34,11 @@ UNREADABLE_STATE = Rule(
     "unreadable-state",
     """The earlier state, or a file of it, cannot be read or does not compile.
 
-The lint cannot check changes of messages that are unknown there.
+The lint cannot check changes of messages that it cannot read in the earlier state.
 
 Bad::
 
-    old.binpb: fatal[STA102] is not a descriptor set
+    old.binpb: fatal[STA102] the file is not a descriptor set
 
 Good::
 
@@ -43,14 +50,14 @@ Good::
 NO_PROTOS = Rule(
     "STA103",
     "no-protos",
-    """The folder does not exist, or contains no `.proto` file.
+    """The folder that the lint has to check does not exist, is outside the git repository, or has no `.proto` file.
 
-A lint that read nothing must not pass.
+A lint run that read no file must not succeed.
 
 Bad::
 
     $ roverlink lint protos
-    protos: fatal[STA103] contains no .proto file
+    protos: fatal[STA103] the folder contains no .proto file
 
 Good::
 
@@ -62,9 +69,9 @@ Good::
 NO_ENVELOPE_MESSAGE = Rule(
     "STA104",
     "no-envelope-message",
-    """In a tree without a table, the envelope's message is not declared or not named.
+    """The envelope's message is not named, or no file declares it, in a folder without a mapping.yaml.
 
-The numbers of payloads are numbers of the envelope, so the lint has to know this message.
+The numbers of the payloads are field numbers of the envelope, so the lint has to know this message.
 
 Bad::
 
@@ -82,7 +89,7 @@ UNREADABLE_HISTORY = Rule(
     "unreadable-history",
     """git's history cannot be read.
 
-There is no repository, or git is not installed.
+The folder is in no git repository, or git is not installed.
 
 Bad::
 
@@ -98,9 +105,9 @@ Good::
 LIMITED_HISTORY = Rule(
     "STA106",
     "limited-history",
-    """A part of the history is missing, or some state of a file cannot be read.
+    """A part of git's history is missing, or an old state of a file cannot be read.
 
-A number that was used only in that part looks unused. Many CI systems clone without history by default.
+A number that was used only in the missing part looks unused. Many CI systems clone without history by default.
 
 Bad::
 
@@ -118,7 +125,8 @@ UNREADABLE_PINS = Rule(
     "unreadable-pins",
     """A source of pins cannot be read, contains no pin, or names a commit that the repository does not have.
 
-If the commit of a consumer is unknown, it may disagree with all others.
+A pin names the commit of the .proto files that another project uses. If this commit is unknown, the project may use
+numbers with other meanings, and the lint cannot see it.
 
 Bad::
 

@@ -1,4 +1,4 @@
-"""The numbers of the envelope at the commits of the protos that other projects, the consumers, use."""
+"""Envelope numbers in other projects, the consumers: each project uses (pins) one commit of the .proto files."""
 
 from __future__ import annotations
 
@@ -12,20 +12,23 @@ from roverlink.generator.lint.history import differ
 from roverlink.generator.lint.input_rules import UNREADABLE_PINS
 from roverlink.generator.protos.parser import parse
 
-_FETCH = "`git fetch --all` gets new commits"
+_FETCH = "run `git fetch --all` to get new commits, or correct the pin"
 
 
 @dataclass(frozen=True, slots=True)
 class Pinned:
-    """A project that uses the protos, the commit that it uses, and the envelope's numbers at that commit."""
+    """A project that uses the .proto files, the commit that it uses, and the envelope's numbers at that commit."""
 
     pin: Pin
     commit: Commit
     numbers: Mapping[int, tuple[str, str]]
-    """Type and name of the payload of each number."""
+    """Type and name of each payload by number, such as ``{3: ("ImuInfo", "imu_info")}``."""
 
     def disagreements(self, other: Pinned) -> list[int]:
-        """Return the numbers to which the commits of the two projects give different payloads."""
+        """Return the envelope numbers that have different payloads in this project's commit and in the other's commit.
+
+        Each commit is the one of the .proto files that the project uses.
+        """
         return sorted(
             number
             for number in self.numbers.keys() & other.numbers.keys()
@@ -36,8 +39,9 @@ class Pinned:
 def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, findings: list[Diagnostic]) -> list[Pinned]:
     """Read the envelope's numbers at the commit of each pin.
 
-    A source may also pin other repositories. So an unknown commit is only reported if the pin comes from a list of
-    pins, or if its address is that of this repository. A source without any known commit is reported as well.
+    The file or repository with the pins may also pin other repositories. So an unknown commit is only reported if the
+    pin comes from a list of pins, or if its address is that of this repository. A file or repository without any known
+    commit is reported as well.
     """
     pinned: list[Pinned] = []
     faults: list[Diagnostic] = []
@@ -71,17 +75,20 @@ def _pinned(pin: Pin, repository: Repository, envelope: str) -> Pinned:
 
 
 def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Diagnostic]:
-    """Yield a diagnostic for each source of which no pin is a commit of this repository."""
+    """Yield a diagnostic for each source of pins (a file or repository) without any commit of this repository.
+
+    ``known`` are the sources that have such a commit.
+    """
     for source in dict.fromkeys(pin.source for pin in pins if pin.source not in known):
         others = ", ".join(f"{pin.consumer} ({pin.commit})" for pin in pins if pin.source == source)
-        message = f"none of its pins is a commit of this repository: {others}"
+        message = f"none of the pins here is a commit of this repository: {others}"
         yield UNREADABLE_PINS.at(Span(source), message, _FETCH)
 
 
 def _numbers_at(repository: Repository, commit: str, envelope: str) -> dict[int, tuple[str, str]] | None:
     """Return type and name of each payload by number, at a commit; None if the commit does not declare the envelope.
 
-    A message with the envelope's name in another package counts, too.
+    If no message has the full name ``envelope``, a message of the same name in another package is used.
     """
     name = envelope.rpartition(".")[2]
     protos = [file for file in repository.files(commit) if file.endswith(".proto")]

@@ -1,12 +1,16 @@
-"""The lint as a whole: reads all inputs and runs all rules, for a project or a tree of .proto files without a table."""
+"""Complete run of the lint: reads all inputs and runs all rules.
+
+The input is a project with a table (mapping.yaml), or a folder of .proto files without a table.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from roverlink.generator import lock
+from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, in_order
 from roverlink.generator.git import Commit, GitError, Repository
 from roverlink.generator.lint import bare_tree, buf
@@ -16,7 +20,7 @@ from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past, since_last_generate
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lint.history import read_history
-from roverlink.generator.lint.input_rules import LIMITED_HISTORY, NO_PROTOS, UNREADABLE_HISTORY
+from roverlink.generator.lint.input_rules import DEEPEN, LIMITED_HISTORY, NO_PROTOS, UNREADABLE_HISTORY
 from roverlink.generator.lint.pinned_numbers import read_pinned
 from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
 from roverlink.generator.protos.files import index_declarations, read_protos
@@ -29,22 +33,25 @@ from roverlink.generator.table import Table, reader
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """The checks that the user requests in addition to the check of the current state."""
+    """Options of a lint run: the checks that the user requests in addition to the check of the current state."""
 
     against: str | None = None
     """The earlier state to compare with: a folder, a descriptor set, or a git ref. None for no comparison."""
     with_buf: bool = False
-    """True if the program buf has to compare the two states, too."""
+    """True if the program buf must also compare the earlier state with the current one."""
     history: bool = False
-    """True if the lint has to check every number's history in git."""
+    """True if the lint must check the history of every number in git."""
     branches: bool = False
-    """True if the lint has to compare open branches with each other."""
+    """True if the lint must compare the branches that are not merged yet with each other."""
     pins: tuple[Path, ...] = ()
-    """Files and repositories from which to read the commits of the protos that other projects use."""
+    """Files and repositories that say which commit of the .proto files each other project uses."""
     envelope: bool = False
-    """True if the lint has to fail when the user names no envelope."""
+    """True if the lint must fail when the user does not name the envelope's message."""
     report: Callable[[int, int], None] | None = None
-    """Function that is called with the number of file states read from history, and their total."""
+    """Function that shows progress: it gets the number of file states read from git so far, and their total number.
+
+    None if no progress is shown.
+    """
 
     @property
     def of_the_past(self) -> bool:
@@ -53,40 +60,48 @@ class Question:
 
     @property
     def of_the_envelope(self) -> bool:
-        """True if the lint has to fail when the envelope's message is not named."""
+        """True if a requested check needs the envelope's message, so that the lint must fail if it is not named."""
         return self.envelope or self.branches or bool(self.pins)
 
 
 @dataclass(frozen=True, slots=True)
 class Linted:
-    """The diagnostics of a lint, and the data that commands need to show or accept them."""
+    """Result of a lint run: the diagnostics, and the data that commands need to show or accept them."""
 
     findings: tuple[Diagnostic, ...]
     folder: Path
     """The folder to which the paths in diagnostics are relative."""
     commit_of: Callable[[Span], Commit | None]
-    """Function that returns the commit which last changed the line of a place; None if it is unknown."""
+    """Function that takes a place and returns the commit that last changed its line; None if this commit is unknown."""
     context: Context
     """The context that the rules looked at."""
 
     @property
     def limits(self) -> list[Diagnostic]:
-        """The diagnostics that say that an input could not be read, or not completely."""
+        """The diagnostics about inputs that the lint could not read, or could read only in part."""
         partly = (LIMITED_HISTORY, DOES_NOT_COMPILE)
         return [one for one in self.findings if one.severity is Severity.FATAL or one.rule in partly]
 
 
 def lint_project(table_path: Path, question: Question) -> Linted:
-    """Lint the project of a table. Raises `DiagnosticsError` if nothing can be linted."""
+    """Lint the project that belongs to the table at ``table_path``.
+
+    Raises `DiagnosticsError` if nothing can be linted.
+    """
     project = table_path.resolve().parent
     findings: list[Diagnostic] = []
     table = reader.read(table_path, findings, table_path.name)
     published = lock.read(project / lock.NAME, findings)
+    if not table.proto.root:  # `proto` is missing or misspelt: the project's whole folder is not what the user meant
+        raise DiagnosticsError([*findings, *lint(Context(table, None, published))])
     return _lint(project, table, published, question, findings)
 
 
 def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) -> Linted:
-    """Lint a folder of .proto files without a table. Raises `DiagnosticsError` if nothing can be linted."""
+    """Lint the folder ``root`` of .proto files, which has no table.
+
+    Raises `DiagnosticsError` if nothing can be linted.
+    """
     findings: list[Diagnostic] = []
     return _lint(root.resolve(), bare_tree.table_of_tree(envelope), lock.Ledger(), question, findings)
 
@@ -99,14 +114,22 @@ def _lint(
     root, shown_root = project / table.proto.root, table.proto.root
     if not root.is_dir():
         message = f"the folder {str(table.proto.root or project)!r} does not exist; nothing was linted"
-        raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message)])
+        raise DiagnosticsError(
+            [*findings, NO_PROTOS.at(table.proto.at("root"), message, "correct the path of the folder")]
+        )
+    if table.proto.root and source_files.leads_out(project, root):
+        message = f"the folder {table.proto.root!r} is outside the git repository; nothing was linted"
+        help = "move the .proto files into the repository, or add their repository as a submodule"
+        raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message, help)])
     if question.of_the_envelope:
         bare_tree.must_have_envelope(table, findings)
     past = _past(root, table.envelope.message, question, findings) if question.of_the_past else None
     found_before = len(findings)
     declared = read_protos(root, shown_root, findings)
     if not declared and len(findings) == found_before and not (past and past.history.messages):
-        raise DiagnosticsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "contains no .proto file")])
+        message = "the folder contains no .proto file"
+        help = "give the folder that contains your .proto files"
+        raise DiagnosticsError([*findings, NO_PROTOS.at(Span(shown_root or "."), message, help)])
     kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
     left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
     schema, errors = compile_tree(root, list(kept), shown_root)
@@ -117,6 +140,8 @@ def _lint(
     of_table = as_lines(table_bounds(table, schema, root, findings))
     layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
     baseline = _baseline(question, project, layout, findings)
+    if past and baseline and baseline.commit:
+        past = dataclasses.replace(past, before=Repository(project).reachable(baseline.commit))
     context = Context(
         table=table,
         schema=schema,
@@ -125,6 +150,7 @@ def _lint(
         excluded_files=left_out,
         changes=_changes(schema, baseline, published),
         earlier_entries=baseline.entries if baseline else (),
+        earlier_settings=baseline.settings if baseline else (),
         bounds=read_bounds(schema, root, table.proto.root, findings, of_table),
         past=past,
     )
@@ -134,9 +160,9 @@ def _lint(
 
 
 def _past(root: Path, envelope: str, question: Question, findings: list[Diagnostic]) -> Past:
-    """Read the history, the branches and the pins that the user requested.
+    """Read the history and branches of the .proto files in git, and the commits that other projects use (pins).
 
-    Raises `DiagnosticsError` if the folder is not in a git repository.
+    Raises `DiagnosticsError` if git cannot read the history, for example because the folder is in no repository.
     """
     try:
         history = read_history(root, question.report)
@@ -145,11 +171,11 @@ def _past(root: Path, envelope: str, question: Question, findings: list[Diagnost
         raise DiagnosticsError([*findings, UNREADABLE_HISTORY.at(Span(str(root)), message, str(error))]) from error
     if history.shallow:
         message = f"this is a shallow clone: its history goes back only {history.depth} commits"
-        findings.append(LIMITED_HISTORY.at(Span(str(root)), message, "`git fetch --unshallow` gets the rest"))
+        findings.append(LIMITED_HISTORY.at(Span(str(root)), message, f"get the rest with {DEEPEN}"))
     for path in history.unread:
         findings.append(
             LIMITED_HISTORY.at(
-                Span(path), "some past states of this file are binary, too large, or missing, and were not checked"
+                Span(path), "some earlier versions of this file are binary, too large, or missing, and were not checked"
             )
         )
     pins = read_pinned(read_pins(question.pins, findings), Repository(root), envelope, findings)
@@ -157,9 +183,10 @@ def _past(root: Path, envelope: str, question: Question, findings: list[Diagnost
 
 
 def _baseline(question: Question, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline | None:
-    """Read the earlier state to compare with; None if the user requested none.
+    """Read the earlier state that the user wants to compare with; None if the user requested no comparison.
 
-    If the state cannot be read, this is reported, and None is returned, so that the other checks still run.
+    If the state cannot be read, a diagnostic is added to ``findings`` and the result is None. The other checks still
+    run.
     """
     try:
         return open_baseline(question.against, project, layout, findings) if question.against else None
@@ -169,9 +196,9 @@ def _baseline(question: Question, project: Path, layout: Layout, findings: list[
 
 
 def _of_buf(before: Schema, after: Schema, shown_root: str, findings: list[Diagnostic]) -> list[Diagnostic]:
-    """Return the diagnostics of buf.
+    """Compare two states with the program buf, and return the diagnostics of buf.
 
-    If buf fails, this is reported, and the list is empty, so that the lint continues.
+    If buf fails, a diagnostic is added to ``findings`` and the list is empty. The lint continues.
     """
     try:
         return buf.breaking(before, after, shown_root)
@@ -186,7 +213,11 @@ def _changes(schema: Schema, baseline: Baseline | None, published: lock.Ledger) 
 
 
 def _blame(project: Path, baseline: Baseline | None) -> Callable[[Span], Commit | None]:
-    """Return a function that finds the commit which last changed a line, in the current state or in the baseline."""
+    """Return a function that finds the commit which last changed the line of a place.
+
+    The place is in the current state or in the baseline, the earlier state. The function returns None if the commit is
+    unknown.
+    """
     repository = Repository(project)
 
     def commit_of(span: Span) -> Commit | None:

@@ -1,9 +1,11 @@
-"""The ledger, mapping.lock: every published number, and the wire schema at the last generate.
+"""The ledger, mapping.lock: a record of every field number that was ever used, so that no number gets a new meaning.
 
-Rules:
+It contains the numbers of the payloads. As of the last `roverlink generate`, it also contains the settings of their
+rows (direction, types, QoS, deadman, limits) and the wire schema (fields and enum values with their numbers). A number
+in it counts as published: boards may send it. Rules of the file:
 
-- Each fact has one line, so a diff can be reviewed line by line.
-- Facts are never removed: a number that no longer exists is marked as ``gone``.
+- Each payload, setting, field and enum value has its own line, so a diff can be reviewed line by line.
+- The line of a payload, field or value that no longer exists is not removed, but marked as ``gone``.
 - The last line is a checksum of the others. It shows that the file was edited or cut short.
 - Two branches that both change the ledger always have a merge conflict, at least in the checksum. Reading accepts the
   lines of both sides, and the next generate writes them in order.
@@ -12,14 +14,32 @@ Rules:
 from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, checksum
 from roverlink.generator.lock.ledger_reader import read
 from roverlink.generator.lock.ledger_text import render, schema_lines
+from roverlink.generator.lock.row_settings import (
+    DEADMAN,
+    EXTRA_TOPIC,
+    LIMITS,
+    RowSettings,
+    Setting,
+    settings_of_row,
+    settings_of_rows,
+    topics_of,
+)
 
 __all__ = [
+    "DEADMAN",
+    "EXTRA_TOPIC",
+    "LIMITS",
     "NAME",
     "Burned",
     "Entry",
     "Ledger",
+    "RowSettings",
+    "Setting",
     "checksum",
     "read",
     "render",
     "schema_lines",
+    "settings_of_row",
+    "settings_of_rows",
+    "topics_of",
 ]

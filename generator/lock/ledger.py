@@ -1,4 +1,4 @@
-"""The ledger as data: every published number, and the wire schema at the last generate."""
+"""The ledger mapping.lock as data: every published number, and the wire schema at the last `roverlink generate`."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from roverlink.generator.diagnostics import Span
+from roverlink.generator.lock.row_settings import RowSettings
 from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField, Schema
 
 NAME = "mapping.lock"
@@ -14,7 +15,7 @@ NAME = "mapping.lock"
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A published number, and the payload that had it."""
+    """Envelope field number that `roverlink generate` has published, with the payload that had it."""
 
     number: int
     name: str
@@ -29,16 +30,16 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Burned:
-    """A number that had several meanings in history and must never be used again.
+    """Field number or enum number that had several meanings in history, and must never get another one.
 
-    The user accepted this with ``--accept``.
+    The user accepted its past with `roverlink lint --history --accept`.
     """
 
     owner: str
-    """Full name of the message or enum."""
+    """Full name of the message or enum in which the number was used."""
     number: int
     uses: tuple[tuple[str, str], ...]
-    """Type and name of each meaning; the type of an enum value is empty."""
+    """Type and name of each field or enum value that had the number; the type of an enum value is empty."""
     now: tuple[str, str] | None
     """The meaning that the number had when the user accepted it, and may keep; None if nothing used the number then."""
 
@@ -55,7 +56,11 @@ class Ledger:
     gone_values: Mapping[str, tuple[ProtoEnumValue, ...]] = field(default_factory=dict)
     """Enum values that were published and do not exist any more, by the enum's full name."""
     burned: tuple[Burned, ...] = ()
-    """The numbers that had several meanings and must never be used again, sorted by message or enum, then number."""
+    """The numbers that had several meanings and must never get another one, sorted by message or enum, then number."""
+    settings: RowSettings = field(default_factory=dict)
+    """The settings of each published row. A ledger of an earlier version of roverlink has none."""
+    files: tuple[str, ...] = ()
+    """Paths of generated files that do not carry the header of generated files, as templates of users may make them."""
 
     def fields(self, message: str) -> tuple[ProtoField, ...]:
         """Return every field of a message that was ever published; fields that do not exist any more come last."""
@@ -68,7 +73,7 @@ class Ledger:
         return (*(declared.values if declared else ()), *self.gone_values.get(enum, ()))
 
     def burned_in(self, owner: str) -> dict[int, Burned]:
-        """Return the numbers of a message or enum that had several meanings and must never be used again."""
+        """Return the burned numbers of a message or enum, by number: they had several meanings in the past."""
         return {burned.number: burned for burned in self.burned if burned.owner == owner}
 
 

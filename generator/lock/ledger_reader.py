@@ -1,4 +1,4 @@
-"""Reader of mapping.lock. It returns the ledger."""
+"""Reader of the file mapping.lock. It returns a `Ledger`."""
 
 from __future__ import annotations
 
@@ -7,19 +7,26 @@ from collections.abc import Iterator, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.git import Repository
 from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, checksum
 from roverlink.generator.lock.ledger_rules import BROKEN_LEDGER, DELETED_LEDGER, EDITED_LEDGER, UNREADABLE_LEDGER
+from roverlink.generator.lock.row_settings import AMOUNTS, EXTRA_TOPIC, Setting
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema
 
 _CONFLICT_END = ">>>>>>>"
 _CONFLICT_MARKERS = ("<<<<<<<", "|||||||", "=======", _CONFLICT_END)
-_RESTORE = "restore the file from version control; only `roverlink generate` writes it"
+_RESTORE = "restore the file from version control; only `roverlink generate` may change it"
 _TYPE = r"[A-Za-z_][\w.]*"
 # Field numbers have at most nine digits (2**29 - 1), enum values ten and a sign (int32). A longer number is no entry.
 _ENTRY = re.compile(
     rf"  (?P<number>[0-9]{{1,9}}): (?P<name>\w+) (?P<proto>{_TYPE})(?: on (?P<topic>\S+))?(?P<end> retired| gone)?"
+)
+_SETTING = re.compile(
+    rf"  (?P<number>[0-9]{{1,9}}) (?P<proto>{_TYPE}) "
+    rf"(?:(?P<measure>{'|'.join(AMOUNTS)}): (?P<amount>[0-9]{{1,9}}(?:ms)?)"
+    rf"|(?P<key>direction|ros|qos|forward|deadman send|{EXTRA_TOPIC}\S+?(?: qos)?): (?P<text>.+))"
 )
 _OWNER = re.compile(rf"  (?P<kind>message|enum) (?P<name>{_TYPE}):")
 _FIELD = re.compile(
@@ -31,27 +38,31 @@ _RESERVED = re.compile(r'    reserved (?:(?P<first>-?[0-9]{1,10})(?: to (?P<last
 _CHECKSUM = re.compile(r"checksum: (?P<digest>[0-9a-f]+)")
 _BURNED = re.compile(rf"  (?P<owner>{_TYPE}) (?P<number>-?[0-9]{{1,10}}): (?P<uses>\S.*)")
 _NOW = " now"
-_OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|schema:|burned:)?")
+_FILE = re.compile(r"  file (?P<path>\S.*)")
+_OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|rows:|schema:|burned:|files:)?")
 
 
 def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
-    """Read the ledger from disk, as far as possible. The ledger is empty if the file does not exist yet.
+    """Read the ledger from the file mapping.lock. The ledger is empty if the file does not exist yet.
 
-    Reports a file that cannot be read, a line that is not an entry, a wrong checksum, and a file that git's last commit
-    contains but the disk does not.
+    Adds a diagnostic to ``findings`` for a file that cannot be read, a line with wrong syntax, a wrong checksum, and a
+    file that was deleted since git's last commit. Correct lines are still read. ``name`` is the file's name in
+    diagnostics.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = source_files.read_text(path.parent, path.name)
     except FileNotFoundError:
         if Repository(path.parent).has("HEAD", path.name):
-            message = "was deleted; without it, every published number would be free for another message"
+            message = "the ledger was deleted; without it, every published number looks free"
             findings.append(DELETED_LEDGER.at(Span(name), message, _RESTORE))
         return Ledger()
     except OSError as error:
-        findings.append(UNREADABLE_LEDGER.at(Span(name), f"cannot be read: {error.strerror}"))
+        message = f"the ledger cannot be read: {error.strerror}"
+        findings.append(UNREADABLE_LEDGER.at(Span(name), message, _RESTORE))
         return Ledger()
     except UnicodeDecodeError as error:
-        findings.append(UNREADABLE_LEDGER.at(Span(name), f"is not UTF-8 text (wrong byte at offset {error.start})"))
+        message = f"the ledger is not UTF-8 text (wrong byte at offset {error.start})"
+        findings.append(UNREADABLE_LEDGER.at(Span(name), message, _RESTORE))
         return Ledger()
     reader = _Reader()
     for index, line in enumerate(text.splitlines(), 1):
@@ -65,7 +76,7 @@ def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
 
 @dataclass(slots=True)
 class _Type:
-    """A message or an enum of the ledger, while its lines are being read."""
+    """Section of mapping.lock for one message or enum, while its lines are being read."""
 
     of_message: bool
     span: Span
@@ -75,7 +86,7 @@ class _Type:
     places: dict[str, Span] = field(default_factory=dict)
 
     def add(self, match: re.Match[str], span: Span) -> None:
-        """Add a line of the section of this message or enum: a field, a value or a reservation."""
+        """Add a line of the section: a field, an enum value, or a reserved range or name."""
         if match.re is not _RESERVED:
             self.numbers.append((match, span))
         elif match["name"]:
@@ -87,9 +98,9 @@ class _Type:
             self.places[f"reserved {first} to {self.reserved[-1][1]}"] = span
 
     def fields(self, gone: bool, messages: Set[str], enums: Set[str]) -> Iterator[ProtoField]:
-        """Yield the fields of the message: the current ones, or with ``gone`` those that do not exist any more.
+        """Yield the current fields of the message, or with ``gone`` the fields that do not exist any more.
 
-        A field's type is a message or an enum if its name is in ``messages`` or ``enums``.
+        ``messages`` and ``enums`` have the names of all messages and enums: a type in neither is a scalar.
         """
         for match, span in self.numbers:
             if (match["gone"] is not None) is gone:
@@ -109,21 +120,23 @@ class _Type:
                 )
 
     def values(self, gone: bool) -> Iterator[ProtoEnumValue]:
-        """Yield the values of the enum: the current ones, or with ``gone`` those that do not exist any more."""
+        """Yield the current values of the enum, or with ``gone`` the values that do not exist any more."""
         for match, span in self.numbers:
             if (match["gone"] is not None) is gone:
                 yield ProtoEnumValue(span=span, name=match["name"], number=int(match["number"]))
 
 
 class _Reader:
-    """Reader of the ledger, line by line. After a merge conflict, it accepts the lines of both sides."""
+    """Reader of mapping.lock, line by line. In a merge conflict, it accepts the lines of both sides."""
 
     def __init__(self) -> None:
         self._entries: dict[tuple[int, str, str], Entry] = {}
+        self._settings: dict[tuple[int, str], dict[str, Setting]] = {}
         self._messages: dict[str, _Type] = {}
         self._enums: dict[str, _Type] = {}
         self._type: _Type | None = None
         self._burned: dict[tuple[str, int], Burned] = {}
+        self._files: dict[str, None] = {}
         self._in_conflict = False
         self._one_sided: set[tuple[int, str]] = set()
         self.merged = False
@@ -139,7 +152,15 @@ class _Reader:
         enums = {name: _enum(name, type) for name, type in self._enums.items()}
         gone_fields = {name: self._fields(type, gone=True) for name, type in self._messages.items()}
         gone_values = {name: tuple(type.values(gone=True)) for name, type in self._enums.items()}
-        return Ledger(tuple(entries), Schema((), messages, enums), gone_fields, gone_values, burned)
+        return Ledger(
+            tuple(entries),
+            Schema((), messages, enums),
+            gone_fields,
+            gone_values,
+            burned,
+            self._settings,
+            tuple(self._files),
+        )
 
     def _fields(self, type: _Type, gone: bool) -> tuple[ProtoField, ...]:
         return tuple(type.fields(gone, self._messages.keys(), self._enums.keys()))
@@ -157,12 +178,16 @@ class _Reader:
         )
 
     def line(self, line: str, span: Span) -> None:
-        """Read one line of the file. A merge conflict may begin in one section and end in another."""
+        """Read one line of the file. Lines between the markers of a merge conflict are read too, from both sides."""
         if line.startswith(_CONFLICT_MARKERS):
             # The checksum of a file with conflict markers belongs to neither side, so it is not compared.
             self._in_conflict, self.merged = not line.startswith(_CONFLICT_END), True
         elif match := _ENTRY.fullmatch(line):
             self._add_entry(match, span)
+        elif match := _SETTING.fullmatch(line):
+            if self._is_published(None, line):
+                row = self._settings.setdefault((int(match["number"]), match["proto"]), {})
+                row[match["measure"] or match["key"]] = Setting(match["amount"] or match["text"], span)
         elif match := _OWNER.fullmatch(line):
             of_message = match["kind"] == "message"
             types = self._messages if of_message else self._enums
@@ -170,6 +195,8 @@ class _Reader:
         elif match := _BURNED.fullmatch(line):
             burned = _burned(match)
             self._burned[burned.owner, burned.number] = burned
+        elif match := _FILE.fullmatch(line):
+            self._files[match["path"]] = None
         elif match := _CHECKSUM.fullmatch(line):
             self.checksum = match["digest"]
         elif not self._add_fact(line, span) and not _OTHER_LINE.fullmatch(line):
@@ -190,9 +217,9 @@ class _Reader:
         self._entries.setdefault((entry.number, entry.name, entry.proto), entry)
 
     def _add_fact(self, line: str, span: Span) -> bool:
-        """Read a line of the section of a message or an enum.
+        """Read a line about a field, an enum value or a reservation of the current message or enum.
 
-        Returns False if the line is not a line of such a section.
+        Returns False if the line has another form.
         """
         type = self._type
         pattern = (_FIELD if type.of_message else _VALUE) if type else None
@@ -203,10 +230,11 @@ class _Reader:
             type.add(match, span)
         return True
 
-    def _is_published(self, type: _Type, line: str) -> bool:
-        """Return True if there is no merge conflict here, or if both of its sides contain the line.
+    def _is_published(self, type: _Type | None, line: str) -> bool:
+        """Return True if a line is outside of merge conflicts, or stands on both sides of one.
 
-        A line on one side only was published by one branch. The merged .proto files decide if it is still valid.
+        A line on one side only was published by one branch. The merged table and .proto files decide if it is still
+        valid. ``type`` is the message or enum to which the line belongs; None for a setting of a row.
         """
         if not self._in_conflict:
             return True

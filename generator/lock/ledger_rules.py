@@ -7,13 +7,13 @@ from roverlink.generator.diagnostics import Rule, Severity
 UNREADABLE_LEDGER = Rule(
     "LED101",
     "unreadable-ledger",
-    """mapping.lock cannot be read.
+    """The ledger, mapping.lock, cannot be read.
 
-Without the ledger, the published numbers are unknown, and a number could be used again.
+The ledger lists every number that was ever published. Without it, a number could be used again for another payload.
 
 Bad::
 
-    mapping.lock: fatal[LED101] cannot be read: Is a directory
+    mapping.lock: fatal[LED101] the ledger cannot be read: Is a directory
 
 Good::
 
@@ -25,9 +25,9 @@ Good::
 BROKEN_LEDGER = Rule(
     "LED102",
     "broken-ledger",
-    """A line of mapping.lock is not an entry.
+    """A line of the ledger, mapping.lock, does not have the form that `roverlink generate` writes.
 
-The file was edited by hand, or merged wrongly. Only `roverlink generate` writes it.
+The file was edited by hand, or merged wrongly. Only `roverlink generate` may change it.
 
 Bad::
 
@@ -42,7 +42,7 @@ Good::
 EDITED_LEDGER = Rule(
     "LED103",
     "edited-ledger",
-    """The content of mapping.lock does not match its checksum.
+    """The content of the ledger, mapping.lock, does not match its checksum.
 
 The file was edited, or a part of it is missing. A number that is removed from the ledger looks free, although boards
 still send it.
@@ -60,13 +60,13 @@ Good::
 DELETED_LEDGER = Rule(
     "LED104",
     "deleted-ledger",
-    """mapping.lock is missing, but git's last commit contains it.
+    """The ledger, mapping.lock, is missing, but git's last commit contains it.
 
 A new ledger would only know the numbers of today. Older numbers would look free.
 
 Bad::
 
-    mapping.lock: error[LED104] was deleted; without it, every published number would be free for another message
+    mapping.lock: error[LED104] the ledger was deleted; without it, every published number looks free
 
 Good::
 

@@ -1,4 +1,4 @@
-"""Writer of mapping.lock."""
+"""Conversion of the compiled table and the previous ledger to the text of mapping.lock."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from roverlink.generator import ir
 from roverlink.generator.lock.ledger import Burned, Ledger, checksum
+from roverlink.generator.lock.row_settings import RowSettings
 from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
 
 # An excerpt, in which row 7 was deleted without being retired, and the field y of Imu as well:
@@ -14,6 +15,8 @@ from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
 #       1: imu_info Imu on imu_data
 #       6: wind Wind retired
 #       7: gps_info Gps gone
+#     rows:
+#       1 Imu direction: board_to_ros
 #     schema:
 #       message Imu:
 #         1 x float
@@ -21,16 +24,28 @@ from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
 #
 # No line depends on another one. So a merge conflict, which the checksum always gives, is read line by line.
 _HEADER = """\
-# The ledger of {table}: every envelope number ever published, and the wire schema as of the last generate.
+# The ledger of {table}: every envelope number ever published, and the rows and wire schema of the last generate.
 # Written by `roverlink generate`; never edited. After a merge conflict in here, run it again.
 """
 
 
-def render(bridge: ir.Bridge, published: Ledger) -> str:
-    """Return the text of mapping.lock for a table without errors; ``published`` is the ledger of the last run."""
+def render(bridge: ir.Bridge, settings: RowSettings, published: Ledger, unmarked: Sequence[str] = ()) -> str:
+    """Return the new text of mapping.lock for a table without errors.
+
+    ``settings`` are those of the table's rows. ``published`` is the ledger before this run. ``unmarked`` are the paths
+    of the generated files without a header, so that the next run knows that it may replace them.
+    """
     messages = {message.name: _message_lines(message) for message in bridge.wire_messages}
     enums = {enum.name: _enum_lines(enum) for enum in bridge.wire_enums}
-    lines = [_HEADER.format(table=bridge.table), "version: 1", "", "numbers:", *_number_lines(bridge, published)]
+    numbers = _number_lines(bridge, published)
+    lines = [_HEADER.format(table=bridge.table), "version: 1", ""]
+    lines += ["numbers:", *(f"  {number}: {text}" for (number, _), text in numbers.items())]
+    # A retired row keeps its settings, so that it cannot come back with another direction.
+    known = {**published.settings, **settings}
+    lines += ["", "rows:"]
+    for number, proto in numbers:
+        of_row = known.get((number, proto), {})
+        lines += [f"  {number} {proto} {key}: {setting.text}" for key, setting in sorted(of_row.items())]
     lines += ["", "schema:"]
     for name in sorted({*messages, *published.schema.messages}):
         now = messages.get(name, [])
@@ -42,6 +57,8 @@ def render(bridge: ir.Bridge, published: Ledger) -> str:
         lines += [f"  enum {name}:", *now, *(f"{line} gone" for line in gone)]
     if published.burned:
         lines += ["", "burned:", *(_burned_line(burned) for burned in published.burned)]
+    if unmarked:
+        lines += ["", "files:", *(f"  file {path}" for path in unmarked)]
     text = "\n".join(lines) + "\n\n"
     return f"{text}checksum: {checksum(text)}\n"
 
@@ -51,7 +68,8 @@ def _burned_line(burned: Burned) -> str:
     return f"  {burned.owner} {burned.number}: {' | '.join(uses)}"
 
 
-def _number_lines(bridge: ir.Bridge, published: Ledger) -> list[str]:
+def _number_lines(bridge: ir.Bridge, published: Ledger) -> dict[tuple[int, str], str]:
+    """Return what mapping.lock says about each published payload, by number and message, in the order of the file."""
     topics = {route.number: route.topic for route in bridge.routes}
     lines = {
         (member.number, member.proto): f"{member.name} {member.proto} on {topics[member.number]}"
@@ -65,15 +83,17 @@ def _number_lines(bridge: ir.Bridge, published: Ledger) -> list[str]:
         settled = entry.contested and entry.number in taken
         if not settled:
             lines.setdefault((entry.number, entry.proto), f"{entry.name} {entry.proto} gone")
-    return [f"  {number}: {text}" for (number, _), text in sorted(lines.items())]
+    return dict(sorted(lines.items()))
 
 
 def _gone(
     published: Sequence[ProtoField | ProtoEnumValue], gone: Sequence[ProtoField | ProtoEnumValue], now: Sequence[str]
 ) -> Iterator[str]:
-    """Yield a line for each published number that is unused now, or has another meaning than before.
+    """Yield the lines of mapping.lock to mark as ``gone``, for the fields of a message or the values of an enum.
 
-    ``gone`` are the published fields or values that did not exist at the last run. ``now`` are today's lines.
+    A field gets such a line if its number is unused now, or if it was gone before and has not come back. ``published``
+    are all fields or values in the ledger, ``gone`` those that did not exist at the last run, and ``now`` the lines of
+    today's fields or values.
     """
     used = {line.split()[0] for line in now}
     for one in published:
@@ -107,6 +127,6 @@ def _enum_lines(enum: ir.WireEnum) -> list[str]:
 
 
 def schema_lines(messages: Iterable[ir.WireMessage], enums: Iterable[ir.WireEnum]) -> list[str]:
-    """Return the lines that mapping.lock contains for a wire schema of messages and enums."""
+    """Return the lines of mapping.lock that describe messages and enums: ``    1 x float`` for a field."""
     lines = [line for message in messages for line in (f"message {message.name}", *_message_lines(message))]
     return lines + [line for enum in enums for line in (f"enum {enum.name}", *_enum_lines(enum))]

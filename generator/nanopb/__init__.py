@@ -1,4 +1,4 @@
-"""nanopb on microcontrollers: its options, and the largest encoding of each message in bytes.
+"""Support for nanopb on microcontrollers: reads its options, and computes the largest encoded size of each message.
 
 nanopb (https://jpa.kapsi.fi/nanopb) compiles .proto files to C structures with fixed buffers. The sizes of these
 buffers stand in a ``.options`` file beside the .proto file, or inside it in options with the number 1010. The sizes
@@ -8,9 +8,9 @@ a test compares them. They are upper bounds, not the tightest ones, and do not c
 The names and values of nanopb's options are read from the installed nanopb package. Size limits in the table do not
 need this package.
 
-- `table_bounds` returns the bounds of the table, and `as_lines` converts them to options.
+- `table_bounds` returns the size limits under `bounds` in mapping.yaml, and `as_lines` converts them to options.
 - `read_bounds` reads the options of a schema with their places. It needs an installed nanopb.
-- `largest_size` returns the largest encoding of a message, or the field that has no bound.
+- `largest_size` returns the largest encoded size of a message, or the field without a size limit.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The largest encoding of a field in nanopb, or the reason why the field has none."""
+"""Largest encoded size of a field in bytes, as nanopb computes it, or the reason why the size has no limit."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _BITS = {"uint32": 32, "sint32": 32, "uint64": 64, "sint64": 64}
 
 @dataclass(frozen=True, slots=True)
 class BoundedField:
-    """A field that nanopb generates, with the options of nanopb that apply to it."""
+    """A field for which nanopb generates C code, with the options of nanopb that apply to it."""
 
     field: ProtoField
     given: FieldBounds
@@ -41,7 +41,7 @@ class BoundedField:
 
     @property
     def type(self) -> str:
-        """The type that nanopb uses for the field: that of an option, or the declared type."""
+        """The type that nanopb uses for the field: the option ``type_override``, or else the declared type."""
         return self.given.type_override or self.field.type
 
     @property
@@ -56,7 +56,7 @@ class BoundedField:
 
     @property
     def capacity(self) -> int | None:
-        """The number of elements of the C array for a string or `bytes`; None without a bound.
+        """The number of bytes in the C array for a string or `bytes` field; None if it has no limit.
 
         The zero byte at the end of a string is counted.
         """
@@ -65,9 +65,10 @@ class BoundedField:
         return self.given.max_size
 
     def size(self, schema: Schema, known: Mapping[str, int]) -> int:
-        """Return the largest encoding of the field in bytes, with its tag.
+        """Return the largest encoded size of the field in bytes, including its tag.
 
-        ``known`` has the sizes of the messages that the field may contain, by full name.
+        `gap` must be empty for the field. ``known`` has the largest encoded size of each message that the field may
+        contain, by full name.
         """
         one = varint_size(self.field.number << 3) + self._value_size(schema, known)
         if not self.repeated or self.in_union:
@@ -89,17 +90,17 @@ class BoundedField:
         return varint_size(length) + length - (1 if self.type == "string" else 0)
 
     def gap(self, schema: Schema, bounds: Bounds) -> str:
-        """Return the reason why the field has no largest encoding; empty if it has one.
+        """Return the reason why the encoded size of the field has no limit; empty if it has one.
 
-        The message inside a field is not checked. For some reasons, nanopb rejects the file. For most, nanopb leaves
-        the field to callback functions of the user, whose output has an unknown size.
+        If the field contains a message, the fields of that message are not checked. In some of these cases nanopb
+        rejects the file. In most, the user's callback functions encode the field, and their output has an unknown size.
         """
         return next(self._gaps(schema, bounds), "")
 
     def _gaps(self, schema: Schema, bounds: Bounds) -> Iterator[str]:
         types, bounded = (self.type, self.field.type), self.capacity is not None
         if self.given.type not in _STATIC:
-            yield f"its nanopb type is {self.given.type}"
+            yield f"its nanopb type is {self.given.type}, which has no buffer of fixed size"
         if self.repeated and self.given.max_count is None:
             held = schema.messages.get(self.field.type_name)
             yield f"it is {'a map' if held and held.map_entry else 'repeated'}, without `max_count`"
@@ -120,7 +121,7 @@ class BoundedField:
 
 
 def fields_of(message: ProtoMessage, bounds: Bounds) -> Iterator[BoundedField]:
-    """Yield the fields of a message that nanopb generates."""
+    """Yield the fields of a message for which nanopb generates C code; ignored fields are left out."""
     separate = bounds.of_message(message.full_name).separate
     for field in message.fields:
         given = bounds.of_field(message.full_name, field.name)

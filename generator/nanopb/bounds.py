@@ -1,4 +1,4 @@
-"""The options of nanopb, after all rules of precedence, for each message and field."""
+"""The options of nanopb that finally apply to each message and field, after all rules of precedence."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.generator.diagnostics import Span
 
 @dataclass(frozen=True, slots=True)
 class FieldBounds:
-    """The options of nanopb that apply to a field, under nanopb's names."""
+    """The options of nanopb that apply to a field. Most attributes have the names of nanopb's options."""
 
     max_size: int | None = None
     """Size of the C array in bytes for a string, with its zero byte, or for `bytes`; None without a bound."""
@@ -33,7 +33,7 @@ class FieldBounds:
     ignored: bool = False
     """True if nanopb leaves the field out, alone or together with its oneof."""
     places: Mapping[str, Span] = field(default_factory=dict, hash=False)
-    """The place that set each option, by the option's name; the most exact place that is known."""
+    """The place in a file that sets each option, by the option's name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +55,9 @@ class Bounds:
     fields: Mapping[tuple[str, str], FieldBounds] = field(default_factory=dict)
     """Options by the full name of the message and the name of the field."""
     sizes: list[Mapping[str, int]] = field(default_factory=list, repr=False, compare=False)
-    """A cache for the module `message_sizes`.
+    """A cache for the module `message_sizes`: an empty list, or a list with one mapping.
 
-    Its only entry is the size of every message that has a bound, by full name.
+    The mapping has the largest encoded size in bytes of every message whose size has a limit, by full name.
     """
 
     def of_message(self, full_name: str) -> MessageBounds:

@@ -1,7 +1,7 @@
-"""The largest encoding of a message in bytes, as nanopb's generator computes it.
+"""Largest encoded size of a message in bytes, as nanopb's generator computes it.
 
-A message has a size if every field has a bound of its own, and every message inside has a size. So the innermost
-messages come first. A message that contains itself never gets a size, and neither does a message around it.
+A message has a largest size if the size of every field has a limit, and if every message inside has a largest size. So
+the innermost messages are computed first. A message that contains itself, or contains such a message, has none.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from roverlink.generator.table import Table
 
 @dataclass(frozen=True, slots=True)
 class Unbounded:
-    """The reason why a message has no largest encoding."""
+    """The reason why the encoded size of a message has no limit."""
 
     path: str
-    """The path to the first field without a bound, with dots; empty if the message itself has no size."""
+    """Path, with dots, to the first field without a limit; empty if nanopb leaves the message out."""
     reason: str
     span: Span
-    """Place of the field without a bound. For a field of a map's entry, this is the map's place."""
+    """Place of the field without a limit. For a field of a map's entry, this is the map's place."""
 
 
 def row_sizes(table: Table, schema: Schema, given: Iterable[ir.FieldBound]) -> dict[str, ir.WireSize]:
-    """Return the largest encodings of each row's payload and datagram, by the row's name.
+    """Return the largest encoded sizes of each row's payload and datagram, by the row's name.
 
-    Only the bounds of the table, ``given``, are used. Bounds in .options files are ignored: only an installed nanopb
-    can read them, and a table has to generate the same files on every machine.
+    Only ``given``, the size limits in mapping.yaml, are used. Limits in .options files are ignored: only an installed
+    nanopb can read them, and mapping.yaml has to give the same generated files on every machine.
     """
     bounds = Bounds(fields={(one.message, one.field): FieldBounds(**as_options(one)) for one in given})
     sizes = {}
@@ -50,18 +50,20 @@ def row_sizes(table: Table, schema: Schema, given: Iterable[ir.FieldBound]) -> d
 
 
 def largest_size(schema: Schema, bounds: Bounds, message: str) -> int | Unbounded:
-    """Return the largest encoding of a message in bytes, like nanopb's ``<Message>_size``; without one, the reason.
+    """Return the largest encoded size of a message in bytes, or an `Unbounded` with the reason why it has no limit.
 
-    ``message`` is a full name, and ``bounds`` belong to this schema. Like nanopb, this does not count extensions.
+    ``message`` is a full name, and ``bounds`` belong to this schema. The result equals nanopb's ``<Message>_size``.
+    Like nanopb, this does not count extensions.
     """
     sizes = _sizes(schema, bounds)
     return sizes[message] if message in sizes else _first_gap(schema, bounds, sizes, message)
 
 
 def envelope_size(schema: Schema, bounds: Bounds, envelope: str, number: int, payload: int) -> int:
-    """Return the largest encoding of an envelope in bytes, for one payload.
+    """Return the largest encoded size of an envelope with one payload, in bytes.
 
-    The payload has ``payload`` bytes and the field number ``number``. All fields outside of the oneof are counted.
+    ``payload`` is the size of the payload in bytes, and ``number`` is its field number in the envelope. Fields of the
+    envelope outside of the oneof are counted too.
     """
     # The tag, the length and the payload of the oneof's member, and every other field of the envelope at its largest.
     message = schema.messages.get(envelope)
@@ -71,7 +73,7 @@ def envelope_size(schema: Schema, bounds: Bounds, envelope: str, number: int, pa
 
 
 def field_sizes(schema: Schema, bounds: Bounds, message: str) -> list[tuple[str, int]]:
-    """Return the name and the largest encoding in bytes of each field that has a bound, the largest first.
+    """Return the name and the largest encoded size in bytes of each field whose size has a limit, the largest first.
 
     All members of a oneof are listed, although only the largest one counts for the message.
     """
@@ -85,7 +87,7 @@ def field_sizes(schema: Schema, bounds: Bounds, message: str) -> list[tuple[str,
 
 
 def _sizes(schema: Schema, bounds: Bounds) -> Mapping[str, int]:
-    """Return the largest encoding of every message that has a bound, by full name."""
+    """Return the largest encoded size in bytes of every message whose size has a limit, by full name."""
     if not bounds.sizes:
         bounds.sizes.append(_from_the_innermost(schema, bounds))
     return bounds.sizes[0]
@@ -105,9 +107,9 @@ def _from_the_innermost(schema: Schema, bounds: Bounds) -> dict[str, int]:
 
 
 def _message_size(message: ProtoMessage, schema: Schema, bounds: Bounds, known: Mapping[str, int]) -> int:
-    """Return the largest encoding of a message in bytes. All fields must have a bound.
+    """Return the largest encoded size of a message in bytes. The sizes of all its fields must have a limit.
 
-    ``known`` has the sizes of the messages inside.
+    ``known`` has the largest sizes of the messages in its fields, by full name.
     """
     total = 0
     largest: dict[str, int] = {}
@@ -121,7 +123,10 @@ def _message_size(message: ProtoMessage, schema: Schema, bounds: Bounds, known: 
 
 
 def _inner_messages(schema: Schema, bounds: Bounds) -> dict[str, set[str]]:
-    """Return each message whose own fields all have a bound, with the messages in its fields."""
+    """Return the full names of the messages in the fields of a message, by the full name of that message.
+
+    A message is left out if one of its own fields has no size limit.
+    """
     found: dict[str, set[str]] = {}
     for message in schema.messages.values():
         fields = list(fields_of(message, bounds))
@@ -132,7 +137,7 @@ def _inner_messages(schema: Schema, bounds: Bounds) -> dict[str, set[str]]:
 
 
 def _first_gap(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message: str) -> Unbounded:
-    """Return the reason why a message has no size: the first field without a bound, perhaps in a nested message."""
+    """Return the reason why a message has no largest size: the first field without a limit, at any depth."""
     span = schema.messages[message].span
     if bounds.of_message(message).skipped:
         return Unbounded("", f"nanopb leaves the message {message!r} out", span)
@@ -151,9 +156,10 @@ def _first_gap(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message
 
 
 def _gap_of(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message: str) -> tuple[BoundedField, str]:
-    """Return the first field of a message without a largest encoding, and the reason.
+    """Return the first field that leaves the encoded size of a message without a limit, and the reason.
 
-    The reason is empty if the field itself has a bound, but the message in the field has none.
+    The reason is, for example, that the field is a string without `max_size`. It is empty if the cause is not in the
+    field itself, but inside the nested message that the field contains.
     """
     for field in fields_of(schema.messages[message], bounds):
         reason = field.gap(schema, bounds)

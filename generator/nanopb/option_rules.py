@@ -9,7 +9,7 @@ UNREADABLE_OPTIONS = Rule(
     "unreadable-nanopb-options",
     """An option for nanopb, in a `.options` file or in a `.proto` file, cannot be read.
 
-nanopb would stop or ignore the line, and the lint would compute the size of an envelope without it.
+nanopb would stop or ignore the line, and the lint would compute the sizes of messages without the option.
 
 Bad::
 
@@ -32,7 +32,7 @@ PATTERN_WITHOUT_MATCH = Rule(
     "nanopb-pattern-without-match",
     """A line of a `.options` file matches no declaration of its `.proto` file.
 
-The bound has no effect. The field was renamed, or the package is missing from the name.
+The size limit in the line has no effect. The field was renamed, or the package is missing from the name.
 
 Bad::
 
@@ -54,9 +54,10 @@ Good::
 UNFIT_BOUND = Rule(
     "NPB103",
     "unfit-bound",
-    """A bound in the table names a field that does not exist, or that cannot have this bound.
+    """A size limit under `bounds` in mapping.yaml names a field that does not exist, or that cannot have this limit.
 
-Only strings and bytes have a length. Only repeated fields have a count.
+A bound is a size limit of a field, under `bounds` of a row. Only strings and bytes have a length. Only repeated fields
+have a count.
 
 Bad::
 
@@ -77,9 +78,9 @@ Good::
 BOUNDS_IN_TWO_PLACES = Rule(
     "NPB104",
     "bounds-in-two-places",
-    """The table has bounds for fields of a file that has a `.options` file.
+    """mapping.yaml has `bounds` for a field, but a `.options` file stands beside the `.proto` file of the field.
 
-nanopb reads one `.options` file for each `.proto` file, so it would ignore one of the two.
+nanopb reads only one `.options` file for each `.proto` file, so it would ignore the limits in one of the two places.
 
 Bad::
 
@@ -113,7 +114,7 @@ Bad::
 
 Good::
 
-    $ pip install 'roverlink[nanopb]'
+    $ pip install 'nanopb>=0.4.9,<0.5'
 """,
     Severity.FATAL,
 )

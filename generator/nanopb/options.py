@@ -1,4 +1,4 @@
-"""Readers of nanopb's options in their two notations: the text in .options files, and the bytes in descriptors."""
+"""Readers of nanopb's options in their two forms: text in .options files, and bytes in protoc's descriptors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roverlink.generator.diagnostics import nearest
 from roverlink.generator.nanopb.vocabulary import EXTENSION, vocabulary
 
 Values = Mapping[str, Any]  # nanopb.proto declares the type of each option
-"""The options that are set, by nanopb's name. The value of an enum option is the name of the enum value."""
+"""The value of each option that is set, by nanopb's name: ``{"max_size": 20, "type": "FT_STATIC"}``."""
 
 # protobuf's parser starts its messages with `line:column : 'the whole line': `. The diagnostic has its own place.
 _POSITION = re.compile(r"\d+:\d+ : (?:'.*': )?(?=\w)", re.DOTALL)
@@ -33,7 +33,10 @@ class OptionsError(ValueError):
 
 
 def parse_options(text: str) -> Values:
-    """Parse the options in a line of a .options file, without the pattern. Raises `OptionsError` if they are wrong."""
+    """Parse the options in a line of a .options file: ``max_size:20``. Raises `OptionsError` if they are wrong.
+
+    ``text`` is the part of the line after the pattern.
+    """
     options = vocabulary().options()
     try:
         text_format.Merge(text, options)
@@ -61,7 +64,7 @@ class Decoded:
     values: Values
     deprecated: bool = False
     faults: tuple[str, ...] = ()
-    """A text for each option that cannot be read. These options are missing in ``values``."""
+    """An error message for each option that cannot be read. These options are missing in ``values``."""
 
 
 def decode_options(host: str, serialized: bytes) -> Decoded:
@@ -80,7 +83,7 @@ def decode_options(host: str, serialized: bytes) -> Decoded:
 
 
 def _unknown(carrier: Message, options: Message) -> Iterator[str]:
-    """Yield a text for each option, or value of an option, that the installed nanopb does not know."""
+    """Yield an error message for each option, or value of an option, that the installed nanopb does not know."""
     if any(number == EXTENSION for number, _ in _unknown_fields(carrier)):
         yield "nanopb's options are not a message"
     for number, value in _unknown_fields(options):

@@ -1,7 +1,7 @@
 """Reader of the .options file beside a .proto file.
 
-Each line has a pattern, and the options for all names that match the pattern. ``//`` and ``#`` start a comment anywhere
-in a line. ``/* ... */`` is a comment within one line.
+Each line has a pattern, and the options for all names that match it: ``Note.* max_size:20``. ``//`` and ``#`` start a
+comment anywhere in a line. ``/* ... */`` is a comment within one line.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from fnmatch import translate
 from pathlib import Path, PurePosixPath
 
+from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span, shown
 from roverlink.generator.nanopb.option_rules import UNREADABLE_OPTIONS
 from roverlink.generator.nanopb.options import OptionsError, Values, parse_options
@@ -37,10 +38,13 @@ def options_file_of(proto: str) -> str:
 
 
 def read_options_file(root: Path, name: str, shown_root: str, findings: list[Diagnostic]) -> list[OptionsLine]:
-    """Read the lines of a .options file; empty if the file does not exist."""
+    """Return the lines of a .options file; empty if the file does not exist.
+
+    ``name`` is the file's path below ``root``. Lines that cannot be read are reported and left out.
+    """
     place = shown(shown_root, name)
     try:
-        text = (root / name).read_text(encoding="utf-8")
+        text = source_files.read_text(root, name)
     except FileNotFoundError:
         return []
     except (OSError, UnicodeDecodeError) as error:
@@ -71,6 +75,6 @@ def _line(raw: str, at: Span, findings: list[Diagnostic]) -> OptionsLine | None:
 
 
 def _place(error: OptionsError, raw: str, options: str, otherwise: Span) -> Span:
-    """Return the place of a mistake in a line; ``otherwise`` if the column is unknown because of comments."""
+    """Return the place of a mistake in the line ``raw``; ``otherwise`` if its column cannot be found."""
     start = raw.rfind(options)
     return Span(otherwise.file, otherwise.line, start + error.column) if error.column and start >= 0 else otherwise

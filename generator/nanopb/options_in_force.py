@@ -36,9 +36,11 @@ def read_bounds(
 ) -> Bounds | None:
     """Return nanopb's options for the messages and fields of a schema.
 
-    ``root`` is the folder of the .proto files, ``shown_root`` its name in diagnostics, and ``of_table`` the lines that
-    the table adds, by file. Reports options that cannot be read, and lines of a .options file that match nothing. If
-    there are options but nanopb is not installed, reports only that, and returns None.
+    ``root`` is the folder of the .proto files, and ``shown_root`` its name in diagnostics. ``of_table`` has the size
+    limits of mapping.yaml as lines of .options files, by .proto file.
+
+    Adds a diagnostic for options that cannot be read, and for lines of a .options file that match no declaration. If
+    there are options but nanopb is not installed, reports only this, and returns None.
     """
     place = _place_of_options(schema, root, shown_root)
     if place is not None:
@@ -46,7 +48,7 @@ def read_bounds(
             vocabulary()
         except ModuleNotFoundError:
             told = "the sizes of messages depend on options of nanopb, but nanopb is not installed"
-            findings.append(NANOPB_MISSING.at(place, told, "install nanopb: pip install 'roverlink[nanopb]'"))
+            findings.append(NANOPB_MISSING.at(place, told, "install nanopb: pip install 'nanopb>=0.4.9,<0.5'"))
             return None
     messages: dict[str, MessageBounds] = {}
     fields: dict[tuple[str, str], FieldBounds] = {}
@@ -69,7 +71,7 @@ def read_bounds(
 
 
 def _place_of_options(schema: Schema, root: Path, shown_root: str) -> Span | None:
-    """Return the first place that sets an option of nanopb, apart from the table; None if there is none."""
+    """Return the first place in a .options or .proto file that sets an option of nanopb; None if there is none."""
     for file in schema.files:
         if (root / options_file_of(file)).exists():
             return Span(shown(shown_root, options_file_of(file)))
@@ -91,7 +93,10 @@ class _FileReader:
         findings: list[Diagnostic],
         decodes: bool,
     ) -> None:
-        """Read the options of the file itself. If ``decodes`` is false, options inside .proto files are ignored."""
+        """Read the options that apply to the whole file.
+
+        ``lines`` are the lines of its .options file. If ``decodes`` is false, options inside .proto files are ignored.
+        """
         self._lines, self._findings, self._decodes = lines, findings, decodes
         self._used: set[int] = set()
         package, span = schema.packages[file], Span(shown_file)
@@ -118,9 +123,9 @@ class _FileReader:
         self._field(self._of_file, self._name(f"{scope}{extension.field.name}"), extension.field)
 
     def _name(self, full_name: str) -> str:
-        """Return the name of a declaration to which nanopb compares patterns.
+        """Return the name of a declaration that nanopb compares with the patterns of .options files.
 
-        It depends on nanopb's option ``mangle_names``.
+        The name depends on nanopb's option ``mangle_names``.
         """
         inner = full_name.removeprefix(self._package)
         return inner.rpartition(".")[2] if self._flat else self._prefix + inner
@@ -162,8 +167,8 @@ class _FileReader:
     def _in_force(self, inherited: _Options, name: str, decoded: Decoded, span: Span) -> _Options:
         """Return the options that apply to a declaration.
 
-        The inherited options are overridden by the lines that match the declaration's name, and these by the options in
-        the .proto file.
+        The ``inherited`` options are overridden by the lines of the .options file that match ``name``, and these by
+        ``decoded``, the options inside the .proto file. ``span`` is the place of the declaration.
         """
         options = dict(inherited)
         for index, line in enumerate(self._lines):
@@ -174,7 +179,10 @@ class _FileReader:
 
 
 def _mangling(package: str, of_file: _Options) -> tuple[str, bool]:
-    """Return the prefix that replaces the package in names, and if patterns only match the last part of a name."""
+    """Return the prefix that replaces the package in names, and True if patterns match only the last part of a name.
+
+    Both follow from nanopb's option ``mangle_names``, which shortens the names in C code.
+    """
     mangling = _value(of_file, "mangle_names")
     used = "" if mangling == "M_STRIP_PACKAGE" else _value(of_file, "package") or package
     if mangling == "M_PACKAGE_INITIALS":
@@ -183,7 +191,7 @@ def _mangling(package: str, of_file: _Options) -> tuple[str, bool]:
 
 
 def _further_parts(message: ProtoMessage) -> Iterator[str]:
-    """Yield the names of further parts of a message that a pattern can match, besides fields and declared oneofs."""
+    """Yield the names in a message that a pattern can match besides its fields and declared oneofs."""
     if message.extendable:
         yield "extensions"  # the C member that holds the extensions of other files
     for field in message.fields:
@@ -192,7 +200,7 @@ def _further_parts(message: ProtoMessage) -> Iterator[str]:
 
 
 def _value(options: _Options, name: str) -> Any:
-    """Return the value of an option; None if the option is not set."""
+    """Return the value of the option ``name``, without its place; None if the option is not set."""
     return options[name][0] if name in options else None
 
 

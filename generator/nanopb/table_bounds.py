@@ -1,4 +1,4 @@
-"""Size limits in the table: the largest length of a string or `bytes`, and the largest count of a repeated field."""
+"""Size limits under `bounds` in mapping.yaml: the length of a string or `bytes`, or the count of a repeated field."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _HAVE_A_LENGTH = ("string", "bytes")
 
 @dataclass(frozen=True, slots=True)
 class TableBound:
-    """A size limit of a field, with its place in the table."""
+    """A size limit of a field, with its place in mapping.yaml."""
 
     bound: ir.FieldBound
     span: Span
 
 
 def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Diagnostic]) -> list[TableBound]:
-    """Return the size limits of all rows. A limit that does not fit its field is reported.
+    """Return the size limits that the rows set under `bounds`. A limit that does not fit its field is reported.
 
     ``root`` is the folder of the .proto files. If a .options file is beside the .proto file, the limit must be there,
     and a limit in the table is reported.
@@ -60,9 +60,9 @@ def _resolved(row: Row, path: str, bound: Bound, schema: Schema) -> ir.FieldBoun
     """
     message, field = _field(row, path.split("."), schema)
     if bound.length is not None and field.type not in _HAVE_A_LENGTH:
-        raise LookupError(f"the field {path!r} is not a string or bytes, so it has no `length`")
+        raise LookupError(f"the field {path!r} is not a string or bytes, so it has no `length`", "remove `length`")
     if bound.count is not None and not field.repeated:
-        raise LookupError(f"the field {path!r} is not repeated, so it has no `count`")
+        raise LookupError(f"the field {path!r} is not repeated, so it has no `count`", "remove `count`")
     if bound.length is None and bound.count is None:
         raise LookupError(f"the bound of the field {path!r} is empty", "write `length`, `count`, or both")
     return ir.FieldBound(message.file, message.full_name, field.name, field.type == "bytes", bound.length, bound.count)
@@ -74,7 +74,7 @@ def _field(row: Row, path: list[str], schema: Schema) -> tuple[ProtoMessage, Pro
     for name in outer:
         field = _named(message, name)
         if field.type_name not in schema.messages:
-            raise LookupError(f"the field {name!r} is not a message, so it has no fields")
+            raise LookupError(f"the field {name!r} is not a message, so it has no fields", "end the path at this field")
         message = schema.messages[field.type_name]
     return message, _named(message, last)
 
@@ -94,19 +94,20 @@ def _report_files(bounds: list[TableBound], root: Path, shown_root: str, finding
     for one in bounds:
         beside = options_file_of(one.bound.file)
         if (root / beside).is_file():
-            message = f"'{one.bound.message}.{one.bound.field}' has a bound, but {shown(shown_root, beside)} exists"
+            field = f"'{one.bound.message}.{one.bound.field}'"
+            message = f"{field} has a bound in the table, but {shown(shown_root, beside)} exists"
             help = "nanopb reads one .options file for a .proto file: write all bounds in one of the two places"
             findings.append(BOUNDS_IN_TWO_PLACES.at(one.span, message, help))
 
 
 def as_options(bound: ir.FieldBound) -> Values:
-    """Return the options of nanopb that set a size limit of the table."""
+    """Return the options of nanopb that set a size limit: a string's length 20 gives ``{"max_length": 20}``."""
     options = {"max_size" if bound.is_bytes else "max_length": bound.length, "max_count": bound.count}
     return {name: value for name, value in options.items() if value is not None}
 
 
 def as_lines(bounds: list[TableBound]) -> Mapping[str, list[OptionsLine]]:
-    """Return the size limits as lines of .options files, by .proto file."""
+    """Return the size limits as lines of .options files, by the path of the .proto file that declares the field."""
     lines: dict[str, list[OptionsLine]] = {}
     for one in bounds:
         name = f"{one.bound.message}.{one.bound.field}"

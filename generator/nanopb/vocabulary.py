@@ -1,4 +1,4 @@
-"""Names, types and values of nanopb's options, read from nanopb.proto in the installed nanopb package."""
+"""Protobuf classes that know nanopb's options, made from the file nanopb.proto of the installed nanopb package."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ EXTENSION = 1010
 """The field number of nanopb's extension to `FileOptions`, `MessageOptions`, `EnumOptions` and `FieldOptions`."""
 
 HOSTS = ("File", "Message", "Enum", "Field")
-"""The kinds of declarations that may have options, as in the name ``FileOptions`` of descriptor.proto."""
+"""The kinds of declarations that may have options. descriptor.proto has a message for each, such as ``FileOptions``."""
 
 _FILE = Path("generator", "proto", "nanopb.proto")  # relative to the package
 
 
 class Vocabulary(NamedTuple):
-    """Protobuf classes with which options are read.
+    """Protobuf classes with which nanopb's options are read.
 
-    They have their own pool: a project may have another nanopb.proto.
+    They have a descriptor pool of their own, because a project may contain another version of nanopb.proto.
     """
 
     options: type[Message]
@@ -41,13 +41,14 @@ class Vocabulary(NamedTuple):
 
 @cache
 def vocabulary() -> Vocabulary:
-    """Return the classes for reading options. Raises `ModuleNotFoundError` if nanopb is not installed."""
+    """Return the classes for reading nanopb's options. Raises `ModuleNotFoundError` if nanopb is not installed."""
     package = find_spec("nanopb")
     folders = (package.submodule_search_locations if package else None) or ()
     root = next((Path(folder) / _FILE.parent for folder in folders if (Path(folder) / _FILE).is_file()), None)
     if root is None:
         raise ModuleNotFoundError("nanopb is not installed")
     pool = DescriptorPool()
+    root = (root / _FILE.name).resolve().parent  # some installers make links to a cache
     for file in compile_descriptors(root, [_FILE.name], "nanopb").file:
         pool.AddSerializedFile(file.SerializeToString())
     hosts = {host: pool.FindMessageTypeByName(f"google.protobuf.{host}Options") for host in HOSTS}

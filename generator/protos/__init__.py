@@ -1,1 +1,1 @@
-"""Messages, fields and enums of .proto files as data, and two readers for them: protoc and a tolerant parser."""
+"""Messages, fields and enums of .proto files as data, read by protoc or by a parser that tolerates mistakes."""

@@ -1,4 +1,4 @@
-"""Conversion of protoc's descriptors to the schema."""
+"""Conversion of protoc's descriptors to a `Schema`, roverlink's own classes for messages, fields and enums."""
 
 from __future__ import annotations
 
@@ -34,7 +34,10 @@ _ENUM_VALUE = 2
 
 
 def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
-    """Return the schema for protoc's descriptor set; ``shown_root`` is the folder of the protos in diagnostics."""
+    """Return the schema for protoc's descriptor set.
+
+    ``shown_root`` is the folder of the .proto files, as diagnostics print it.
+    """
     readers = [_FileReader(file, shown_root) for file in compiled.file]
     return Schema(
         files=tuple(file.name for file in compiled.file),
@@ -49,7 +52,7 @@ def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
 
 
 class _FileReader:
-    """Converter of the descriptors of one file, with places and comments."""
+    """Converter of the descriptors of one .proto file to messages and enums, with their places and comments."""
 
     def __init__(self, file: FileDescriptorProto, shown_root: str) -> None:
         self._file = file
@@ -67,10 +70,10 @@ class _FileReader:
     def _message(
         self, message: DescriptorProto, prefix: str, path: Path, inherited: Features, place: Span | None = None
     ) -> None:
-        """Convert a message and all types inside it.
+        """Convert a message and all types inside it, and add them to the lists of the reader.
 
-        ``place`` is the map field's place if the message is a map's entry, which has no place of its own. ``path`` is
-        the message's path in protobuf's `SourceCodeInfo`.
+        ``prefix`` stands before the message's name (``rover.Arm.``), and ``path`` is its path in protobuf's
+        `SourceCodeInfo`. ``place`` is set only for the entry message of a map: it is the place of the map field.
         """
         full_name, features = prefix + message.name, overridden(inherited, message.options.features)
         declared = self._itself(message, full_name, path, features, place)
@@ -189,9 +192,9 @@ def _facets_of_field(field: FieldDescriptorProto, message: DescriptorProto, feat
 
 
 def _may_be_delimited(field: FieldDescriptorProto, message: DescriptorProto) -> bool:
-    """Return True if a feature may change the field's encoding to that of groups.
+    """Return True if the edition's feature `message_encoding` applies to a field, so that it may be encoded as a group.
 
-    Maps, and the fields of their entries, never have this encoding.
+    The feature applies to message fields, but not to maps and the fields of their entries.
     """
     of_map = any(
         nested.options.map_entry and field.type_name.endswith(f".{message.name}.{nested.name}")
@@ -201,5 +204,5 @@ def _may_be_delimited(field: FieldDescriptorProto, message: DescriptorProto) -> 
 
 
 def _facets(**given: str | bool) -> dict[str, str]:
-    """Return the settings that are not empty, each as text."""
+    """Return the settings that are not empty or False, each as text: True becomes ``"true"``."""
     return {name: "true" if value is True else str(value) for name, value in given.items() if value}

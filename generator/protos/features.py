@@ -25,7 +25,7 @@ _LABEL_OF_PRESENCE = {"EXPLICIT": "optional", "LEGACY_REQUIRED": "required"}
 
 
 def features_of_file(file: FileDescriptorProto) -> Features:
-    """Return the features that a file gives to its declarations, including the defaults of its edition."""
+    """Return the features that a file passes on to its messages and enums, including the defaults of its edition."""
     return overridden(_PROTO3 if file.syntax == "proto3" else _EDITIONS, file.options.features)
 
 
@@ -39,7 +39,7 @@ def syntax_of_file(file: FileDescriptorProto) -> Syntax:
 
 
 def overridden(inherited: Features, own: FeatureSet) -> Features:
-    """Return the features of a declaration: the inherited ones, replaced by those that it sets itself."""
+    """Return the features of a declaration: the inherited features, overridden by the features that it sets itself."""
     # Unset features are not in ListFields: protoc writes into the options only what the file sets itself.
     given = {
         field.name: field.enum_type.values_by_number[value].name for field, value in own.ListFields() if field.enum_type

@@ -1,32 +1,34 @@
 """The .proto files of a project, and an index of the messages that they declare, made without protoc.
 
-Only the files that the table needs, and their imports, are compiled. So a file that does not compile does no harm if
-nothing needs it.
+The index tells which files the rows of mapping.yaml need. `roverlink generate` compiles only these files and their
+imports, so a broken file that no row needs causes no error.
 """
 
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
+from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span, shown
 from roverlink.generator.protos.parser import File, parse
 from roverlink.generator.protos.proto_rules import UNREADABLE_PROTO
 
-_LARGEST = 4 * 1024 * 1024  # bytes; the largest .proto files that people write have a few hundred thousand
+_LARGEST_TREE = 32 << 20  # bytes of all .proto files of a tree; the parser needs about 70 times as much memory
+_HELP = "correct the file, replace a link by a copy, or move it out of the folder"
 
 
 @dataclass(frozen=True, slots=True)
 class DeclarationIndex:
-    """The files that declare each message, by the message's full name. Paths are relative to the root of the protos."""
+    """The .proto files that declare each message. Paths are relative to the proto root."""
 
     files: dict[str, list[str]]
+    """The files that declare a message, by the message's full name; without excluded files."""
     excluded: dict[str, list[str]]
-    """The files under `proto.exclude` that declare each message, by the message's full name."""
+    """The same for the files that mapping.yaml lists under `proto.exclude`."""
 
 
 def index_declarations(files: Mapping[str, File], exclude: Iterable[str]) -> DeclarationIndex:
@@ -43,52 +45,52 @@ def index_declarations(files: Mapping[str, File], exclude: Iterable[str]) -> Dec
 def proto_files(root: Path, shown_root: str, findings: list[Diagnostic]) -> list[str]:
     """Return the paths of the .proto files below a folder, relative to the folder.
 
-    Symbolic links are followed. Hidden files are ignored, because editors make them.
+    Symbolic links inside the repository are followed. Hidden files are ignored, because editors make them.
 
-    Reports a folder that cannot be listed, a link that leads back to a folder above it, and a name that is not UTF-8.
+    Adds a diagnostic for a folder that is not read, such as a link to a folder above it, and for a name that is not
+    UTF-8. ``shown_root`` is the name of the folder ``root`` in diagnostics.
     """
 
-    def unreadable(error: OSError) -> None:
-        folder = shown(shown_root, Path(error.filename).relative_to(root).as_posix())
-        findings.append(UNREADABLE_PROTO.at(Span(folder), f"cannot be listed: {error.strerror}"))
+    def unread(path: str, fault: str) -> None:
+        findings.append(UNREADABLE_PROTO.at(Span(shown(shown_root, _text(path))), fault, _HELP))
 
-    found: list[str] = []
-    # os.walk does not remember where it has been: with followlinks, a link to a folder above it would be followed again
-    # and again. A link to a folder elsewhere is fine; people share protos that way.
-    above: dict[str, frozenset[str]] = {str(root): frozenset([os.path.realpath(root)])}
-    for folder, folders, files in os.walk(root, followlinks=True, onerror=unreadable):
-        here = Path(folder).relative_to(root)
-        found += [(here / file).as_posix() for file in files if file.endswith(".proto") and not file.startswith(".")]
-        for name in list(folders):
-            path = os.path.join(folder, name)
-            real = os.path.realpath(path)
-            above[path] = above[folder] | {real}
-            if real in above[folder]:
-                folders.remove(name)
-                span = Span(shown(shown_root, (here / name).as_posix()))
-                message = "is a link to a folder that contains it; the link was not followed"
-                findings.append(UNREADABLE_PROTO.at(span, message, "remove the link"))
-    return [name for name in sorted(found) if _is_text(name, shown_root, findings)]
+    found = [path for path in source_files.walk(root, unread) if path.endswith(".proto")]
+    visible = [path for path in found if not path.rpartition("/")[2].startswith(".")]
+    return [name for name in visible if _is_text(name, shown_root, findings)]
+
+
+def _text(name: str) -> str:
+    """Return a path that can be printed: bytes that are not UTF-8 are escaped."""
+    # Python reads such bytes as lone surrogates (PEP 383). They cannot be written to JSON or to a terminal.
+    return os.fsencode(name).decode("utf-8", errors="backslashreplace")
 
 
 def _is_text(name: str, shown_root: str, findings: list[Diagnostic]) -> bool:
     """Return True if a file's name is UTF-8, which protoc and JSON need; report it otherwise."""
-    # os.walk returns bytes that are not UTF-8 as lone surrogates (PEP 383). They cannot be written to JSON or to a
-    # terminal.
-    readable = os.fsencode(name).decode("utf-8", errors="backslashreplace")
+    readable = _text(name)
     if readable != name:
         span = Span(shown(shown_root, readable))
-        findings.append(UNREADABLE_PROTO.at(span, "has a name that is not UTF-8", "rename it"))
+        findings.append(UNREADABLE_PROTO.at(span, "the name of the file is not UTF-8", "rename the file"))
     return readable == name
 
 
 def read_protos(root: Path, shown_root: str, findings: list[Diagnostic]) -> dict[str, File]:
-    """Parse the .proto files below a folder, and return their content by path. Files that cannot be read are reported.
+    """Parse the .proto files below a folder, and return their declarations by path.
 
-    ``shown_root`` is the folder's name in diagnostics.
+    Adds a diagnostic for each file that cannot be read. ``shown_root`` is the folder's name in diagnostics.
     """
-    texts = {name: read_proto(root, name, shown_root, findings) for name in proto_files(root, shown_root, findings)}
-    return {name: declarations(text) for name, text in texts.items() if text is not None}
+    found: dict[str, File] = {}
+    size = 0
+    for name in proto_files(root, shown_root, findings):
+        if size > _LARGEST_TREE:
+            message = f"the .proto files have more than {_LARGEST_TREE} bytes; this and all later ones were not read"
+            findings.append(UNREADABLE_PROTO.at(Span(shown(shown_root, name)), message, "check a smaller folder"))
+            break
+        text = read_proto(root, name, shown_root, findings)
+        if text is not None:
+            found[name] = declarations(text)
+            size += len(text)
+    return found
 
 
 @lru_cache(maxsize=1024)
@@ -99,20 +101,14 @@ def declarations(text: str) -> File:
 
 def read_proto(root: Path, name: str, shown_root: str, findings: list[Diagnostic]) -> str | None:
     """Return the text of a .proto file. If it cannot be read, report that and return None."""
-    path, span = root / name, Span(shown(shown_root, name))
+    span = Span(shown(shown_root, name))
     data = b""
     try:
-        about = path.stat()
-        if not stat.S_ISREG(about.st_mode):  # reading a pipe or a device might never end
-            fault = "is not a regular file"
-        elif about.st_size > _LARGEST:
-            fault = f"has {about.st_size} bytes; files of more than {_LARGEST} bytes are not read"
-        else:
-            data = path.read_bytes()
-            fault = "is a binary file, not the text of a .proto file" if b"\0" in data else ""
+        data = source_files.read(root, name)
+        fault = "the file is binary, and not the text of a .proto file" if b"\0" in data else ""
     except OSError as error:
-        fault = f"cannot be read: {error.strerror}"
+        fault = f"the file cannot be read: {error.strerror}"
     if fault:
-        findings.append(UNREADABLE_PROTO.at(span, fault))
+        findings.append(UNREADABLE_PROTO.at(span, fault, _HELP))
         return None
     return data.decode("utf-8", errors="replace")

@@ -17,7 +17,11 @@ def covers(ranges: Iterable[Range], number: int) -> bool:
 
 
 def missing(wanted: Range, ranges: Iterable[Range]) -> Iterator[Range]:
-    """Yield the parts of a range that none of the other ranges covers."""
+    """Yield the parts of the range ``wanted`` that none of the other ranges covers.
+
+    >>> list(missing((1, 9), [(3, 4), (8, 20)]))
+    [(1, 2), (5, 7)]
+    """
     start, end = wanted
     for first, last in sorted(ranges):
         if last < start:
@@ -32,7 +36,7 @@ def missing(wanted: Range, ranges: Iterable[Range]) -> Iterator[Range]:
 
 
 def spelled(ranges: Iterable[Range]) -> str:
-    """Return ranges as a .proto file writes them: ``4, 8 to max``."""
+    """Return ranges as a ``reserved`` statement of a .proto file writes them: ``4, 8 to max``."""
     return ", ".join(_spelled(*one) for one in ranges)
 
 

@@ -9,7 +9,8 @@ DOES_NOT_COMPILE = Rule(
     "proto-does-not-compile",
     """protoc rejects a file that the table needs.
 
-The message is protoc's own. Nothing can be generated for a message that no protobuf compiler can read.
+The text of the error comes from protoc, the protobuf compiler. Nothing can be generated from a file that protoc cannot
+read.
 
 Bad::
 
@@ -30,12 +31,14 @@ UNREADABLE_PROTO = Rule(
     "unreadable-proto",
     """A `.proto` file or a folder cannot be read.
 
-The file is binary, too large, not accessible, or not a regular file: a pipe, a device, or a link to a folder above it.
-The lint must not skip it in silence, because it could declare a number that is in use.
+The file is binary, has more than 8 MiB, is not accessible, or is not a regular file, such as a pipe or a device. Or a
+link leads out of the git repository, into its folder `.git`, or to a folder above the link. Such a file or folder is
+skipped: it could be private or endless. It is reported, because it could declare a number that is in use. All files of
+a folder together may have 32 MiB.
 
 Bad::
 
-    proto/imu.proto: fatal[PRO102] cannot be read: Permission denied
+    proto/imu.proto: fatal[PRO102] the file cannot be read: Permission denied
 
 Good::
 
@@ -136,9 +139,10 @@ Good::
 NO_PROTO_ROOT = Rule(
     "PRO107",
     "no-proto-root",
-    """`proto.root` is not a folder.
+    """`proto.root` is not a folder, or is outside the git repository.
 
-The path is relative to the folder of mapping.yaml.
+`proto.root` is the folder of the .proto files. The path is relative to the folder of mapping.yaml. A pull request must
+not make `generate` read files outside the repository. Add another repository as a submodule.
 
 Bad::
 

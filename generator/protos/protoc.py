@@ -8,16 +8,16 @@ import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 import grpc_tools
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
+from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from roverlink.generator.protos.descriptors import schema_of
 from roverlink.generator.protos.files import declarations
-from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
 from roverlink.generator.protos.schema import Schema
 
@@ -27,12 +27,13 @@ import os, sys
 from grpc_tools import _protoc_compiler
 sys.exit(_protoc_compiler.run_main([os.fsencode(argument) for argument in sys.argv]))
 """
+_OF_PROTOBUF = "google/protobuf/"
 _WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
 
 
 @dataclass(frozen=True, slots=True)
 class Compilation:
-    """The schema and the Python modules that protoc made from the files of the table, and from their imports."""
+    """Result of a protoc run: the schema and the Python modules of the compiled files and their imports."""
 
     schema: Schema
     modules: Mapping[str, str]
@@ -40,23 +41,18 @@ class Compilation:
 
 
 def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str], shown_root: str) -> Compilation:
-    """Compile files and their imports with protoc, to a schema and to Python modules.
+    """Compile .proto files and their imports with protoc, to a schema and to Python modules.
 
-    ``overlay`` holds the text of files that replace those on disk. ``shown_root`` is the root's name in diagnostics.
-    Raises `DiagnosticsError` with protoc's own messages.
+    ``overlay`` has texts, by path, that protoc reads instead of the files on disk. ``shown_root`` is the name of the
+    folder ``root`` in diagnostics. Raises `DiagnosticsError` with protoc's own messages.
     """
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
-        over, out, result = Path(folder, "overlay"), Path(folder, "out"), Path(folder, "set")
+        staged, out, result = Path(folder, "staged"), Path(folder, "out"), Path(folder, "set")
         out.mkdir()
-        for path, text in overlay.items():
-            target = over / path
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(text, encoding="utf-8")
-        # protoc takes a file from the first -I folder that contains it, so the overlay hides the file on disk.
-        folders = [over, root] if overlay else [root]
         options = [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
         # protoc generates modules for the files in its arguments only, not for their imports.
-        _protoc(folders, _with_imports(files, folders), options, out, shown_root)
+        wanted = [*files, *(name for name in _stage(root, files, overlay, staged) if not name.startswith(_OF_PROTOBUF))]
+        _protoc(staged, list(dict.fromkeys(wanted)), options, out, shown_root)
         compiled = FileDescriptorSet.FromString(result.read_bytes())
         modules = {
             path.relative_to(out).as_posix(): path.read_text(encoding="utf-8") for path in sorted(out.rglob("*.py*"))
@@ -64,32 +60,35 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
     return Compilation(schema_of(compiled, shown_root), modules)
 
 
-def _with_imports(files: Iterable[str], folders: Sequence[Path]) -> list[str]:
-    """Return the files and all files that they import, also indirectly.
+def _stage(root: Path, files: Iterable[str], overlay: Mapping[str, str], staged: Path) -> list[str]:
+    """Copy the given files, and all files that they import, to the folder ``staged``, from which protoc reads them.
 
-    Protobuf's own files are left out, and files that do not exist.
+    protoc itself would follow an import to a pipe, or a link out of the repository. A file that does not exist or must
+    not be read is left out. ``overlay`` has texts, by path, that take the place of files on disk. Returns the paths of
+    the copies, the given files first.
     """
-    waiting = list(files)
-    known = dict.fromkeys(waiting)
-    for file in waiting:  # the list grows during the loop
-        path = _found(file, folders)
-        for name in _declarations(path).imported if path else ():
-            if name not in known and not name.startswith("google/protobuf/") and _found(name, folders):
-                known[name] = None
-                waiting.append(name)
-    return waiting
-
-
-def _declarations(path: Path) -> File:
-    return declarations(path.read_text(encoding="utf-8", errors="replace"))
-
-
-def _found(file: str, folders: Sequence[Path]) -> Path | None:
-    return next((folder / file for folder in folders if (folder / file).is_file()), None)
+    staged.mkdir()
+    waiting = list(dict.fromkeys(files))
+    known = set(waiting)
+    copied = []
+    for name in waiting:  # the list grows during the loop
+        if PurePosixPath(name).is_absolute() or {"..", "."} & set(name.split("/")):
+            continue  # protoc refuses such a path
+        try:
+            data = overlay[name].encode() if name in overlay else source_files.read(root, name)
+            (staged / name).parent.mkdir(parents=True, exist_ok=True)
+            (staged / name).write_bytes(data)
+        except OSError:
+            continue  # protoc reports that the file does not exist
+        copied.append(name)
+        new = [one for one in declarations(data.decode("utf-8", errors="replace")).imported if one not in known]
+        known.update(new)
+        waiting += dict.fromkeys(new)
+    return copied
 
 
 def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Schema, list[Diagnostic]]:
-    """Compile all files of a tree.
+    """Compile all given .proto files with protoc, and leave out the files that have errors.
 
     Returns the schema of the files without errors, and one diagnostic for each error in the other files.
     """
@@ -114,22 +113,21 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
 def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> FileDescriptorSet:
     """Compile files and their imports with protoc, to descriptors. Raises `DiagnosticsError` with protoc's messages."""
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
-        result = Path(folder, "set")
-        _protoc([root], files, [f"--descriptor_set_out={result}"], Path(folder), shown_root)
+        staged, result = Path(folder, "staged"), Path(folder, "set")
+        _stage(root, files, {}, staged)
+        _protoc(staged, files, [f"--descriptor_set_out={result}"], Path(folder), shown_root)
         return FileDescriptorSet.FromString(result.read_bytes())
 
 
-def _protoc(
-    folders: Sequence[Path], files: Sequence[str], options: Sequence[str], inside: Path, shown_root: str
-) -> None:
+def _protoc(staged: Path, files: Sequence[str], options: Sequence[str], inside: Path, shown_root: str) -> None:
     # grpcio-tools brings google/protobuf/*.proto. Its folder is the last one: a project's own copies come first.
-    includes = [f"-I{folder}" for folder in [*folders, _WELL_KNOWN]]
+    includes = [f"-I{folder}" for folder in (staged, _WELL_KNOWN)]
     command = [sys.executable, "-c", _RUN, *includes, *options, "--include_imports", "--include_source_info", *files]
     # `python -c` imports from the current folder first. In an empty folder, no module of the user hides a standard one.
     done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
     if done.returncode:
         said = done.stderr.decode("utf-8", errors="replace")
-        raise DiagnosticsError(_protoc_findings(said, folders, shown_root))
+        raise DiagnosticsError(_protoc_findings(said, staged, shown_root))
 
 
 # protoc has no output for machines except GCC's form `file:line:column: text` (--error_format=gcc, its default). A file
@@ -150,15 +148,15 @@ class _Error(NamedTuple):
     text: str
 
 
-def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> list[Diagnostic]:
+def _protoc_findings(output: str, staged: Path, shown_root: str) -> list[Diagnostic]:
     """Return a diagnostic for each error in protoc's output.
 
     Errors that only follow from another error are left out.
     """
-    errors = list(_errors(output, folders))
+    errors = list(_errors(output, staged))
     broken = {error.file for error in errors if error.text != _NOT_FOUND}
     imported = {match["file"] for error in errors if (match := _BROKEN_IMPORT.fullmatch(error.text))}
-    missing_names = _declared_in(broken & imported, folders)
+    missing_names = _declared_in(broken & imported, staged)
     imports: dict[str, list[Span]] = {}  # by file: the places where its broken imports are reported
     importers: dict[str, list[Span]] = (
         {}
@@ -189,21 +187,19 @@ def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> l
     ]
 
 
-def _errors(output: str, folders: Sequence[Path]) -> Iterator[_Error]:
+def _errors(output: str, staged: Path) -> Iterator[_Error]:
     for match in filter(None, map(_PROTOC_MESSAGE.fullmatch, output.splitlines())):
-        file = match["file"]
-        for folder in folders:  # protoc prints the path with the folder of its -I option
-            file = file.removeprefix(f"{folder}/")
+        file = match["file"].removeprefix(f"{staged}/")  # protoc prints the path with the folder of its -I option
         if not match["text"].startswith("warning:"):
             yield _Error(file, int(match["line"] or 0), int(match["column"] or 0), match["text"])
 
 
-def _declared_in(files: Iterable[str], folders: Sequence[Path]) -> set[str]:
-    """Return the names, without package, of the messages and enums that some files declare."""
+def _declared_in(files: Iterable[str], staged: Path) -> set[str]:
+    """Return the names, without package and enclosing messages, of the messages and enums that some files declare."""
     names: set[str] = set()
-    for path in (folder / file for file in files for folder in folders):
+    for path in (staged / file for file in files):
         if path.is_file():
-            file = _declarations(path)
+            file = declarations(path.read_text(encoding="utf-8", errors="replace"))
             names |= {message.name for message in file.messages} | {enum.name for enum in file.enums}
     return names
 
@@ -211,8 +207,8 @@ def _declared_in(files: Iterable[str], folders: Sequence[Path]) -> set[str]:
 def _is_consequence(error: _Error, broken: Set[str], imported: Set[str], missing_names: Set[str]) -> bool:
     """Return True if an error of protoc only follows from another error.
 
-    ``broken`` are the files with errors of their own, ``imported`` the files that could not be imported, and
-    ``missing_names`` the types that the former declare.
+    ``broken`` are the files with errors of their own, and ``imported`` the files that could not be imported.
+    ``missing_names`` are the types that are unknown because a broken file declares them.
     """
     if error.text == _NOT_FOUND:
         return error.file in imported  # the import statement is a better place for the error

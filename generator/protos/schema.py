@@ -16,7 +16,7 @@ Ranges = tuple[tuple[int, int], ...]
 
 
 class Fact(NamedTuple):
-    """The meaning of a number: the declaration of a field or an enum value, without its place in the file.
+    """The meaning that a declaration gives to a field number or enum number: name, type and label, without the place.
 
     Two declarations with equal facts give the same meaning to the number.
     """
@@ -28,12 +28,16 @@ class Fact(NamedTuple):
     label: str = ""
     oneof: str = ""
     claimed: bool = False
-    """True if the declaration stands in a comment."""
+    """True if the declaration is commented out."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Declared:
-    """Base class of the declarations in a .proto file. An attribute that a reader cannot know keeps its default."""
+    """Base class of the declarations in a .proto file: messages, fields, enums and enum values.
+
+    protoc, the tolerant parser and the ledger create declarations. An attribute that one of them does not know keeps
+    its default.
+    """
 
     span: Span
     places: Mapping[str, Span] = field(default_factory=dict, repr=False, hash=False)
@@ -81,7 +85,10 @@ class ProtoField(Declared):
 
     @property
     def optional(self) -> bool:
-        """True if absent differs from zero. A message field counts only if it is declared ``optional``."""
+        """True if the field distinguishes *absent* from *zero*, except for members of a oneof.
+
+        A message field counts only if it is declared ``optional``.
+        """
         holds_message = self.type in ("message", "group")
         return self.declared_optional or (self.label == "optional" and not holds_message and not self.oneof)
 
@@ -97,7 +104,7 @@ class ProtoField(Declared):
 
     @property
     def fact(self) -> Fact:
-        """The declaration without its place: the meaning that it gives to the field's number."""
+        """The meaning that the declaration gives to the field's number: the declaration without its place."""
         return Fact(self.number, self.name, self.wire_type, self.label, self.oneof)
 
     @property
@@ -116,15 +123,16 @@ class ProtoMessage(Declared):
     oneofs: tuple[str, ...] = ()
     """Names of the oneofs that the file declares, in their order. protoc's synthetic oneofs are left out."""
     map_entry: bool = False
+    """True for the message that protoc generates for the entries of a map."""
     extension_ranges: Ranges = ()
     reserved: Ranges = ()
     reserved_names: tuple[str, ...] = ()
     facets: Mapping[str, str] = field(default_factory=dict, hash=False)
     """Options of the message that change the encoding, by name: ``message_set_wire_format``."""
     claims: tuple[ProtoField, ...] = ()
-    """Fields that stand in comments.
+    """Commented-out fields, such as ``// float speed = 4;``.
 
-    Their numbers were in use or will be. Only the tolerant parser finds such fields.
+    Their numbers may still be in use on old boards. Only the tolerant parser finds such fields.
     """
 
     @property
@@ -159,7 +167,7 @@ class ProtoEnumValue(Declared):
 
     @property
     def fact(self) -> Fact:
-        """The declaration without its place: the meaning that it gives to the value's number."""
+        """The meaning that the declaration gives to the value's number: the declaration without its place."""
         return Fact(self.number, self.name, "")
 
     def on_the_wire(self) -> ir.WireValue:
@@ -177,7 +185,7 @@ class ProtoEnum(Declared):
     reserved: Ranges = ()
     reserved_names: tuple[str, ...] = ()
     claims: tuple[ProtoEnumValue, ...] = ()
-    """Values that stand in comments. Only the tolerant parser finds such values."""
+    """Commented-out values, such as ``// IDLE = 4;``. Only the tolerant parser finds such values."""
 
     @property
     def name(self) -> str:
@@ -226,13 +234,13 @@ class Syntax:
 
     @property
     def statement(self) -> str:
-        """The statement with which a file declares the syntax."""
+        """The statement with which a .proto file declares the syntax: ``syntax = "proto3";``."""
         return f'edition = "{self.name}";' if self.is_edition else f'syntax = "{self.name}";'
 
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """The declarations of some .proto files, and of all files that these import."""
+    """The messages, enums and extensions of some .proto files, and of all files that these import."""
 
     files: tuple[str, ...]
     """Paths of the files; each file stands after the files that it imports."""
@@ -240,12 +248,12 @@ class Schema:
     enums: Mapping[str, ProtoEnum]
     extensions: tuple[ProtoExtension, ...] = ()
     file_options: Mapping[str, bytes] = field(default_factory=dict)
-    """The serialized options of each file."""
+    """The serialized `FileOptions` of each file, by path."""
     packages: Mapping[str, str] = field(default_factory=dict)
-    """The package of each file; empty if the file declares none."""
+    """The proto package of each file, by path; empty if the file declares none."""
     syntaxes: Mapping[str, Syntax] = field(default_factory=dict)
     descriptors: FileDescriptorSet = field(default_factory=FileDescriptorSet, repr=False, compare=False)
-    """The descriptors from which the schema was made, for other programs; empty for the ledger's schema."""
+    """protoc's descriptors of the files, for generated code and other programs; empty for the ledger's schema."""
     uncompiled: tuple[str, ...] = ()
     """Paths of the files that should be in the schema, but do not compile."""
 
@@ -264,9 +272,9 @@ class Schema:
         return self.syntaxes.get(file, Syntax(""))
 
     def reachable(self, *roots: str) -> tuple[set[str], set[str]]:
-        """Return the full names of all messages and of all enums that ``roots`` contain at any depth.
+        """Return the full names of all messages, and of all enums, in the fields of ``roots`` at any depth.
 
-        The roots are included.
+        ``roots`` are full names of messages and enums. They are included in the result.
         """
         messages: set[str] = set()
         enums: set[str] = set()
@@ -285,7 +293,7 @@ _MARK = "Deprecated."
 
 
 def commented(declared: Declared) -> str:
-    """Return the comment of a declaration. If the declaration is deprecated, ``Deprecated.`` is added."""
+    """Return the comment of a declaration. If it has the option `deprecated`, ``Deprecated.`` is added."""
     if not declared.options or not _is_deprecated(declared):
         return declared.comment
     return f"{declared.comment}\n\n{_MARK}" if declared.comment else _MARK

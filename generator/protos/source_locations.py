@@ -29,7 +29,7 @@ _MESSAGE_RESERVED, _ENUM_RESERVED = 9, 4
 
 
 class Places:
-    """The places and comments of the declarations in one file."""
+    """The places (line and column) and comments of the declarations in one .proto file."""
 
     def __init__(self, file: FileDescriptorProto, shown_root: str) -> None:
         self._shown = shown(shown_root, file.name)
@@ -44,7 +44,7 @@ class Places:
         return Span(self._shown, location.span[0] + 1, location.span[1] + 1) if location else Span(self._shown)
 
     def comment(self, path: Path) -> str:
-        """Return the comment before the declaration at a path, or else the comment behind it."""
+        """Return the comment before the declaration at a path, or else the comment after it; empty without one."""
         location = self._locations.get(path)
         return (_clean(location.leading_comments) or _clean(location.trailing_comments)) if location else ""
 
@@ -77,7 +77,7 @@ class Places:
 
 
 def _clean(comment: str) -> str:
-    """Return a comment's text without the space behind the slashes, and without white space at both ends."""
-    # protoc removes the `//`, but keeps the space behind it (descriptor.proto, `leading_comments`).
+    """Return a comment's text without the space after the slashes, and without white space at both ends."""
+    # protoc removes the `//`, but keeps the space after it (descriptor.proto, `leading_comments`).
     lines = [line.removeprefix(" ").rstrip() for line in comment.splitlines()]
     return "\n".join(lines).strip()

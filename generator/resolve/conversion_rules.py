@@ -7,10 +7,11 @@ from roverlink.generator.diagnostics import Rule, Severity
 CANNOT_CONVERT = Rule(
     "CNV101",
     "cannot-convert",
-    """A message cannot become a ROS message.
+    """A proto message cannot become a ROS message.
 
-A ROS message cannot contain itself. A name can hide a name that the generated code needs. An optional message whose
-fields are moved into the outer message loses its presence.
+The reason is one of these. The message contains itself, which ROS does not allow. A name is a Python keyword, is not
+allowed in ROS, or hides a name that the generated code needs. An optional message has its fields moved into the outer
+message, so subscribers could not see if it was set.
 
 Bad::
 
@@ -30,9 +31,9 @@ Good::
 UNMAPPED_FIELD = Rule(
     "CNV102",
     "unmapped-field",
-    """`fields` moves fields of a nested message into the outer one, but one of them has no ROS field.
+    """`fields` moves fields of a nested message into the outer message, but does not list all of these fields.
 
-To drop a field, list it under `ignore`; no field is dropped silently.
+Give the missing field a ROS field under `fields`, or list it under `ignore`. No field is dropped silently.
 
 Bad::
 
@@ -75,8 +76,8 @@ FIELD_NAME_FORBIDDEN = Rule(
     "field-name-forbidden",
     """A name under `fields` or `enums` cannot be a field of a ROS message.
 
-ROS fields have lower-case letters, digits and single underscores. Keywords of Python and C++ would break the generated
-classes.
+The names of ROS fields have lower-case letters, digits and single underscores. Keywords of Python and C++ would break
+the generated classes.
 
 Bad::
 
@@ -133,9 +134,9 @@ Good::
 DISAGREEING_ROWS = Rule(
     "CNV107",
     "rows-disagree-on-a-message",
-    """Two rows give the same proto message different overrides.
+    """Two rows have different settings for the conversion of the same proto message.
 
-A proto message becomes one ROS message. Rows that share it must agree on `ros`, `fields`, `ignore`, `presence` and
+A proto message becomes only one ROS message. Rows that share it must agree on `ros`, `fields`, `ignore`, `presence` and
 `any`.
 
 Bad::
@@ -155,7 +156,8 @@ CONSTANT_NAME = Rule(
     "constant-name",
     """An enum value cannot be a constant of a ROS message, or two values would get the same constant.
 
-ROS constants have capitals, digits and single underscores. The names of enum values are converted to that spelling.
+The names of ROS constants have capitals, digits and single underscores. The names of enum values are converted to that
+spelling.
 
 Bad::
 
@@ -174,7 +176,8 @@ UNKNOWN_ENUM = Rule(
     "unknown-enum",
     """`enums` names an enum that no payload contains.
 
-The setting has no effect: the enum is misspelt, lacks its package, or is not used any more.
+An enum under `enums` becomes a ROS message of its own. This entry has no effect: the name is misspelt or lacks its
+package, or the enum is not used any more.
 
 Bad::
 
@@ -199,7 +202,7 @@ EXTENSIONS = Rule(
     "extensions-not-carried",
     """A proto2 message can be extended, but its extensions have no ROS fields.
 
-An extension that a peer sends is dropped by the bridge.
+The bridge drops every extension that a peer sends.
 
 Bad::
 
@@ -237,8 +240,8 @@ WITHOUT_EFFECT = Rule(
     "setting-without-effect",
     """`presence` or `any` is set for a field to which it does not apply.
 
-Only an optional field can be absent, and only a google.protobuf.Any needs a list of messages. Both settings change
-messages of the table's own package; a standard message cannot be changed.
+`presence` is for fields that can be absent, such as `optional` fields. `any` is for fields with a google.protobuf.Any.
+Both settings change generated ROS messages; a standard message such as sensor_msgs/Imu cannot be changed.
 
 Bad::
 

@@ -1,4 +1,7 @@
-"""Conversion of proto enums to ROS: each becomes an integer field, and constants of the message with the field."""
+"""Conversion of proto enums to ROS: an enum field becomes an integer field, and the enum's values become constants.
+
+The constants are declared in the .msg file that has the field.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ _SIGNED_INTEGERS = (("int8", -(2**7), 2**7), ("int16", -(2**15), 2**15), ("int32
 def integer_type(enum: ProtoEnum) -> str:
     """Return the smallest ROS integer type that holds all values of an enum.
 
-    The type is signed only if a value is negative.
+    The type is signed only if a value is negative: ``uint8`` for the values 0 to 3, ``int8`` for -1 to 3.
     """
     numbers = [value.number for value in enum.values]
     for name, low, end in _SIGNED_INTEGERS if min(numbers) < 0 else _INTEGERS:
@@ -28,7 +31,7 @@ def integer_type(enum: ProtoEnum) -> str:
 
 
 def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]) -> Iterator[ir.RosConstant]:
-    """Yield a constant of a ROS message for each value of an enum; the constants' names begin with ``prefix``.
+    """Yield a constant of a ROS message for each value of an enum; each constant's name begins with ``prefix``.
 
     A value that cannot become a constant is reported.
     """
@@ -64,9 +67,11 @@ def constants_of(
     span: Span,
     report: Callable[[Diagnostic], None],
 ) -> Iterator[ir.RosConstant]:
-    """Yield the constants of a ROS message: those for its enums, and ``others``, which are for its oneofs.
+    """Yield all constants of a ROS message: the constants of its enums, and ``others``, the constants of its oneofs.
 
-    If two constants share a name, those of an enum get the enum's name as a prefix. `span` is the place of the message.
+    If a constant of an enum has the same name as another constant, all constants of the enum get the enum's name as a
+    prefix: ``MODE_IDLE`` for the value ``IDLE`` of ``Mode``. ``ros`` is the name of the ROS message. ``span`` is the
+    place in the .proto file for diagnostics about ``others``.
     """
     enums, others = tuple(enums), tuple(dict.fromkeys(others))
     # All constants of a ROS message share one scope. Enums that are declared in different messages may use the same
@@ -94,7 +99,12 @@ def _unless_taken(
     if holder == constant.enum:
         yield constant
         return
-    message = f"{ros!r} would have the constant {constant.name!r} twice: from {holder!r} and from {constant.enum!r}"
-    report(
-        CONSTANT_NAME.at(span, message, "rename one of them, or give an enum a ROS message of its own under `enums`")
+    message = (
+        f"the ROS message {ros!r} would have two constants with the name {constant.name!r}, "
+        f"one for the enum or oneof {holder!r} and one for {constant.enum!r}"
     )
+    help = (
+        "rename an enum value or a member of the oneof in the .proto file, or list an enum under `enums` in "
+        "mapping.yaml: it then becomes a ROS message of its own"
+    )
+    report(CONSTANT_NAME.at(span, message, help))

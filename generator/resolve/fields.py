@@ -40,7 +40,7 @@ class MessageBuilder:
         self.conversions: list[ir.FieldConversion] = []
 
     def message(self) -> ir.RosMessage:
-        """Return the ROS message from the fields that were added."""
+        """Return the ROS message with the fields that `add_fields` has added."""
         declared, ros = self._types.enums.values(), self._shape.ros
         return ir.RosMessage(
             ros,
@@ -51,9 +51,10 @@ class MessageBuilder:
         )
 
     def add_fields(self, message: ProtoMessage, path: tuple[str, ...]) -> None:
-        """Add ROS fields for all fields of a proto message, and convert them.
+        """Add a ROS field, and its conversion, for each field of a proto message.
 
-        ``path`` leads from the payload to the proto message; it is empty for the payload itself.
+        ``path`` has the names of the fields that lead from the builder's own proto message to ``message``. It is
+        empty for the own message, and ``("accel",)`` for a nested message whose fields move into the outer ROS message.
         """
         for field in message.fields:
             full_path = (*path, field.name)
@@ -82,14 +83,14 @@ class MessageBuilder:
                 self._convert(message, field, full_path)
 
     def _is_flattened(self, dotted: str) -> bool:
-        """Return True if the row's `fields` or `ignore` contain paths into this field.
+        """Return True if the row's `fields` or `ignore` has a path into a field: ``accel.x`` is a path into ``accel``.
 
-        Then the message in the field is not converted as a whole.
+        The fields of the nested message then move into the outer ROS message.
         """
         return any(path.startswith(f"{dotted}.") for path in (*self._shape.fields, *self._shape.ignore))
 
     def _flatten(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> None:
-        """Add ROS fields for the fields of a nested message, in place of one ROS field for the nested message."""
+        """Add ROS fields for the fields of a nested message, instead of one ROS field for the whole nested message."""
         dotted, nested = ".".join(path), self._schema.messages.get(field.type_name)
         if self._keeps_presence(message, field):
             fault = (
@@ -103,7 +104,7 @@ class MessageBuilder:
             self.add_fields(nested, path)
 
     def _report_paths_into(self, dotted: str, field: ProtoField) -> None:
-        """Report paths of the row that lead into a field which is not a single message."""
+        """Report the row's paths that lead into a field which is not a single message, such as a list or a number."""
         for group, paths in (("fields", self._shape.fields), ("ignore", self._shape.ignore)):
             for path in paths:
                 if path.startswith(f"{dotted}."):
@@ -114,7 +115,7 @@ class MessageBuilder:
                     )
 
     def check_paths(self) -> None:
-        """Report paths of the row that lead to no field, and paths that contradict each other."""
+        """Report paths under the row's `fields` and `ignore` that lead to no field or contradict another path."""
         row = self._shape.row
         if row is None:
             return
@@ -124,12 +125,16 @@ class MessageBuilder:
                 if contradiction := self._contradiction(group, path):
                     self._report(CONTRADICTING_PATHS.at(span, contradiction, "keep only one of the two settings"))
                 elif path not in self._paths_seen:
-                    help = nearest(path, self._paths_seen)
+                    known = ", ".join(sorted(self._paths_seen)) or "none"
+                    help = nearest(path, self._paths_seen, f"known fields: {known}")
                     message = f"the proto message {self._message.full_name!r} has no field {path!r}"
                     self._report(UNKNOWN_FIELD.at(span, message, help))
 
     def _contradiction(self, group: str, path: str) -> str:
-        """Return a text about another path of the row that contradicts a path; empty if there is none."""
+        """Return a message about a setting of the row that contradicts the setting of a path; empty if there is none.
+
+        ``group`` is the key that contains the path: ``fields`` or ``ignore``.
+        """
         fields, ignore = self._shape.fields, self._shape.ignore
         if group == "ignore" and path in fields:
             return f"the field {path!r} is renamed to {fields[path]!r}, and also ignored"
@@ -137,7 +142,7 @@ class MessageBuilder:
             if whole in ignore:
                 return f"{path!r} has a setting, but {whole!r} and all its fields are ignored"
             if whole in fields:
-                return f"{path!r} has a setting, but {whole!r} becomes one field, {fields[whole]!r}"
+                return f"{path!r} has a setting, but all of {whole!r} becomes one ROS field, {fields[whole]!r}"
         return ""
 
     def _convert(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> None:
@@ -154,16 +159,16 @@ class MessageBuilder:
         self._add(conversion, field)
 
     def _keeps_presence(self, message: ProtoMessage, field: ProtoField) -> bool:
-        """Return True if the ROS message gets a field that tells if the proto field is set."""
+        """Return True if the ROS message gets a field ``has_<field>``, which tells if the proto field is set."""
         if field.label != "optional" or field.oneof or field.type_name in (*well_known.TEXTS, well_known.EMPTY):
             return False
         said = self._messages.settings.presence.get((message.full_name, field.name))
         return said if said is not None else field.optional or field.type_name in well_known.WRAPPERS
 
     def _discriminator(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
-        """Return the name of the ROS field that tells which member of the oneof is set.
+        """Return the name of the ROS field that tells which member of a oneof is set, such as ``which_order``.
 
-        The first member of the oneof adds this ROS field to the message.
+        ``field`` is a member of the oneof. The call for the first member adds the ROS field to the ROS message.
         """
         full_path = (*path, field.oneof)
         if full_path not in self._which:

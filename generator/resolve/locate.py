@@ -18,7 +18,8 @@ from roverlink.generator.table import Table
 def locate(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) -> dict[str, str]:
     """Return the .proto file of each row's message, by the message's full name.
 
-    A message that no file or several files declare is reported and left out.
+    A message is reported and left out if no file or several files declare it. The same is true for the envelope, and
+    for a message in the envelope's file if that file is generated.
     """
     files: dict[str, str] = {}
     for row in table.rows:

@@ -1,4 +1,4 @@
-"""Generated ROS messages, and conversions to them, for all proto messages that the payloads contain."""
+"""Builder of the generated ROS messages and their conversions, for all payloads and the messages inside payloads."""
 
 from __future__ import annotations
 
@@ -25,7 +25,10 @@ from roverlink.generator.table import EnumSettings, Row, Table
 
 
 class RosMessages:
-    """Builder of all generated ROS messages and conversions. A message that several rows need is built once."""
+    """Builder of all generated ROS messages, and of the conversions between them and the proto messages.
+
+    A ROS message that several rows need is built once.
+    """
 
     def __init__(self, table: Table, schema: Schema, findings: list[Diagnostic]) -> None:
         self.schema, self.report = schema, findings.append
@@ -41,22 +44,25 @@ class RosMessages:
 
     @property
     def conversions(self) -> dict[str, ir.Conversion]:
-        """Every conversion to a generated ROS message, by the name of the ROS message."""
+        """Conversions between proto messages and generated ROS messages, by the name of the ROS message."""
         return {conversion.ros: conversion for conversion in self._made.values()}
 
     def route(self, row: Row) -> ir.Route:
-        """Return the route of a row. Its conversion is None if the row has a standard message."""
+        """Return the route of a row, with the conversion between its payload and its generated ROS message.
+
+        The conversion is None if the row has a standard message, such as ``sensor_msgs/Imu``.
+        """
         payload = self.schema.messages[row.proto]
         conversion = None if row.standard else self._conversion(payload)
         where = (row.number, row.name, row.topic, row.direction, row.inbound, row.profile, row.forward)
         return ir.Route(*where, row.proto, conversion, commented(payload), expect_rate=row.expect_rate)
 
     def check_enums(self) -> None:
-        """Report enums that the table lists under `enums`, but no payload contains."""
+        """Report each enum that the table lists under `enums`, but that no payload contains."""
         for settings in self._enum_settings.values():
             if settings.proto not in self.enums_used:
                 help = nearest(settings.proto, self.enums_used, "remove the entry, or correct the enum's name")
-                self.report(UNKNOWN_ENUM.at(settings.span, f"no payload has the enum {settings.proto!r}", help))
+                self.report(UNKNOWN_ENUM.at(settings.span, f"no payload contains the enum {settings.proto!r}", help))
 
     # --- messages ---
 
@@ -89,17 +95,21 @@ class RosMessages:
         return self._made[proto]
 
     def _package_of(self, message: ProtoMessage) -> str:
-        """Return the proto package of a message: its full name without its own name and the messages around it."""
+        """Return the proto package of a message: its full name without its own name and the messages around it.
+
+        For example, the package of ``rover.Imu.Sample`` is ``rover`` if ``Sample`` is declared inside ``Imu``.
+        """
         outer = message.full_name.rpartition(".")[0]
         while outer in self.schema.messages:
             outer = outer.rpartition(".")[0]
         return outer
 
     def claim(self, ros: str, source: str, span: Span, row: Row | None = None) -> None:
-        """Note that a ROS message's name is used; report a name that ROS forbids, or that collides with another name.
+        """Record that a ROS message's name is used; report a name that ROS forbids or that collides with another name.
 
-        rosidl names header files in snake_case, so two names collide if their snake_case forms are equal. ``source`` is
-        the proto message or field that needs the ROS message.
+        rosidl names header files in snake_case, so two names collide if their snake_case forms are equal: ``PHInfo``
+        and ``PhInfo``. ``source`` names the proto message, enum or field that needs the ROS message. ``row`` is the row
+        that sets the name; None if no row sets it.
         """
         if not ros_names.is_message_name(ros) and row is None:  # ROS101 checks the name in a row
             fault = f"{source!r} cannot become the ROS message {ros!r}: ROS does not allow the name"
@@ -111,24 +121,28 @@ class RosMessages:
         taken, holder = self._names.setdefault(ros_names.snake_case(ros), (ros, source))
         if holder != source:
             why = (
-                f"like {holder!r}" if taken == ros else f"which differs from {taken!r} (of {holder!r}) only in capitals"
+                f"and so would {holder!r}"
+                if taken == ros
+                else f"which differs from {taken!r} (of {holder!r}) only in capitals"
             )
             help = "give one of the two another name with the key `ros`"
             self.report(MESSAGE_NAME_TAKEN.at(span, f"{source!r} would become the ROS message {ros!r}, {why}", help))
 
     def nested_message(self, field: ProtoField, proto: str) -> str | None:
-        """Return the name of the ROS message for a message that a field contains.
+        """Return the name of the ROS message for the proto message ``proto``, which is the type of a field.
 
-        A field that makes a message contain itself is reported, and the result is None.
+        The ROS message is built if it does not exist yet. A field that makes a message contain itself is reported, and
+        the result is None.
         """
         if self._is_recursive(field, proto, "list this field, or one that leads to it, under `ignore`"):
             return None
         return self._conversion(self.schema.messages[proto]).ros
 
     def _is_recursive(self, field: ProtoField, proto: str, help: str) -> bool:
-        """Return True, and report the field, if the field's message contains the field itself.
+        """Return True, and report the field, if the field makes a proto message contain itself.
 
-        A ROS message cannot contain itself.
+        This can happen directly or through other messages. ROS does not allow it. ``proto`` is the message in the
+        field; ``help`` is the help line of the diagnostic.
         """
         if proto not in self._in_progress:
             return False
@@ -138,9 +152,10 @@ class RosMessages:
         return True
 
     def any_message(self, message: ProtoMessage, field: ProtoField, ros: str, types: tuple[str, ...]) -> str:
-        """Build the ROS message for an Any field, and return the name of the ROS message.
+        """Build the ROS message ``ros`` for a google.protobuf.Any, and return the name of the ROS message.
 
-        ``types`` are the proto messages that the Any may contain according to the table.
+        ``types`` are the proto messages that the Any may contain according to the table. The ROS message has a field
+        for each of them, and a field ``which`` that tells which one the Any contains. ``message`` declares ``field``.
         """
         source = f"{message.full_name}.{field.name}"
         self.claim(ros, f"{source} of {ros}", field.span)
@@ -155,12 +170,12 @@ class RosMessages:
             last = ros_names.snake_case(type.rpartition(".")[2])
             member = ir.AnyMember(type, held, ros_names.field_name(last), ros_names.constant_name(last))
             if member.field in [one.name for one in fields] or member.constant == NONE:
-                fault = f"{ros!r} would have a second field {member.field!r}, for the message {type!r}"
+                fault = f"the ROS message {ros!r} cannot have a field {member.field!r} for {type!r}: the name is taken"
                 self.report(
                     FIELD_NAME_TAKEN.at(
                         field.span,
                         fault,
-                        "rename one of them in the .proto file; only an Any sends the name of a message",
+                        "rename the message in the .proto files of all peers, because an Any contains its name",
                     )
                 )
             members.append(member)
@@ -171,9 +186,9 @@ class RosMessages:
         return ros
 
     def bytes_message(self) -> str:
-        """Build the ROS message for one item of a list of bytes, and return its name.
+        """Build the ROS message ``Bytes``, which contains one item of a `repeated bytes` field, and return its name.
 
-        ROS has no sequences of sequences.
+        ROS has no sequences of sequences, so the field becomes a sequence of ``Bytes`` messages.
         """
         self.claim("Bytes", "bytes in a list", Span(""))
         field = ir.RosField("data", ir.RosType("uint8", is_sequence=True), "")
@@ -181,9 +196,9 @@ class RosMessages:
         return "Bytes"
 
     def enum_message(self, enum: ProtoEnum) -> EnumSettings | None:
-        """Return the table's settings for an enum with a ROS message of its own; None if it has none.
+        """Return the settings of an enum that the table lists under `enums`; None for any other enum.
 
-        The ROS message is built when an enum is first used.
+        An enum under `enums` becomes a ROS message of its own. It is built when the enum is first used.
         """
         settings = self._enum_settings.get(enum.full_name)
         if settings is not None and enum.full_name not in self.enums_used:
@@ -195,7 +210,7 @@ class RosMessages:
         self.claim(settings.ros, enum.full_name, settings.at("ros"))
         if why := ros_names.unusable(settings.field):
             message = f"{settings.field!r} cannot be a field of a ROS message: {why}"
-            self.report(FIELD_NAME_FORBIDDEN.at(settings.at("field"), message))
+            self.report(FIELD_NAME_FORBIDDEN.at(settings.at("field"), message, "write another name under `field`"))
         self.messages[settings.ros] = ir.RosMessage(
             settings.ros,
             (ir.RosField(settings.field, ir.RosType(enums.integer_type(enum)), "", enum.full_name),),

@@ -1,4 +1,7 @@
-"""Conversion of oneofs to ROS: each member becomes a field, and one more field tells which member is set."""
+"""Conversion of oneofs to ROS: each member becomes a field, and one more field tells which member is set.
+
+For a oneof ``order``, this is the integer field ``which_order`` with constants such as ``ORDER_DRILL_TO``.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +17,11 @@ NONE = "NONE"
 def discriminator(
     message: ProtoMessage, oneof: str, members: Sequence[ProtoField], name: str | None
 ) -> tuple[ir.RosField, list[ir.RosConstant], tuple[ir.Choice, ...]]:
-    """Return the ROS field that tells which member of a oneof is set, with its constants and the members.
+    """Return the ROS field that tells which member of a oneof is set, its constants, and a choice for each member.
 
-    The constant of a member is the member's field number. So the numbers do not change if members are added or
-    reordered. ``name`` is the ROS field's name from the table; None for the default name.
+    The value of a member's constant is the member's field number, so it does not change if members are added or
+    reordered. The value 0 means that no member is set. ``name`` is the ROS field's name from the table; None for the
+    default name ``which_<oneof>``.
     """
     source, prefix = f"{message.full_name}.{oneof}", ros_names.constant_name(oneof)
     type = smallest(max(member.number for member in members))
@@ -33,5 +37,5 @@ def discriminator(
 
 
 def smallest(number: int) -> str:
-    """Return the smallest unsigned ROS integer type that holds the numbers from 0 to a given number."""
+    """Return the smallest unsigned ROS integer type that holds ``number``: ``uint8``, ``uint16`` or ``uint32``."""
     return "uint8" if number < 2**8 else "uint16" if number < 2**16 else "uint32"

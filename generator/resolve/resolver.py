@@ -1,6 +1,6 @@
-"""Resolver: makes the IR from the table and the schema of the protos.
+"""Resolver: makes the IR (the compiler's own model) from the table and the schema of the .proto files.
 
-What cannot be converted is reported; no field is dropped silently.
+A row or field that cannot be converted is reported as a diagnostic; no field is dropped silently.
 """
 
 from __future__ import annotations
@@ -27,9 +27,11 @@ from roverlink.generator.table import Table
 
 
 def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) -> ir.Envelope:
-    """Return the envelope of the IR. It has a member for each row; rows whose message has no known file are left out.
+    """Return the envelope, which is the message around every payload, with one member of its oneof for each row.
 
-    ``files`` has the .proto file of each message. ``published`` is the ledger.
+    ``files`` has the .proto file of each proto message, by the message's full name. A row whose message is not in
+    ``files`` is left out. ``published`` is the ledger (mapping.lock). It gives the burned numbers: numbers that had
+    several meanings in the past and must never be used again.
     """
     burned = published.burned_in(table.envelope.message)
     members = [ir.Member(row.number, row.name, row.proto, files[row.proto]) for row in table.rows if row.proto in files]
@@ -58,11 +60,11 @@ def resolve(
     sizes: Mapping[str, ir.WireSize],
     findings: list[Diagnostic],
 ) -> ir.Bridge:
-    """Return the IR of a table; `sizes` are the largest encodings of each row by name.
+    """Return the IR of a table: its routes, ROS messages, conversions and wire schema.
 
-    Mistakes are added to `findings`.
-
-    If errors were added, no files must be generated from the IR.
+    ``compilation`` is the result of protoc. ``bounds`` are the size limits of fields for microcontrollers. ``sizes``
+    has the largest size of each row's payload and datagram, by the row's name. Mistakes are added to ``findings``. If
+    errors were added, no files must be generated from the IR.
     """
     schema = compilation.schema
     messages = RosMessages(table, schema, findings)
@@ -121,7 +123,7 @@ def _completed(
 
 
 def _unimportable(table: Table, schema: Schema) -> Iterator[Diagnostic]:
-    """Report .proto files from which protoc would generate Python modules that cannot be imported."""
+    """Report .proto files whose generated Python modules could not be imported, such as ``2d/imu.proto``."""
     for file in schema.files:
         parts = file.removesuffix(".proto").split("/")
         if bad := [part for part in parts if not part.isidentifier() or keyword.iskeyword(part)]:
@@ -132,9 +134,9 @@ def _unimportable(table: Table, schema: Schema) -> Iterator[Diagnostic]:
 
 
 def _excluded(table: Table, schema: Schema) -> Iterator[Diagnostic]:
-    """Report files under `proto.exclude` that a compiled file imports nevertheless."""
+    """Report .proto files that the table lists under `proto.exclude`, but that a compiled file imports."""
     for path in table.proto.exclude:
         if str(PurePosixPath(path)) in schema.files:
             span = table.proto.at(f"exclude.{path}")
-            message = f"{path!r} is excluded, but a file that the rows need imports it"
+            message = f"the file {path!r} is excluded, but another file that the rows need imports it"
             yield EXCLUDED_PROTO.at(span, message, "remove the file from `exclude` of `proto`, or remove the import")

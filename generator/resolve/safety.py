@@ -39,7 +39,11 @@ _LONGEST_NUMBER = 40  # characters
 
 
 def with_safety_settings(route: ir.Route, row: Row, schema: Schema, findings: list[Diagnostic]) -> ir.Route:
-    """Return a route with its row's deadman, rate limit and priority; mistakes are added to the findings."""
+    """Return a route with its row's deadman, rate limit and priority; mistakes are added to the findings.
+
+    The deadman is the payload that the bridge sends to a peer when the topic that commands the peer is silent for too
+    long.
+    """
     findings += _misplaced(row)
     findings += _too_slow(row)
     deadman = _deadman(row.deadman, row, schema, findings) if row.deadman else None
@@ -47,7 +51,10 @@ def with_safety_settings(route: ir.Route, row: Row, schema: Schema, findings: li
 
 
 def check_peers(table: Table) -> Iterator[Diagnostic]:
-    """Report a `source_rate` without `sources`, because the rate is counted for each source."""
+    """Report each peer that has a `source_rate`, but no `sources`.
+
+    `source_rate` is the largest number of datagrams per second from each IP address that `sources` allows.
+    """
     for peer in table.peers:
         if peer.source_rate is not None and not peer.sources:
             message = f"the peer {peer.name!r} has a `source_rate`, but no `sources`"
@@ -68,7 +75,7 @@ def _misplaced(row: Row) -> Iterator[Diagnostic]:
         yield MISPLACED.at(row.at("direction"), message, help, also)
     if not row.inbound and row.also and row.deadman:
         message = (
-            f"{row.name!r} has extra topics under `also`, so `deadman` could stop the peer while one of them is active"
+            f"{row.name!r} has extra topics under `also`, so `deadman` could stop the peer while one topic is active"
         )
         yield MISPLACED.at(
             row.at("deadman"), message, "remove `also` or `deadman`; only one topic should command the peer"
@@ -103,14 +110,15 @@ def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list
 def _field(
     message: ProtoMessage, path: str, schema: Schema, span: Span, findings: list[Diagnostic]
 ) -> ProtoField | None:
-    """Return the field at the end of a path. If there is none, report the path and return None."""
+    """Return the proto field at the end of a path; if there is no such field, report the path and return None."""
     *outer, name = path.split(".")
     for part in outer:
         field = _member(message, part, path, span, findings)
         if field is None:
             return None
         if field.type not in ("message", "group") or field.repeated:
-            findings.append(UNKNOWN_STOP_FIELD.at(span, f"{part!r} in the path {path!r} is not a nested message"))
+            fault = f"{part!r} in the path {path!r} is not a nested message"
+            findings.append(UNKNOWN_STOP_FIELD.at(span, fault, f"end the path at {part!r}, or correct it"))
             return None
         message = schema.messages[field.type_name]
     return _member(message, name, path, span, findings)
@@ -129,9 +137,10 @@ def _member(message: ProtoMessage, name: str, path: str, span: Span, findings: l
 
 
 def _value(field: ProtoField, text: str, schema: Schema) -> tuple[Value | None, str]:
-    """Return a text from the table as the value of a field, and in words the kind of value that the field needs.
+    """Convert a text from the table to a value of a proto field, and return it with a text about the values that fit.
 
-    The value is None if the text does not fit the field.
+    The value is None if the text does not fit the field. The second result is for the diagnostic in this case:
+    ``true or false``, ``one of OFF, ON``.
     """
     if field.repeated:
         return None, "an empty list, so remove it"

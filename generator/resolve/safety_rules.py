@@ -7,10 +7,11 @@ from roverlink.generator.diagnostics import Rule
 MISPLACED = Rule(
     "SAF101",
     "misplaced-guard",
-    """A row has `deadman` or `priority`, but cannot use it.
+    """A row has `deadman` or `priority`, but its direction or its extra topics do not allow the setting.
 
-Both settings are for topics that are sent to a peer, so a row from a peer cannot use them. If a row to a peer has extra
-topics under `also`, `deadman` would not notice that one topic is silent while another one is active.
+`deadman` is the payload that stops a peer when the row's topic is silent. `priority` is the order in which messages to
+peers are sent. Both settings are for topics that are sent to a peer, so a row from a peer cannot use them. If a row to
+a peer has extra topics under `also`, `deadman` would stop the peer while one of the topics is still active.
 
 Bad::
 
@@ -27,7 +28,8 @@ UNKNOWN_STOP_FIELD = Rule(
     "unknown-stop-field",
     """A path under `deadman.send` names no field of the payload.
 
-The stop message would not contain the value that stops the actuator.
+The bridge sends this payload when the row's topic is silent. With a wrong path, it would not contain the value that
+stops the actuator.
 
 Bad::
 
@@ -45,7 +47,8 @@ STOP_VALUE = Rule(
     "stop-value",
     """A field cannot hold the value that `deadman.send` gives it.
 
-A wrong stop message must be found now, not when the rover has to stop.
+The bridge sends this payload when the row's topic is silent. A wrong value must be found now, not when the rover has to
+stop.
 
 Bad::
 
@@ -61,9 +64,10 @@ Good::
 SLOWER_THAN_DEADMAN = Rule(
     "SAF104",
     "rate-slower-than-deadman",
-    """With this `max_rate`, the topic counts as silent between two messages.
+    """The `max_rate` of a row is so low that its topic counts as silent between two messages.
 
-The deadman would stop the peer all the time.
+If no message comes for the time `deadman.after`, the bridge sends the payload that stops the peer. The interval between
+two messages must be shorter than this time. Otherwise the bridge stops the peer all the time.
 
 Bad::
 
@@ -92,7 +96,8 @@ RATE_WITHOUT_SOURCES = Rule(
     "rate-without-sources",
     """A peer has a `source_rate`, but no `sources`.
 
-The rate is a limit for each source. Without a list of sources, datagrams cannot be counted by source.
+`source_rate` is the largest number of datagrams per second from each IP address in `sources`. Without this list,
+datagrams cannot be counted by address.
 
 Bad::
 

@@ -18,9 +18,10 @@ from roverlink.generator.table import EnumSettings
 
 
 class MessageMaker(Protocol):
-    """Maker of the ROS messages that the fields of other ROS messages need. `RosMessages` implements it.
+    """Interface through which the conversion of a field gets the ROS messages that the field needs.
 
-    A message is made of fields, and a field may need another message. This protocol breaks the import cycle.
+    `RosMessages` implements it. `RosMessages` uses this module for the fields of a message, and this module needs ROS
+    messages for nested messages. The protocol breaks this import cycle.
     """
 
     schema: Schema
@@ -29,27 +30,36 @@ class MessageMaker(Protocol):
     messages: dict[str, ir.RosMessage]
 
     def claim(self, ros: str, source: str, span: Span) -> None:
-        """Note that a ROS message's name is used for ``source``; report it if another source has the name."""
+        """Record that a ROS message's name is used; report the name if it is already used for another source.
+
+        ``source`` names the proto message or field that needs the ROS message.
+        """
 
     def nested_message(self, field: ProtoField, proto: str) -> str | None:
-        """Return the name of the ROS message for a message that a field contains.
+        """Return the name of the ROS message for the proto message ``proto``, which is the type of a field.
 
-        If there can be none, this is reported, and the result is None.
+        A field that makes a message contain itself is reported, and the result is None.
         """
 
     def any_message(self, message: ProtoMessage, field: ProtoField, ros: str, types: tuple[str, ...]) -> str:
-        """Return the name of the ROS message for an Any field that may contain the messages ``types``."""
+        """Return the name of the ROS message for a google.protobuf.Any that may contain the messages ``types``."""
 
     def bytes_message(self) -> str:
-        """Return the name of the ROS message for one item of a list of bytes."""
+        """Return the name of the ROS message for one item of a `repeated bytes` field."""
 
     def enum_message(self, enum: ProtoEnum) -> EnumSettings | None:
-        """Return the table's settings for an enum that has its own ROS message, and make it; None for other enums."""
+        """Return the settings of an enum that the table lists under `enums`; None for any other enum.
+
+        An enum under `enums` becomes a ROS message of its own, which is built by the first call for this enum.
+        """
 
 
 @dataclass(frozen=True, slots=True)
 class _Value:
-    """ROS type for a single value of a proto field, and the kind of conversion."""
+    """ROS type and conversion of a single value of a proto field.
+
+    The attributes have the meanings that they have in `ir.FieldConversion` and `ir.RosField`.
+    """
 
     kind: ConversionKind
     type: ir.RosType
@@ -69,9 +79,10 @@ class FieldTypes:
     def conversion(
         self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], name: str
     ) -> ir.FieldConversion | None:
-        """Return the conversion of a field. A field that cannot be converted is reported, and the result is None.
+        """Return the conversion between a proto field and the ROS field ``name``.
 
-        ``path`` leads from the payload to the field; ``name`` is the name of the ROS field.
+        A field that cannot be converted is reported, and the result is None. ``message`` declares the field. ``path``
+        has the names of the fields that lead to the field, then its own name.
         """
         held = self._schema.messages.get(field.type_name)
         if held is not None and held.map_entry:
@@ -129,9 +140,9 @@ class FieldTypes:
         return _Value(ConversionKind.VALUE, ir.RosType(enums.integer_type(enum)), enum=enum.full_name)
 
     def _message(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str | None:
-        """Return the name of the ROS message for a field that contains a message.
+        """Return the name of the ROS message for a proto field whose type is a message.
 
-        If there can be none, this is reported, and the result is None.
+        A field that makes a message contain itself is reported, and the result is None.
         """
         holder, owner = self._owner(message, field)
         types = self._messages.settings.anys.get((holder.full_name, owner.name))
@@ -141,10 +152,10 @@ class FieldTypes:
         return self._messages.nested_message(owner, field.type_name)
 
     def _owner(self, message: ProtoMessage, field: ProtoField) -> tuple[ProtoMessage, ProtoField]:
-        """Return the declared field that a field belongs to, and the message that declares it.
+        """Replace a field of a generated map entry by the map's field, and return it with the message that declares it.
 
-        For the key or value of a map, this is the map's field, because protoc generates the entry message. Any other
-        field is returned unchanged.
+        protoc generates a message for the entries of a map, with the fields ``key`` and ``value``. The .proto file
+        declares the map only. Any other field is returned unchanged.
         """
         if not message.map_entry:
             return message, field
@@ -171,9 +182,9 @@ class FieldTypes:
 
 
 def _comment(message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
-    """Return the comment of a field for the ROS message.
+    """Return the comment of a proto field, which the .msg file repeats.
 
-    The comments in protobuf's own messages are left out, because they explain protobuf's libraries.
+    The result is empty for a field of google.protobuf's messages: these comments explain protobuf's libraries.
     """
     return "" if message.file.startswith("google/protobuf/") and len(path) == 1 else commented(field)
 

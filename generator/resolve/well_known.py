@@ -1,7 +1,7 @@
 """Well-known types of google.protobuf that are not converted like other messages.
 
-All other types of google.protobuf are converted like a user's messages, and so are Any, Empty and FieldMask in a
-repeated field.
+All other types of google.protobuf are converted like a user's messages. So are an Any for which the table lists no
+messages, an Empty in a list, map or oneof, and a FieldMask in a list.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ TIMES = {
     "google.protobuf.Timestamp": ("timestamp", "Time"),
     "google.protobuf.Duration": ("duration", "Duration"),
 }
-"""Name of the runtime's module, and of the message of builtin_interfaces, for each proto type."""
+"""For each proto type: the module in the runtime that converts it, and the ROS message of builtin_interfaces."""
 
 TEXTS = {
     "google.protobuf.Struct": "json_struct",
     "google.protobuf.Value": "json_value",
     "google.protobuf.ListValue": "json_list",
 }
-"""Name of the runtime's module for each proto type that becomes a JSON text in ROS."""
+"""For each proto type that becomes a JSON text in ROS: the module in the runtime that converts it."""
 
 WRAPPERS = {
     "google.protobuf.DoubleValue": "double",
@@ -54,10 +54,13 @@ SCALARS = {
     "bool": "bool",
     "string": "string",
 }
-"""ROS type of each scalar type of protobuf, except bytes."""
+"""ROS type of each scalar type of protobuf, except ``bytes``, which becomes ``uint8[]``."""
 
 
 def time_type(proto: str) -> tuple[str, ir.RosType]:
-    """Return the name of the runtime's module, and the ROS type, for a Timestamp or a Duration."""
+    """Return the runtime's converting module and the ROS type of a google.protobuf.Timestamp or Duration.
+
+    ``proto`` is the full name. For a Timestamp, the result is ``timestamp`` and ``builtin_interfaces/Time``.
+    """
     module, name = TIMES[proto]
     return module, ir.RosType(name, is_message=True, package="builtin_interfaces")

@@ -1,4 +1,4 @@
-"""The table mapping.yaml: the declarations of its keys, the reader of the file, and changes of its text."""
+"""The table mapping.yaml: the declarations of its keys, the reader of the file, and functions that change its text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Changes of mapping.yaml as text, which keep comments and layout: adding a row, and retiring a payload."""
+"""Changes of the text of mapping.yaml that keep comments and layout: adding a row, and retiring a payload."""
 
 from __future__ import annotations
 
@@ -15,25 +15,34 @@ from roverlink.generator.table.edit_rules import NO_PLACE_FOR_A_ROW, NO_SUCH_ROW
 # changes of lines. A style that is not known is refused, and never guessed.
 
 Edit = tuple[int, int, list[str]]
-"""Change of a text: the first line to replace, the line behind the last one to replace (from 0), and the new lines."""
+"""Change of a text: the lines from the first number up to, but not including, the second become the new lines.
+
+The line numbers count from 0.
+"""
 
 # The indicators of YAML 1.1 (section 5.3). Not all of them are special at every place, but quotes do no harm.
 _MARKS = frozenset("{}[],:#&*!|>'\"%@`")
 _KEPT = ("number", "name", "proto")
-"""Keys of a row that its entry under `retired` contains as well."""
+"""Keys of a row that are kept when it moves to `retired`."""
 
 
 def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:
-    """Return the table's text with a row added after the last one, in the style of the last row.
+    """Return the table's text with a row added after the last row, in the style of that row.
 
-    ``file`` is the table's name in diagnostics. Raises `DiagnosticsError` if the table has no rows, or if its rows are
-    not written as a block list, one item in each line.
+    ``row`` has the value of each key of the new row, and ``file`` is the table's name in diagnostics. Raises
+    `DiagnosticsError` if the table has no rows, or if they are not a block list (lines that start with ``-``).
     """
     messages = _value_of(yaml.compose(text, Loader=yaml.SafeLoader), "messages")
     last = messages.value[-1] if isinstance(messages, SequenceNode) and messages.value else None
     if not isinstance(messages, SequenceNode) or messages.flow_style or not isinstance(last, MappingNode):
         message = "`messages` has no list of rows with one row per line"
-        raise DiagnosticsError([NO_PLACE_FOR_A_ROW.at(Span(file), message, "write the first row by hand")])
+        raise DiagnosticsError(
+            [
+                NO_PLACE_FOR_A_ROW.at(
+                    Span(file), message, "write the rows by hand, each one on its own line that starts with `- `"
+                )
+            ]
+        )
     lines = text.splitlines(keepends=True)
     entries = [f"{key}: {value if isinstance(value, int) else scalar(value)}" for key, value in row.items()]
     end = _last_line(last) + 1
@@ -44,7 +53,7 @@ def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:
 
 
 def with_retired(text: str, number: int, file: str) -> str:
-    """Return the table's text with the row of a number moved to `retired`.
+    """Return the table's text with a row moved from `messages` to `retired`; ``number`` is its field number.
 
     ``file`` is the table's name in diagnostics. Raises `DiagnosticsError` if no row has the number.
     """
@@ -62,20 +71,24 @@ def with_retired(text: str, number: int, file: str) -> str:
 
 
 def scalar(text: str) -> str:
-    """Return a text as YAML writes it, so that YAML reads the same string. It is quoted only if necessary."""
+    """Return a string as it must stand in a YAML file: in quotes only if YAML would not read it as the same string.
+
+    >>> scalar("imu_info"), scalar("yes")
+    ('imu_info', '"yes"')
+    """
     # `yes`, `012`, `1:30` and `2026-01-01` have no indicator, and are not strings in YAML 1.1. The parser itself is the
     # judge.
     return quoted(text) if not text or set(text) & _MARKS or yaml.safe_load(text) != text else text
 
 
 def quoted(text: str) -> str:
-    """Return a text in double quotes, as YAML writes it."""
+    """Return a string in double quotes for a YAML file; quotes and backslashes in it are escaped."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'
 
 
 def _edited(lines: list[str], edits: Iterable[Edit]) -> str:
-    """Return the text after all changes; the changes must not overlap."""
+    """Return the text that results if the edits are applied to the lines; the edits must not overlap."""
     # From the end to the start, so that the line numbers of the remaining edits stay valid.
     for first, last, replacement in sorted(edits, key=lambda edit: edit[0], reverse=True):
         lines[first:last] = replacement
@@ -90,7 +103,10 @@ def _row(end: int, margin: str, entries: list[str], *, flow: bool) -> Edit:
 
 
 def _retired(lines: list[str], retired: Node | None, entry: str) -> Edit:
-    """Return the change that adds an entry to the list under `retired`, in the style of the list."""
+    """Return the edit that adds an entry to the list under `retired`, in the style of the list.
+
+    ``retired`` is the YAML node of the list; None if the table has none.
+    """
     if retired is None or not isinstance(retired, SequenceNode):
         end = "" if not lines or lines[-1].endswith("\n") else "\n"
         return len(lines), len(lines), [f"{end}retired:\n", f"  - {entry}\n"]

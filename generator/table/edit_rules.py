@@ -9,7 +9,7 @@ NO_SUCH_ROW = Rule(
     "no-such-row",
     """`roverlink retire` names a number that no row has.
 
-Nothing is retired, because the number may be a typing error.
+No row is changed, because the number may be a typing error.
 
 Bad::
 
@@ -26,7 +26,8 @@ NOTHING_TO_ACCEPT_INTO = Rule(
     "no-ledger-to-accept-into",
     """`--accept` is used without a table or without `--history`.
 
-Accepted numbers are written to the ledger, and a tree of .proto files without a table has no ledger.
+`--accept` writes the numbers that `--history` reports into the ledger (mapping.lock). A tree of .proto files without a
+table has no ledger.
 
 Bad::
 
@@ -44,7 +45,7 @@ NO_PLACE_FOR_A_ROW = Rule(
     "no-place-for-a-row",
     """`roverlink add` finds no list of rows under `messages` with one row per line.
 
-The new row copies the style of the last row, so there must be one. Write the first row by hand.
+The new row copies the style of the last row, so a row must exist. Write the first row by hand.
 
 Bad::
 

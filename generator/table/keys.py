@@ -1,4 +1,4 @@
-"""Keys of mapping.yaml, and the classes for its parts.
+"""Keys of mapping.yaml, and the classes for its parts, such as a row or a peer.
 
 Each key is declared once, as an attribute of the class for the part that contains the key.
 
@@ -47,7 +47,10 @@ _QOS = Qos()
 
 
 def _network_fault(text: str) -> tuple[str, str]:
-    """Return the reason why a text is not an IPv4 address or network, and a help text; both are empty if it is one."""
+    """Return the reason why ``text`` is not an IPv4 address or network, and a help text.
+
+    Both are empty if it is an address, or a network without bits set after the prefix, such as ``10.0.0.0/24``.
+    """
     try:
         network = IPv4Network(text, strict=False)
     except ValueError:
@@ -58,7 +61,10 @@ def _network_fault(text: str) -> tuple[str, str]:
 
 
 def _import_fault(name: str) -> tuple[str, str]:
-    """Return the reason why a name cannot be imported in Python, and a help text; both are empty if it can."""
+    """Return the reason why ``name`` cannot be the import name of the generated package, and a help text.
+
+    Both are empty if the name can be used.
+    """
     first, *_ = parts = name.split(".")
     if word := next(filter(keyword.iskeyword, parts), ""):
         return f"but {word!r} is a Python keyword", "choose another name"
@@ -106,21 +112,34 @@ OPTIONS = {
     "value": Key(AnyOf((Text(), Number(), Boolean())), Meaning("A constant: a number, a text, true or false.")),
     "unit": Key(AnyOf((Text(), Integer(1, 1))), Meaning("The unit of the proto field.")),
     "to": Key(
-        AnyOf((Text(), Integer(1, 1))), Meaning("The unit of the ROS field, if its definition does not give one.")
+        AnyOf((Text(), Integer(1, 1))),
+        Meaning("The unit of the ROS field, if the definition of the ROS message does not give one."),
     ),
     "scale": Key(Number(), Meaning("A factor for the number, applied before its unit is converted.")),
-    "fixed_point": Key(Number(), Meaning("A divisor instead of `scale`: 100 for a field that counts hundredths.")),
+    "fixed_point": Key(
+        Number(), Meaning("A divisor for the number, instead of `scale`: 100 for a field that counts hundredths.")
+    ),
     "offset": Key(Number(), Meaning("A number that is added after `scale` or `fixed_point`.")),
     "narrow": Key(
-        Boolean(), Meaning("If true, the ROS field may have a smaller range; a value that does not fit is an error.")
+        Boolean(),
+        Meaning(
+            "If true, the ROS field may have a smaller range than the proto field. A value that does not fit is then "
+            "an error at run time."
+        ),
     ),
     "default": Key(
-        AnyOf((Text(), Number(), Boolean())), Meaning("The value for an absent field, or for every other enum value.")
+        AnyOf((Text(), Number(), Boolean())),
+        Meaning(
+            "The value if the proto field is absent. With `enum`: the value for every enum value not listed there."
+        ),
     ),
-    "enum": Key(MapOf(_FIELD_NAME, AnyOf((Text(), Number()))), Meaning("The constant or number for each enum value.")),
+    "enum": Key(
+        MapOf(_FIELD_NAME, AnyOf((Text(), Number()))),
+        Meaning("The constant of the ROS message, or the number, for each value of the proto enum."),
+    ),
     "axes": Key(
         AnyOf((Text(choices=("ned_to_enu", "frd_to_flu")), ListOf(Text("axis", r"-?[xyz]", "-z")))),
-        Meaning("The source axis for each of x, y and z."),
+        Meaning("The proto field's axis for each of x, y and z: `ned_to_enu`, or a list such as `[y, x, -z]`."),
     ),
     "euler": Key(
         Object(
@@ -134,13 +153,16 @@ OPTIONS = {
         Meaning("A quaternion, computed from angles about the fixed axes."),
     ),
 }
-"""Options of an entry under `fields`. Any other key of the entry is the name of a field inside the ROS field."""
+"""Keys with which an entry under `fields` tells the source of a ROS field.
+
+Any other key of the entry is the name of a field in the nested ROS message.
+"""
 
 
 def _target() -> AnyOf:
-    """Return the type of an entry under `fields`.
+    """Return the type of an entry under `fields`: a proto field, a constant, or a mapping of options.
 
-    It contains itself: an entry for a message has an entry for each part.
+    The type contains itself: the entry for a nested ROS message may have an entry for each field of that message.
     """
     parts = Object(OPTIONS, others=MapOf(_FIELD_NAME, _TARGET))
     return AnyOf((Text(), Number(), Boolean(), ListOf(Number(), unique=False), parts))
@@ -152,7 +174,7 @@ _STAMP = AnyOf(
         Object(
             {
                 "from": Key(_SOURCE, Meaning("The proto field: the time since 1970-01-01 in UTC."), True),
-                "unit": Key(Text(), Meaning("Its unit."), True),
+                "unit": Key(Text(), Meaning("The unit of that proto field."), True),
             }
         ),
     )
@@ -235,7 +257,8 @@ class PeerSettings(Part):
 
     name: Annotated[PeerName, NAME]
     prefixes: Annotated[
-        tuple[str, ...], Meaning("Prefixes of the names of this peer's messages (TAB105, NAM102).")
+        tuple[str, ...],
+        Meaning("Beginnings of the names of this peer's messages, such as `SensorBoard` (TAB105, NAM102)."),
     ] = ()
     parameter: Annotated[
         str,
@@ -246,7 +269,9 @@ class PeerSettings(Part):
         ),
     ] = ""
     port: Annotated[
-        int, Integer(1, 65_535), Meaning("Default of that parameter.", default="6000, 6001, ... in the same order")
+        int,
+        Integer(1, 65_535),
+        Meaning("Default of that parameter: a UDP port.", default="6000, 6001, ... in the same order"),
     ] = 0
     max_size: Annotated[
         Size | None,
@@ -272,7 +297,7 @@ class PeerSettings(Part):
     source_rate: Annotated[
         Annotated[int, Integer(1, 10_000_000)] | None,
         Meaning(
-            "Most datagrams a second from each of the peer's `sources`; more are dropped and counted.",
+            "Largest number of datagrams per second from each of the peer's `sources`. More are dropped and counted.",
             default="no limit",
         ),
     ] = None
@@ -284,7 +309,7 @@ class Lowered(Part):
 
     rule: Annotated[str, Text("rule id", r"[A-Z]{3}[0-9]{3}|[A-Z]+(_[A-Z0-9]+)+", "ENV106"), NAME]
     severity: Annotated[Literal["warning", "hint", "off"], Meaning("The rule's new severity.")]
-    reason: Annotated[str, Meaning("The reason, for reviewers.")]
+    reason: Annotated[str, Meaning("The reason for the lower severity, for reviewers.")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -299,7 +324,7 @@ class Bound(Part):
 class DeadmanSettings(Part):
     """Settings under `deadman`: the payload that the bridge sends to a peer when the commanding topic is silent."""
 
-    after_ms: Annotated[SilenceMs, Meaning("How long the topic may be silent, such as `500ms`.", key="after")]
+    after_ms: Annotated[SilenceMs, Meaning("Longest time that the topic may be silent, such as `500ms`.", key="after")]
     send: Annotated[
         Mapping[FieldPath, Annotated[str, Scalar()]],
         Meaning(
@@ -456,23 +481,23 @@ class Row(StandardTopicSettings):
     expect_rate: Annotated[
         Rate | None,
         Meaning(
-            "Least messages a second, in either direction; diagnostics warn below it. Without it, a silent row is "
-            "fine.",
+            "Smallest number of messages per second that is expected, in either direction. The ROS diagnostics warn "
+            "about a lower rate. Without this key, the rate is not checked.",
             see="diagnostics.md",
         ),
     ] = None
     deadman: Annotated[
         DeadmanSettings | None,
         Meaning(
-            "The payload for the peer when its topic is silent. Only for rows to a peer.",
+            "The payload that the bridge sends to the peer when the row's topic is silent. Only for rows to a peer.",
             see="operations.md#when-a-command-falls-silent",
         ),
     ] = None
     max_rate: Annotated[
         Rate | None,
         Meaning(
-            "Most messages a second, in either direction. A message that comes too early waits for its time, and a "
-            "newer one replaces it."
+            "Largest number of messages per second that the bridge passes on, in either direction. A message that "
+            "comes too early waits for its time, and a newer message replaces it."
         ),
     ] = None
     priority: Annotated[
@@ -523,7 +548,7 @@ class Row(StandardTopicSettings):
 class RetiredRow(Part):
     """Payload that was removed. Its number and its name are never used again."""
 
-    number: Annotated[FieldNumber, Meaning("The number, which is never used again.")]
+    number: Annotated[FieldNumber, Meaning("The field number that the row had; it is never used again.")]
     name: Annotated[FieldName, Meaning("The name that the row had.")]
     proto: Annotated[ProtoName, Meaning("The protobuf message that the row had; its file may be deleted.")]
 
@@ -534,7 +559,7 @@ class EnumSettings(Part):
 
     proto: Annotated[EnumName, NAME]
     ros: Annotated[RosName, Meaning("Name of the ROS 2 message that holds the enum.")]
-    field: Annotated[str, Text("field name"), Meaning("The field of that message for the value.")]
+    field: Annotated[str, Text("field name"), Meaning("The field of that ROS message for the value of the enum.")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -543,7 +568,7 @@ class Table(Part):
 
     file: str
     whole: bool
-    """False if an item was left out because of a mistake. Rules about missing rows must check this."""
+    """False if a row or another item was left out because of a mistake. Rules about missing rows must check this."""
     numbers: frozenset[int]
     """Numbers of all rows and retired rows in the file, including rows that were left out because of a mistake."""
     version: Annotated[int, Integer(FORMAT_VERSION, FORMAT_VERSION), Meaning("Version of the table's format.")]
@@ -583,7 +608,7 @@ class Table(Part):
         return {peer.name: peer for peer in self.peers}
 
     def and_further(self, targets: tuple[str, ...], templates: tuple[str, ...]) -> Table:
-        """Return the same table with more targets and template folders, without duplicates."""
+        """Return a copy of the table with further targets and template folders, without duplicates."""
         return replace(
             self,
             targets=tuple(dict.fromkeys((*(self.targets or USUAL_TARGETS), *targets))),

@@ -1,4 +1,4 @@
-"""Base class of the table's parts. A part is a dataclass whose annotations declare keys of mapping.yaml.
+"""Base class of the parts of mapping.yaml. A part is a dataclass whose annotations declare the keys of a mapping.
 
 An attribute is a key of the table if its annotation includes a `Meaning`. The other properties of the key are:
 
@@ -27,7 +27,7 @@ from roverlink.generator.table.value_types import AnyOf, Boolean, Key, ListOf, M
 
 
 class Mark(Enum):
-    """Mark in the annotation of an attribute, besides the type and the meaning of the key."""
+    """Mark in the annotation of an attribute: `NAME` or `NOT_EMPTY`, which the module explains."""
 
     NAME = "name"
     NOT_EMPTY = "not empty"
@@ -40,13 +40,14 @@ NOT_EMPTY = Mark.NOT_EMPTY
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part:
-    """Base class of the table's parts. A part knows the place of each of its values in the file."""
+    """Base class of the parts of mapping.yaml, such as a row. A part knows the place of each of its values."""
 
     span: Span = _NOWHERE
+    """Place at which the part starts in the file."""
     spans: Mapping[str, Span] = field(default_factory=dict, repr=False)
-    """Place of each key's value, by the key.
+    """Place of each key's value, by the key: ``topic``.
 
-    If the value is a mapping or a list of texts, ``key.entry`` is also a key here.
+    If the value is a mapping or a list of texts, the places of its entries are here too: ``fields.x``.
     """
 
     def at(self, key: str) -> Span:
@@ -56,7 +57,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """Value in a YAML file, with its place: a scalar, a list or a mapping. The attributes of the other two are None."""
+    """Value in a YAML file with its place: a scalar, a list or a mapping. Only the attribute for this kind is set."""
 
     span: Span
     value: bool | str | int | Fraction | float | None = None
@@ -67,9 +68,9 @@ class Form:
     """Entries of a mapping by key; None for a scalar or a list."""
 
     def spans(self) -> dict[str, Span]:
-        """Return the place of each entry by its key, and as ``key.entry`` the places one level deeper.
+        """Return the place of each entry of a mapping, by its key, and the places one level deeper as ``key.entry``.
 
-        The second level has the entries of a mapping, and the texts of a list.
+        For ``{fields: {x: a}, ignore: [b]}`` the keys are ``fields``, ``fields.x``, ``ignore`` and ``ignore.b``.
         """
         spans = {}
         for key, form in (self.entries or {}).items():
@@ -84,7 +85,10 @@ P = TypeVar("P", bound=Part)
 
 @cache
 def object_of(part: type[Any]) -> Object:
-    """Return the keys that a part of the table declares: required keys first, own keys before inherited ones."""
+    """Return the YAML type for a part's class: a mapping with the keys that its attributes declare.
+
+    Required keys come before optional ones. In both groups, keys of the class itself come before inherited keys.
+    """
     # The annotations are texts (`from __future__ import annotations`); include_extras keeps what Annotated adds to a
     # type.
     annotations = get_type_hints(part, include_extras=True)
@@ -110,7 +114,10 @@ def _notes(annotation: Any) -> list[Any]:
 
 
 def _type_of(annotation: Any) -> Type:
-    """Return the type of the YAML value for an attribute with this annotation."""
+    """Return the type of the YAML value for an attribute with this annotation.
+
+    For example, ``bool`` gives `Boolean`, and ``tuple[Row, ...]`` gives a `ListOf` mappings.
+    """
     notes = _notes(annotation)
     for note in notes:
         if isinstance(note, Type):
@@ -135,7 +142,10 @@ def _type_of(annotation: Any) -> Type:
 
 
 def _map_of_named(type: Type) -> MapOf | None:
-    """Return the type of a YAML mapping from names to parts, if the part has an attribute for its name; else None."""
+    """Return the type of a YAML mapping from names to parts, if ``type`` is such a part; None otherwise.
+
+    A part stands by name in a mapping, such as ``peers: {hardware: ...}``, if one of its attributes is marked `NAME`.
+    """
     if isinstance(type, Object) and type.part:
         for name, annotation in get_type_hints(type.part, include_extras=True).items():
             key = _type_of(annotation) if NAME in _notes(annotation) else None
@@ -145,10 +155,10 @@ def _map_of_named(type: Type) -> MapOf | None:
 
 
 def build(part: type[P], form: Form, **further: Any) -> P:
-    """Build a part of the table from its value in the file; ``further`` sets the attributes that are not keys.
+    """Return an instance of the class ``part`` with the values that the file gives to its keys.
 
-    Items of lists and mappings that lack a required key are left out. If the part itself lacks a key, the attribute
-    gets its default, or an empty value if the key is required.
+    ``further`` sets the attributes that are not keys. If a key is missing, its attribute gets the default, or an empty
+    value if the key is required. Inner parts that lack a required key are left out of lists and mappings.
     """
     values = {}
     entries = form.entries or {}
@@ -184,6 +194,6 @@ def _empty(type: Type, span: Span) -> Any:
 
 
 def _is_whole(type: Type, form: Form) -> bool:
-    """Return False if a value for a part lacks a required key."""
+    """Return True unless the type is a part and the value lacks one of the part's required keys."""
     keys = type.keys if isinstance(type, Object) and type.part else {}
     return all(name in (form.entries or {}) for name, key in keys.items() if key.required)

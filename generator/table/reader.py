@@ -20,15 +20,15 @@ _FIRST_PORT = 6000
 def read(path: Path, findings: list[Diagnostic], name: str | None = None) -> Table:
     """Read the table from a file; ``name`` is the file's name in diagnostics.
 
-    Every mistake in the file is added to the findings. Correct parts are still read; `Table.whole` is False if
-    something was left out. Raises `DiagnosticsError` if nothing can be read.
+    A diagnostic for every mistake in the file is added to ``findings``. Correct parts are still read; `Table.whole` is
+    False if a part was left out. Raises `DiagnosticsError` if the file is not a table at all.
     """
     file = name or str(path)
     return parse(read_text(path, file), file, findings)
 
 
 def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
-    """Read the table from a text. Mistakes are handled as in `read`."""
+    """Read the table from a text; ``file`` is its name in diagnostics. Mistakes are handled as in `read`."""
     before = len(findings)
     form = read_form(text, file, object_of(Table), "the table", findings)
     if form is None:
@@ -51,7 +51,10 @@ def _numbers(table: Form) -> Iterator[int]:
 
 
 def _with_ports(peers: tuple[PeerSettings, ...]) -> Iterator[PeerSettings]:
-    """Yield the peers sorted by name. If the table gives a peer no parameter or port, the default is set."""
+    """Yield the peers sorted by name, with default values for a missing port or port parameter.
+
+    The defaults are 6000, 6001... and ``dst_a_port``, ``dst_b_port``... in this order.
+    """
     for index, peer in enumerate(sorted(peers, key=lambda peer: peer.name)):
         letter = ascii_lowercase[index % len(ascii_lowercase)]
         parameter = peer.parameter or f"dst_{letter}_port"
@@ -59,7 +62,7 @@ def _with_ports(peers: tuple[PeerSettings, ...]) -> Iterator[PeerSettings]:
 
 
 def _mistakes(row: Row) -> Iterator[Diagnostic]:
-    """Report keys of a row that contradict each other."""
+    """Yield a diagnostic for each key of a row that contradicts another key of the row."""
     for standard in (row, *row.also):
         yield from _conflicting_depths(standard)
     if row.standard is None:
@@ -76,7 +79,10 @@ def _conflicting_depths(standard: StandardTopicSettings) -> Iterator[Diagnostic]
 
 
 def _forms_of_standard_messages(row: Row) -> Iterator[Diagnostic]:
-    """Report values under `fields` that are no strings, in a row without a standard message."""
+    """Report values under `fields` that are not strings, in a row whose topic has no standard message.
+
+    Mappings and numbers are sources of a standard message's fields. Other rows only rename fields there.
+    """
     for path, form in row.fields.items():
         if path not in row.renames:
             message = (

@@ -1,4 +1,4 @@
-"""Rules of the table's reader. They concern mistakes in mapping.yaml that are found before any other check."""
+"""Rules about mistakes in the form of mapping.yaml, which its reader finds before all other checks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from roverlink.generator.diagnostics import Rule, Severity
 UNREADABLE = Rule(
     "MAP101",
     "unreadable-table",
-    """The table cannot be read: it is missing, empty, or not UTF-8.
+    """The table, mapping.yaml, cannot be read: it is missing, empty, or not UTF-8.
 
 Nothing can be checked without the table. A file that an editor saved in Latin-1 or UTF-16 looks right in that editor,
 but the YAML reader needs UTF-8.
@@ -15,7 +15,7 @@ but the YAML reader needs UTF-8.
 Bad::
 
     $ cd ~ && roverlink generate
-    mapping.yaml: fatal[MAP101] cannot be read: No such file or directory
+    mapping.yaml: fatal[MAP101] the table cannot be read: No such file or directory
 
 Good::
 
@@ -27,9 +27,9 @@ Good::
 SYNTAX = Rule(
     "MAP102",
     "yaml-syntax",
-    """The table is not YAML.
+    """The table is not valid YAML.
 
-The position is where the YAML reader gave up; the mistake is often one line above, such as a missing bracket or a key
+The position is where the YAML reader stopped. The mistake is often one line above, such as a missing bracket or a key
 that is indented by one space less than its neighbours. YAML does not allow tabs for indentation.
 
 Bad::
@@ -81,7 +81,7 @@ MISSING_KEY = Rule(
     "missing-key",
     """A required key is missing.
 
-No value would be right for every rover, so the key has no default.
+The key has no default, because no value would be right for every rover.
 
 Bad::
 
@@ -113,7 +113,7 @@ Good::
 SURPRISING_SCALAR = Rule(
     "MAP107",
     "surprising-scalar",
-    """YAML reads the value as something other than it looks like: `off` as false, `012` as 10.
+    """YAML reads the value differently from how it looks: `off` as false, `012` as 10.
 
 YAML 1.1 reads `yes`, `no`, `on` and `off` as booleans, `012` as octal and `1:30` as base 60. The value in the program
 would differ from the value that you see in the file.
@@ -133,7 +133,7 @@ BAD_VALUE = Rule(
     "bad-value",
     """A value is out of range, is not one of the choices, or is not a valid name.
 
-Numbers become wire tags and ports, and names become code and file names. Each has its own range or spelling.
+Numbers become field numbers and UDP ports, and names become code and file names. Each has its own range or spelling.
 
 Bad::
 

@@ -1,4 +1,4 @@
-"""Types of the values in mapping.yaml, and the documentation of its keys."""
+"""Classes that describe mapping.yaml: the types of its values, and the documentation of its keys."""
 
 from __future__ import annotations
 
@@ -10,29 +10,29 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """Type of a string."""
+    """Type of a YAML value: a string."""
 
     noun: str = "text"
-    """Noun for such a string in the documentation.
+    """Noun for such a string in the documentation, such as "field path".
 
-    In paths of keys, the first word of the noun stands for the string.
+    If the string is a key, its first word stands in the path of keys: ``bounds.<field>.length``.
     """
     pattern: str = ""
     """Regular expression that the whole string must match."""
     example: str = ""
     choices: tuple[str, ...] = ()
     fault: Callable[[str], tuple[str, str]] | None = field(default=None, compare=False)
-    """Function that checks a string after the pattern. It returns why the string is not allowed, and a help text.
+    """Further check of a string besides the pattern; None if there is none.
 
-    Both texts are empty if the string is allowed.
+    The function returns the reason why the string is not allowed, and a help text; both are empty if it is allowed.
     """
     checked_by_rule: bool = False
-    """True if the reader accepts a string that does not match, because a rule of the lint reports it."""
+    """True if the reader accepts a string that does not match the pattern, because a rule of the lint reports it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Integer:
-    """Type of an integer, which must be written in decimal."""
+    """Type of a YAML value: an integer, which must be written in decimal."""
 
     minimum: int
     maximum: int
@@ -40,17 +40,17 @@ class Integer:
 
 @dataclass(frozen=True, slots=True)
 class Boolean:
-    """Type of the values ``true`` and ``false``."""
+    """Type of a YAML value: ``true`` or ``false``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """Type of a number, with or without a fraction; ``.nan`` and ``.inf`` are allowed."""
+    """Type of a YAML value: a number, with or without a fraction; ``.nan`` and ``.inf`` are allowed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Duration:
-    """Type of a duration, which is written with its unit, ``500ms`` or ``2s``. In the `Table` it is in milliseconds."""
+    """Type of a YAML value: a duration such as ``500ms`` or ``2s``. The `Table` has it in milliseconds."""
 
     minimum: int
     """Shortest allowed duration in milliseconds; `maximum` is the longest."""
@@ -67,31 +67,32 @@ class Duration:
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """Type of a number, a text, ``true`` or ``false``. It is kept as text; a later step checks it."""
+    """Type of a YAML value: a number, a text, ``true`` or ``false``. It is kept as text, and a later step checks it."""
 
 
 @dataclass(frozen=True, slots=True)
 class ListOf:
-    """Type of a list whose items have one type. With `unique`, the same text may not appear twice."""
+    """Type of a YAML value: a list whose items have one type. With `unique`, no text may appear twice."""
 
     item: Type
     least: int = 0
+    """Smallest number of items."""
     unique: bool = True
 
 
 @dataclass(frozen=True, slots=True)
 class MapOf:
-    """Type of a mapping from names that the user chooses. Its values have one type."""
+    """Type of a YAML value: a mapping whose keys are names that the user chooses, and whose values have one type."""
 
     key: Text
     value: Type
     name: str = ""
-    """Attribute of the value's part to which the name is assigned. If set, the `Table` has a tuple of parts here."""
+    """Attribute of the value's class that gets the name. If it is set, the `Table` has a tuple of instances here."""
 
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """Documentation of a key."""
+    """Documentation of a key of mapping.yaml."""
 
     text: str
     """Sentences about the key for the JSON Schema, the reference, and the diagnostic about a missing key."""
@@ -113,18 +114,18 @@ class Key:
     default: Any = None
     """Value that is used if an optional key is missing."""
     attribute: str = ""
-    """Attribute of the part to which the value is assigned."""
+    """Attribute of the class in `roverlink.generator.table.keys` that gets the value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Object:
-    """Type of a mapping whose keys are known."""
+    """Type of a YAML value: a mapping with fixed keys, whose values have types of their own."""
 
     keys: Mapping[str, Key] = field(hash=False)
     others: MapOf | None = None
     """Type of the keys that are not in `keys`, with their values; None if there may be none."""
     part: type[Any] | None = None
-    """Dataclass that the value becomes (`roverlink.generator.table.parts`); None if there is none."""
+    """Dataclass to which the mapping is converted (`roverlink.generator.table.parts`); None if there is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +137,7 @@ class AnyOf:
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """Type that has a name in the JSON Schema, and can therefore contain itself."""
+    """Type with a name in the JSON Schema. It can contain itself, because `definition` returns it only when needed."""
 
     name: str
     definition: Callable[[], AnyOf] = field(compare=False)

@@ -1,4 +1,4 @@
-"""Reader of a YAML file whose format is given as a type. It returns the values with their places.
+"""Reader of a YAML file whose expected content is described by a type. It returns the values with their places.
 
 `yaml.compose` is used instead of `yaml.load`, because its nodes keep line and column. A value with a mistake is
 reported and left out; the values around it are still read.
@@ -15,6 +15,7 @@ from typing import Any
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
+from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
 from roverlink.generator.table.parts import Form
 from roverlink.generator.table.reading_rules import (
@@ -33,10 +34,10 @@ _LISTS_OF_ROWS = ("`messages`", "`retired`")
 
 
 def read_form(text: str, file: str, type: Type, subject: str, findings: list[Diagnostic]) -> Form | None:
-    """Parse a YAML text and return its value, without the parts that do not fit the type. These are reported.
+    """Parse a YAML text and return its value. Parts that do not fit the type are left out and reported.
 
     ``file`` and ``subject`` are the names of the file and of its top-level value in diagnostics. Returns None if the
-    top-level value has another type. Raises `DiagnosticsError` if the text is not YAML.
+    top-level value does not fit the type. Raises `DiagnosticsError` if the text is not YAML.
     """
     return _Reader(file, findings).value(_compose(text, file), type, subject)
 
@@ -47,13 +48,15 @@ def read_text(path: Path, file: str) -> str:
     Raises `DiagnosticsError` if it cannot be read.
     """
     try:
-        return path.read_text(encoding="utf-8")
+        return source_files.read_text(path.parent, path.name)
     except OSError as error:
         help = "give the table with --table, run this in a project, or start one with `roverlink init`"
-        raise DiagnosticsError([UNREADABLE.at(Span(file), f"cannot be read: {error.strerror}", help)]) from error
+        raise DiagnosticsError(
+            [UNREADABLE.at(Span(file), f"the table cannot be read: {error.strerror}", help)]
+        ) from error
     except UnicodeDecodeError as error:
         raise DiagnosticsError(
-            [UNREADABLE.at(Span(file), f"is not UTF-8: {error}", "save the file in UTF-8")]
+            [UNREADABLE.at(Span(file), f"the table is not UTF-8: {error}", "save the file in UTF-8")]
         ) from error
 
 
@@ -63,7 +66,9 @@ def _compose(text: str, file: str) -> Node:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         span = Span(file, mark.line + 1, mark.column + 1) if mark else Span(file)
-        raise DiagnosticsError([SYNTAX.at(span, f"cannot parse the YAML: {error.problem or error.context}")]) from error
+        message = f"cannot parse the YAML: {error.problem or error.context}"
+        help = "correct this line or the line above it, such as a missing bracket or a wrong indentation"
+        raise DiagnosticsError([SYNTAX.at(span, message, help)]) from error
     except yaml.reader.ReaderError as error:
         before = text[: error.position]
         span = Span(file, before.count("\n") + 1, len(before) - before.rfind("\n"))
@@ -82,12 +87,12 @@ def _compose(text: str, file: str) -> Node:
 
 @dataclass(slots=True)
 class _Reader(ScalarReader):
-    """Reader of YAML nodes whose format is given as a type. Mistakes are added to the findings."""
+    """Reader of YAML nodes whose expected content is described by a type. It adds a diagnostic for each mistake."""
 
     def value(self, node: Node, type: Type, subject: str) -> Form | None:
-        """Return the value of a YAML node; None, with a diagnostic, if the node has another type.
+        """Return the value of a YAML node. If the node does not fit the type, report it and return None.
 
-        ``subject`` names the value in diagnostics.
+        ``subject`` is the value's name in diagnostics, such as "`topic`" or "a row of `messages`".
         """
         if isinstance(type, Named):
             type = type.definition()
@@ -179,5 +184,5 @@ class _Reader(ScalarReader):
 
 
 def _within(subject: str, name: str) -> str:
-    """Return the words for a key inside of a key: ``x`` inside of "`fields`" is "`fields.x`"."""
+    """Return the name of an inner key in diagnostics: the key ``x`` in "`fields`" is "`fields.x`"."""
     return f"`{subject.strip('`')}.{name}`"

@@ -51,7 +51,7 @@ _KINDS: dict[type, str] = {
 
 
 def kind_of(type: Type) -> str:
-    """Return the words for a type in diagnostics, such as "a list" in "it must be a list"."""
+    """Return the name of a type in diagnostics, such as "a list" in "it must be a list"."""
     if isinstance(type, Named):
         type = type.definition()
     if isinstance(type, AnyOf):
@@ -64,7 +64,10 @@ def kind_of(type: Type) -> str:
 
 
 def fitting_form(node: Node, type: AnyOf) -> Type:
-    """Return the type among several that fits a YAML node; if none fits, text, or else the first type."""
+    """Return the alternative of ``type`` that fits a YAML node.
+
+    If none fits, return the alternative for strings, or else the first one.
+    """
     by_kind = {kind_of(form): form for form in type.forms}
     kind = "a mapping" if isinstance(node, MappingNode) else "a list" if isinstance(node, SequenceNode) else "a string"
     if isinstance(node, ScalarNode) and not node.style:
@@ -79,7 +82,7 @@ def _exponent(text: str) -> int:
 
 @dataclass(slots=True)
 class ScalarReader:
-    """Reader of YAML scalars. Mistakes are added to the findings."""
+    """Reader of YAML scalars. It adds a diagnostic to the findings for each mistake."""
 
     file: str
     findings: list[Diagnostic]
@@ -89,7 +92,10 @@ class ScalarReader:
         return Span(self.file, node.start_mark.line + 1, node.start_mark.column + 1)
 
     def wrong(self, node: Node, subject: str, wanted: str) -> None:
-        """Report a value that has another type than it must have; ``wanted`` is that type in words."""
+        """Report a value of the wrong type; ``wanted`` is the right type in words, such as "a list".
+
+        ``subject`` is the value's name in the diagnostic.
+        """
         kinds: dict[type[Node], str] = {MappingNode: "a mapping", SequenceNode: "a list"}
         found = kinds.get(type(node), "")
         quoted = isinstance(node, ScalarNode) and node.style
@@ -97,7 +103,7 @@ class ScalarReader:
         self.findings.append(WRONG_TYPE.at(self.span(node), f"{subject} is {found}; it must be {wanted}"))
 
     def scalar(self, node: Node, type: Type, subject: str) -> Form | None:
-        """Return the value of a YAML scalar; None, with a diagnostic, if it does not fit the type."""
+        """Return the value of a YAML scalar. If it does not fit the type, report it and return None."""
         if not isinstance(node, ScalarNode):
             self.wrong(node, subject, kind_of(type))
             return None
@@ -135,7 +141,7 @@ class ScalarReader:
     def _number(self, node: ScalarNode, subject: str) -> Fraction | float | None:
         """Return a number: an exact fraction, or a float for nan and infinity.
 
-        None, with a diagnostic, for no number.
+        If the scalar is not a number, report it and return None.
         """
         if node.style or not _NUMBER.fullmatch(node.value):
             self.wrong(node, subject, "a number")
@@ -177,7 +183,7 @@ class ScalarReader:
         # PyYAML gives plain scalars a tag by the rules of YAML 1.1: yes, no, on and off are booleans, 1:30 is 90.
         if node.tag != "tag:yaml.org,2002:str":
             kinds = {"bool": "true or false", "int": "a number", "float": "a number", "timestamp": "a time"}
-            # Behind `tag:yaml.org,2002:`, which is 18 characters long.
+            # The part after `tag:yaml.org,2002:`, which is 18 characters long.
             kind = kinds.get(node.tag[18:], node.tag[18:])
             message = f"{subject} is {node.value}; YAML reads this as {kind}, not as a string"
             self.findings.append(SURPRISING_SCALAR.at(self.span(node), message, f'quote it: "{node.value}"'))

@@ -43,7 +43,7 @@ def add_board(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--legacy",
         action="store_true",
-        help="board: needed for a board with an even number of rows that was made with OpenCV before 4.6",
+        help="board: use the pattern of OpenCV before 4.6, which differs for boards with an even number of rows",
     )
 
 
@@ -57,7 +57,7 @@ def board_of(arguments: argparse.Namespace) -> CharucoBoard:
 
 
 def metres(text: str) -> float:
-    """Parse a length in metres, from 1 micrometre to 10 kilometres."""
+    """Parse the value of an option that is a length in metres, from 1 micrometre to 10 kilometres."""
     try:
         found = float(text)
     except ValueError:
@@ -70,5 +70,5 @@ def metres(text: str) -> float:
 def _squares(text: str) -> tuple[int, int]:
     found = _SQUARES.fullmatch(text)
     if not found:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of squares, such as 11x8")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of columns and rows, such as 11x8")
     return int(found[1]), int(found[2])

@@ -1,4 +1,7 @@
-"""Implementation of ``roverlink aruco calibrate``: collects views, calibrates, writes parameters and report."""
+"""Implementation of ``roverlink aruco calibrate``: collects views, calibrates, writes parameters and report.
+
+A view is the set of board corners found in one image.
+"""
 
 from __future__ import annotations
 
@@ -62,7 +65,7 @@ def calibrate(arguments: argparse.Namespace) -> int:
 
 
 def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
-    """Return one view of each image. No image is left out, because the user has chosen the images."""
+    """Return the view (board corners) of each image. No image is left out, because the user has chosen the images."""
     detector = BoardDetector(board)
     views = []
     with progress(source.name) as report_progress:
@@ -75,7 +78,7 @@ def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
 def _stream(
     source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, text: CalibrationText
 ) -> Sequence[View]:
-    """Collect useful views until the coverage is complete, the source ends, or the user presses Ctrl-C."""
+    """Collect useful views until they cover the whole image, the source of frames ends, or the user presses Ctrl-C."""
     collection = Collection(board, arguments.views)
     text.begins(collection)
     # Ctrl-C is the normal end of a live collection, so it must not skip the calibration.
@@ -122,7 +125,8 @@ def _on_page(
 def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
     """Yield each frame with a name for its view.
 
-    Stamps become nanoseconds since 1970, as exactly as the source allows.
+    The stamps become nanoseconds since 1970: the modification time of an image, the time of a frame of a camera, or the
+    modification time of a video plus the frame's time in it.
     """
     if isinstance(source, ImageFiles):
         for path, frame in zip(source.paths, source):
@@ -145,6 +149,6 @@ def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[P
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of the packages whose version can change the numbers of a calibration, by name."""
+    """Return the names and versions of the packages whose version can change the results of a calibration."""
     packages = {"roverlink": "roverlink", "OpenCV": "opencv-contrib-python-headless", "NumPy": "numpy"}
     return {name: found for name, package in packages.items() if (found := installed_version(package))}

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import ipaddress
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
+from roverlink.runtime.net.page_requests import is_loopback
 from roverlink.vision.calibration.page.live_calibration import LiveCalibration
 from roverlink.vision.calibration.page.server import PageServer
 
 _POLL_S = 0.2
 _LINGER_S = 1.0
-"""Time that the page stays available at the end, so that every browser gets the last state."""
+"""Time in seconds that the page stays available at the end, so that every browser gets the last state."""
 
 Feed = Callable[[threading.Event], None]
 """Function that passes frames to a calibration until they end or the event is set."""
@@ -32,7 +32,7 @@ def serve_page(
     frames = ThreadPoolExecutor(1, "frames")  # its own thread: a click must not wait for a lost camera
     with PageServer(address, port, live) as server:
         say(f"open {server.url} in a web browser")
-        if not _is_loopback(address):
+        if not is_loopback(address):
             say(f"anyone who can reach {address} sees the camera on this page and can press its buttons")
         feeding = frames.submit(feed, stop)
         try:
@@ -44,10 +44,3 @@ def serve_page(
         finally:
             stop.set()
             frames.shutdown(wait=not waits)
-
-
-def _is_loopback(address: str) -> bool:
-    try:
-        return ipaddress.ip_address(address).is_loopback
-    except ValueError:
-        return address == "localhost"

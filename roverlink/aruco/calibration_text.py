@@ -20,7 +20,7 @@ _HINT_S = 2.0
 """Shortest time in seconds between two hints about frames that were not taken."""
 _KINDS = {"region": "parts of the image", "distance": "distances", "tilt": "tilts"}
 _GRID = (32, 24)
-"""Columns and rows of the grid of pixels at which the uncertainty is computed."""
+"""Number of columns and rows of the grid of pixels at which the uncertainty is computed."""
 
 
 class CalibrationText(Protocol):
@@ -85,7 +85,7 @@ class PlainText:
             print_error(f"the views are not sufficient for a calibration: {reason}")
 
     def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
-        """Print the views, the camera's parameters and their uncertainty."""
+        """Print the views, the camera's parameters, their uncertainty, and the names of the two written files."""
         console = Console(highlight=False, markup=False, soft_wrap=True)
         console.print(_view_table(calibration))
         console.print()
@@ -132,7 +132,7 @@ class JsonText:
 
 
 def missing_words(needs: Iterable[Need]) -> str:
-    """Return the requirements in ``needs`` as text for the user; an empty text if there are none."""
+    """Return requirements as text for the user, such as ``distances: near, far``; an empty text if there are none."""
     found: dict[str, list[str]] = {}
     for need in needs:
         found.setdefault(_KINDS[need.kind], []).append(need.name)
@@ -140,7 +140,7 @@ def missing_words(needs: Iterable[Need]) -> str:
 
 
 def as_dict(calibration: Calibration) -> dict[str, Any]:
-    """Return a calibration as JSON values. Lengths are in pixels; deviations are standard deviations."""
+    """Return a calibration as JSON values. Errors and uncertainties are in pixels; a `deviation` is a standard one."""
     mean, most = spread(calibration)
     return {
         "model": calibration.model.value,
@@ -167,7 +167,10 @@ def as_dict(calibration: Calibration) -> dict[str, Any]:
 
 
 def spread(calibration: Calibration) -> tuple[float, float]:
-    """Return the mean and the largest uncertainty over the image: standard deviations of a direction, in pixels."""
+    """Return the mean and the largest uncertainty of a calibration over the image, in pixels.
+
+    The uncertainty is the standard deviation of the pixel at which the calibrated camera expects a direction.
+    """
     width, height = calibration.views[0].view.size
     places = np.stack(np.meshgrid(np.linspace(0, width - 1, _GRID[0]), np.linspace(0, height - 1, _GRID[1])), axis=-1)
     deviations = calibration.uncertainty(places)

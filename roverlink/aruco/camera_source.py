@@ -1,4 +1,4 @@
-"""Options that select a camera or another source of frames."""
+"""Options that select a camera or another source of frames: a stream, a video, or a folder of images."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ from roverlink.vision.ros.rover_position import position_publisher
 from roverlink.vision.ros.sighting_messages import FrameNames
 
 _SAME_SHAPE = 0.01
-"""Largest relative difference of the aspect ratios of two images that were scaled but not cropped."""
+"""Largest relative change of the ratio fx / fy at which images count as scaled, and not as cropped or stretched."""
 
 Output = Callable[[View], None]
 
@@ -75,8 +75,12 @@ def _landmarks(arguments: argparse.Namespace, markers: MarkerSet) -> Landmarks |
     landmarks = read_landmarks(arguments.landmarks)
     for target in landmarks.places:
         if not markers.is_target(target):
-            kind = "board" if isinstance(target, str) else "single marker"
-            raise SetupError(f"{arguments.landmarks}: landmark {target!r} is not a known {kind}")
+            known = (
+                "a known board; define it in the file of --boards"
+                if isinstance(target, str)
+                else f"a known single marker; it is on a board, or {arguments.dictionary} does not contain it"
+            )
+            raise SetupError(f"{arguments.landmarks}: landmark {target!r} is not {known}")
     return landmarks
 
 
@@ -112,14 +116,14 @@ def _fitted(camera: CameraParameters, size: tuple[int, int], rescale: bool, logg
     was = "{}x{}".format(*(camera.size or ()))
     if scaled is None:
         raise SetupError(
-            f"the camera parameters are for images of {was} pixels, but these have {width}x{height}; calibrate at this "
-            "size, or use --rescale if the camera scales its images and does not crop them"
+            f"the camera parameters are for images of {was} pixels, but the images have {width}x{height}; calibrate at "
+            "this size, or use --rescale if the camera scales its images and does not crop them"
         )
     # Scaling keeps the ratio of the focal lengths; cropping or stretching in one direction changes it.
     ratio = float(scaled.focal[0] / scaled.focal[1] / (camera.focal[0] / camera.focal[1]))
     if abs(ratio - 1) > _SAME_SHAPE:
         raise SetupError(
-            f"images of {width}x{height} pixels are not scaled ones of {was}: they were cropped or stretched; "
+            f"images of {width}x{height} pixels are not scaled images of {was}: they were cropped or stretched; "
             "calibrate at this size"
         )
     logger.warning("the camera parameters were scaled from images of %s pixels to %dx%d", was, width, height)

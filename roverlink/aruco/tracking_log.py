@@ -1,4 +1,4 @@
-"""Log of ``roverlink aruco track``: new landmarks, landmarks that do not fit, and totals at the end."""
+"""Log of ``roverlink aruco track``: new landmarks (markers and boards), misplaced landmarks, and totals at the end."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class TrackingLog:
             yield frame
 
     def add(self, view: View) -> None:
-        """Log the landmarks of a frame that were not seen before, and those that do not fit.
+        """Log the landmarks of a frame that were not seen before, and those that are not at their known position.
 
         Call this once for each frame.
         """
@@ -47,10 +47,11 @@ class TrackingLog:
         for one in view.sightings:
             if one.id not in self._seen:
                 self._seen.add(one.id)
-                self._logger.info("found %s at a distance of %.2f m", one.id, np.linalg.norm(one.pose.translation))
+                distance = np.linalg.norm(one.pose.translation)
+                self._logger.info("found landmark %s at a distance of %.2f m", one.id, distance)
         rejected = view.place.rejected if view.place else ()
         for target in set(rejected) - set(self._rejected):
-            self._logger.warning("%s is not at the position in the landmarks file; ignoring it", target)
+            self._logger.warning("landmark %s is not at the position in the landmarks file; ignoring it", target)
         self._rejected = rejected
 
     def __enter__(self) -> TrackingLog:
@@ -60,7 +61,7 @@ class TrackingLog:
         if not self._frames:
             return
         self._logger.info(
-            "%s, %d of them with landmarks (%s); median time %.1f ms a frame",
+            "%s, %d of them with landmarks (%s); median computing time %.1f ms per frame",
             counted(self._frames, "frame"),
             self._with_landmarks,
             ", ".join(sorted(map(str, self._seen))) or "none",

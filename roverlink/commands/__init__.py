@@ -1,4 +1,5 @@
 """Commands of ``roverlink``, one module each.
 
-In each module, the function `add` adds the command to the command line, and `run` runs it and returns the exit code.
+Each module has two functions: `add` adds the command and its options to the command line, and `run` executes the
+command and returns the exit code.
 """

@@ -1,4 +1,4 @@
-"""``roverlink add``: add a row to the table; its number is the next one that was never used."""
+"""``roverlink add``: add a row to mapping.yaml with the next unused number, and generate the code."""
 
 from __future__ import annotations
 
@@ -25,9 +25,11 @@ def add(commands: Subparsers) -> None:
         "add",
         "add a row to mapping.yaml with the next unused number, and run generate",
         "roverlink add container_info --proto ContainerBoardInfo --direction hardware_to_ros",
-        "Add a row to mapping.yaml, and run `roverlink generate`. The comments and the layout of mapping.yaml do not\n"
-        "change. The row gets the number that `roverlink next-number` prints. If another repository owns the envelope\n"
-        "(`owner: proto`), the row gets the number that this payload has in that envelope.",
+        "Add a row to mapping.yaml, so that the bridge converts a message that you have declared in a .proto file,\n"
+        "and run `roverlink generate`. The comments and the layout of mapping.yaml do not change.\n\n"
+        "The row gets the number that `roverlink next-number` prints. If another repository owns the envelope\n"
+        "(`owner: proto`), the row gets the number that this payload has in that envelope. The output lists the\n"
+        "changed files and the number.",
     )
     parser.add_argument("name", metavar="NAME", help="name of the payload in the envelope's oneof")
     parser.add_argument(
@@ -52,7 +54,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Add the row and generate. If the table with the new row does not compile, nothing is written."""
+    """Add the row to the table, and generate the code. If the new table does not compile, nothing is written."""
     table = table_file(arguments.table)
     try:
         number = _number(table, arguments.name)
@@ -73,9 +75,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _number(table: Path, name: str) -> int:
-    """Return the number for the payload with this name.
+    """Return the envelope number for the new row ``name``.
 
-    If another repository owns the envelope, it is the payload's number there; otherwise it is the next unused number.
+    If another repository owns the envelope, it is the payload's number in that envelope. Otherwise it is the next
+    unused number.
     """
     with progress("reading history") as reading:
         question = Question(branches=in_repository(table.resolve().parent), report=reading)

@@ -1,4 +1,4 @@
-"""``roverlink demo``: bridge between simulated boards, a simulated basestation and ROS 2, shown live."""
+"""``roverlink demo``: run the bridge with simulated boards and a simulated basestation, and show the traffic live."""
 
 from __future__ import annotations
 
@@ -46,6 +46,13 @@ def add(commands: Subparsers) -> None:
         "demo",
         "run the bridge with simulated boards and a simulated basestation, and show the traffic live",
         "roverlink demo --seconds 5",
+        "Run the bridge with simulated boards, a simulated basestation and a ROS 2 node on this computer, to see what\n"
+        "roverlink does without a rover. No message leaves this computer. If OpenCV is installed, a simulated camera\n"
+        "computes the position of the rover from rendered images of markers.\n\n"
+        "The live table has a row for each message of mapping.yaml: its number, its direction, messages a second,\n"
+        "messages since the start, and the last value. The last lines say how many of these messages were bridged,\n"
+        "and what the bridge counted. Exit code 0: each message of mapping.yaml was bridged at least once; 1: one or\n"
+        "more were not.",
     )
     add_project(parser)
     parser.add_argument(
@@ -55,14 +62,14 @@ def add(commands: Subparsers) -> None:
         "--middleware",
         choices=("dds", "rclpy", "memory"),
         default="dds" if importlib.util.find_spec("cyclonedds") else "memory",
-        help="dds, rclpy: the bridge is a separate process in ROS 2; memory: everything runs in one process, without "
-        "ROS 2 (default: %(default)s)",
+        help="connection between the bridge and the ROS 2 node. dds, rclpy: the bridge is a separate process in ROS 2; "
+        "memory: bridge and node run in one process, without ROS 2 (default: %(default)s)",
     )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show a bridge at work. The exit code is 1 if a message was not bridged."""
+    """Run the bridge with simulated peers, and show its traffic. The exit code is 1 if a row had no bridged message."""
     # The demo's messages must not reach a real rover in the same network.
     isolate_ros()
     project = project_folder(arguments.project)
@@ -85,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
     crossed = sum(crossing.count for crossing in rig.crossings)
     console.print(
         f"{len(rig.crossings) - len(missing)} of {len(rig.crossings)} messages were bridged, {crossed} times in all; "
-        f"{rig.forwarded} datagrams were forwarded raw"
+        f"{rig.forwarded} datagrams were forwarded unchanged from one peer to another"
     )
     counters = ", ".join(f"{name} {account[name]}" for name in _SHOWN_COUNTERS)
     console.print(f"counters of the bridge: {counters}", soft_wrap=True)
@@ -95,7 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _camera(console: Console, project: Path, middleware: str, stack: contextlib.ExitStack) -> DemoCamera | None:
-    """Start the camera process that reports the rover's position; None if OpenCV is not installed."""
+    """Start the simulated camera, which publishes the rover's position. Return None if OpenCV is not installed."""
     try:
         from roverlink.demo.camera import DemoCamera
     except SetupError as error:
@@ -112,7 +119,7 @@ def _peer_socket() -> socket.socket:
 
 
 class _Rig:
-    """Simulated boards, basestation and ROS 2 nodes that exchange messages through the bridge."""
+    """Simulated boards, simulated basestation and a ROS 2 node, which exchange messages through the bridge."""
 
     def __init__(
         self,
@@ -124,7 +131,8 @@ class _Rig:
     ) -> None:
         """Create the ROS 2 publishers and subscribers.
 
-        ``published_elsewhere`` holds the names of rows whose topics another ROS 2 node publishes.
+        ``sockets`` holds the UDP socket of each peer, by the peer's name. ``published_elsewhere`` holds the names of
+        rows on whose topics another ROS 2 node publishes, so this object does not.
         """
         self._registry, self._host, self._sockets = registry, host, sockets
         self._published_elsewhere = published_elsewhere
@@ -137,7 +145,7 @@ class _Rig:
             self._join(crossing, middleware)
 
     def _join(self, crossing: Crossing, middleware: Middleware) -> None:
-        """Create the ROS 2 publisher or subscriber for the topic of a row."""
+        """Create the ROS 2 node's subscriber for a row that comes from a peer, or its publisher for a row to a peer."""
         handler = crossing.handler
         topic = topic_types.full_topic(handler.route.topic)
         if not handler.route.inbound:
@@ -156,9 +164,9 @@ class _Rig:
         middleware.subscribe(topic, handler.message_type, handler.route.qos, seen)
 
     def send(self, seconds: float) -> None:
-        """Send one datagram of each row from a peer, and publish one message of each row to a peer.
+        """Send one datagram for each row that comes from a peer; publish one message for each row that goes to a peer.
 
-        The values of the messages depend on ``seconds``, the time since the start.
+        The values in the messages depend on ``seconds``, the time since the start.
         """
         for handler in self._registry.handlers:
             if handler.route.inbound:
@@ -169,7 +177,7 @@ class _Rig:
             publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
 
     def receive(self) -> None:
-        """Read the datagrams that have arrived at the peers, and count them."""
+        """Read the datagrams that have arrived at the simulated peers, and count them by row, or as forwarded."""
         for sock in self._sockets.values():
             for datagram in _arrived(sock):
                 envelope = self._translator.parse(datagram)

@@ -1,4 +1,4 @@
-"""``roverlink doctor``: check the installation on this machine."""
+"""``roverlink doctor``: check this machine for problems that keep the bridge from working."""
 
 from __future__ import annotations
 
@@ -23,13 +23,19 @@ def add(commands: Subparsers) -> None:
         "doctor",
         "check this machine for problems that keep the bridge from working",
         "roverlink doctor --ros-args --params-file udp.yaml",
-        "Check this machine for problems that keep the bridge from working: generated code, versions, ports, buffers,\n"
-        "firewall, multicast, ROS 2. For each problem, print the command that solves it. Write the same --ros-args as\n"
-        "for `roverlink run`, so that the ports and addresses of that bridge are checked.",
+        "Check this machine for problems that keep the bridge from working: Python packages, generated code, the\n"
+        "bridge's UDP port and receive buffer, the peers' address, firewall, multicast and ROS 2. Use it before the\n"
+        "first `roverlink run`, or if no messages arrive. Stop the bridge before, so that its UDP port is free. Write\n"
+        "the same --ros-args as for `roverlink run`, so that the port and the addresses of that bridge are checked.\n\n"
+        "The output has one line for each check: ok, warning or error, the name of the check, and the result. A line\n"
+        "`help` below it says how to solve a problem. The command changes nothing. Exit code 0: no check has the\n"
+        "result error; 1: at least one has.",
     )
     add_project(parser)
     parser.add_argument(
-        "--json", action="store_true", help="print the results as a JSON list, with one object for each check"
+        "--json",
+        action="store_true",
+        help="print the results as a JSON list, with an object for each check (keys: verdict, check, says, cure)",
     )
     parser.set_defaults(run=run, takes_ros_args=True)
 
@@ -46,5 +52,5 @@ def run(arguments: argparse.Namespace) -> int:
             verdict = Text(f"{diagnosis.verdict:<8}", _STYLES[diagnosis.verdict])
             console.print(Text.assemble(verdict, f"{diagnosis.check}: {diagnosis.says}"))
             if diagnosis.cure:
-                console.print(Text(f"        {diagnosis.cure}"))
+                console.print(Text(f"        help: {diagnosis.cure}"))
     return FINDINGS if any(diagnosis.verdict == "error" for diagnosis in found) else OK

@@ -1,4 +1,4 @@
-"""``roverlink echo``: print the messages of a topic, without a ROS installation."""
+"""``roverlink echo``: print the messages of a ROS 2 topic, as ``ros2 topic echo`` does, without a ROS installation."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from roverlink.console import (
     add_project,
     command,
     count,
+    counted,
     project_folder,
     seconds,
 )
@@ -38,16 +39,13 @@ def add(commands: Subparsers) -> None:
         "echo",
         "print the messages of a topic, as `ros2 topic echo` does, without a ROS installation",
         "roverlink echo imu_data --count 1",
-        "Print the messages of a topic, as `ros2 topic echo` does, without a ROS installation. The command waits\n"
-        "for a publisher. It subscribes with a QoS that all publishers match.",
+        "Print the messages of a topic until Ctrl-C, as `ros2 topic echo` does, without a ROS installation. Each\n"
+        "message is printed as YAML, followed by a line `---`. The command waits for a publisher, and subscribes with\n"
+        "a QoS that matches all publishers. The message types of topics in mapping.yaml are known; for any other\n"
+        "topic, such as /diagnostics, give --type.",
     )
     add_project(parser)
-    parser.add_argument("topic", help="name of the ROS 2 topic")
-    parser.add_argument(
-        "--type",
-        metavar="PKG/msg/NAME",
-        help="type of the messages, needed only for a topic that is not in mapping.yaml",
-    )
+    topic_types.add_topic(parser)
     parser.add_argument(
         "--json",
         action="store_true",
@@ -65,9 +63,9 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the messages of a topic until Ctrl-C or until ``--count`` messages have come; the exit code is then 0.
+    """Print the messages of a topic until Ctrl-C, or until ``--count`` messages have come; the exit code is then 0.
 
-    If ``--timeout`` is over before, the exit code is 1.
+    If the time ``--timeout`` ends before, the exit code is 1.
     """
     registry = load_project(project_folder(arguments.project))
     message_type, _ = topic_types.endpoint(registry, arguments.topic, arguments.type)
@@ -88,7 +86,10 @@ def run(arguments: argparse.Namespace) -> int:
             try:
                 data = arrived.get(timeout=None if deadline is None else max(0.0, deadline - time.monotonic()))
             except queue.Empty:
-                print(f"stopped after {arguments.timeout} s: too few messages on {arguments.topic}", file=sys.stderr)
+                print(
+                    f"stopped after {arguments.timeout} s: only {counted(seen, 'message')} came on {arguments.topic}",
+                    file=sys.stderr,
+                )
                 return FINDINGS
             values = message_to_values(cdr.decode(message_type, data))
             print(
@@ -99,7 +100,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _publishers(middleware: Middleware, topic: str, deadline: float | None) -> Sequence[Endpoint]:
-    """Wait for the first publisher of a topic, and return all publishers; nothing if the deadline comes before."""
+    """Wait for the first publisher of a topic, and return all publishers of the topic.
+
+    ``deadline`` is a time of `time.monotonic`, or None to wait without limit. If no publisher appears before the
+    deadline, return an empty sequence.
+    """
     while not middleware.endpoints(topic, True):
         if deadline is not None and time.monotonic() > deadline:
             return ()

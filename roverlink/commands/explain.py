@@ -22,23 +22,24 @@ def add(commands: Subparsers) -> None:
         "show all facts about a row, or the documentation of a rule",
         "roverlink explain imu_info",
         "Show all facts about a row of mapping.yaml: its sizes, the conversion of each field, its topic, its\n"
-        "peers, and the bytes of an example. ROW is the row's name, number, topic or message. With the\n"
-        "ID of a rule of `roverlink lint`, such as ENV101, show the rule's documentation: what the rule finds, why\n"
-        "that is a problem, and how to solve it.",
+        "peers, and the bytes of an example. ROW is the row's name, number, topic or message. Use it to see how a\n"
+        "protobuf message becomes a ROS 2 message, or to compare the bytes with those of a board.\n\n"
+        "With the ID of a rule of `roverlink lint`, such as ENV101, show the rule's documentation: what the rule\n"
+        "finds, why that is a problem, and how to solve it.",
     )
     parser.add_argument(
         "what", nargs="?", metavar="ROW|ID", help="a row, or the ID of a rule (default: list all rules)"
     )
-    parser.add_argument("--json", action="store_true", help="print the facts about a row as a JSON object")
+    parser.add_argument("--json", action="store_true", help="with a row: print the facts as a JSON object")
     parser.add_argument(
-        "--history", action="store_true", help="with a row: show also which meanings its number had in git's history"
+        "--history", action="store_true", help="with a row: show also which payloads its number had in git's history"
     )
     add_table(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the facts about a row, the documentation of a rule, or one line for each rule."""
+    """Print the facts about a row, or the documentation of a rule, or without an argument one line for each rule."""
     rules = all_rules()
     if arguments.what is None:
         for rule in rules.values():
@@ -131,7 +132,7 @@ def _peer(peer: dict[str, Any]) -> str:
 def _size(size: dict[str, Any], peer: dict[str, Any]) -> str:
     if size["payload"] is None:
         return f"unbounded: {size['unbounded']}"
-    limit = f"; {peer['name']} accepts {peer['max_size']}" if peer["max_size"] else ""
+    limit = f"; {peer['name']} accepts at most {peer['max_size']} bytes" if peer["max_size"] else ""
     return f"at most {size['payload']} bytes, {size['envelope']} in the envelope, computed as nanopb does{limit}"
 
 

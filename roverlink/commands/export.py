@@ -1,11 +1,11 @@
-"""``roverlink export``: write a topic of a recording to a file as a table."""
+"""``roverlink export``: write the messages of one recorded topic to a CSV or Parquet file."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, Subparsers, add_recording, command
+from roverlink.console import FINDINGS, OK, Subparsers, add_recording, command, print_note
 from roverlink.runtime import SetupError
 from roverlink.runtime.atomic_files import replacing
 from roverlink.runtime.recording import EXPORTS
@@ -18,9 +18,14 @@ def add(commands: Subparsers) -> None:
         "export",
         "write one topic of a recording to a table, with a row for each message and a column for each field",
         "roverlink export run.mcap --topic imu_data --to csv",
+        "Write one topic of a recording to a table for spreadsheets or notebooks: a CSV or Parquet file. It has a row\n"
+        "for each message, and a column for each field, such as accel_x; nested fields have dotted names. The columns\n"
+        "time_ns and wall_ns are nanoseconds since 1970: time_ns counts on steadily, and wall_ns is what the clock of\n"
+        "the computer showed. They differ after the clock was set during the recording; a note then says when.\n\n"
+        "`roverlink info` lists the topics. Exit code 1: the topic has no messages.",
     )
     add_recording(parser)
-    parser.add_argument("--topic", required=True, help="name of the ROS 2 topic")
+    parser.add_argument("--topic", required=True, help="name of the recorded ROS 2 topic, such as imu_data")
     parser.add_argument("--to", choices=EXPORTS, default="csv", help="format of the table (default: %(default)s)")
     parser.add_argument(
         "--out",
@@ -32,7 +37,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the file. The exit code is 1 if the topic has no messages."""
+    """Write the table of the topic's messages to a file. The exit code is 1 if the topic has no messages."""
     from roverlink.runtime.recording.reader import Recording
     from roverlink.runtime.recording.tables import WRITERS, rows_of
 
@@ -45,5 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
             written = WRITERS[arguments.to](rows, part)
     except OSError as error:
         raise SetupError(f"{out}: cannot write the file: {error.strerror or error}") from error
+    for jump in recording.jumps:
+        print_note(f"the computer's clock {jump.text(recording.start)}; wall_ns follows it, time_ns counts on")
     print(f"wrote {written} messages of {arguments.topic} to {out}")
     return OK if written else FINDINGS

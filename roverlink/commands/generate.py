@@ -10,7 +10,7 @@ from pathlib import Path
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, counted, table_file
 from roverlink.diagnostic_text import Sources, show, show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
-from roverlink.generator.emit.writer import Change, compare, write
+from roverlink.generator.emit.writer import Change, write
 from roverlink.generator.pipeline import Compiled, compile_table
 
 
@@ -23,13 +23,20 @@ def add(commands: Subparsers) -> None:
         "roverlink generate --check",
         "Read mapping.yaml and the .proto files, and write all files that are made from them: the Python handlers\n"
         "that convert messages, the envelope's .proto file, a ROS 2 package with .msg files, mapping.lock, and\n"
-        "docs.",
+        "docs. Run it after each change of mapping.yaml or of a .proto file. The output lists the changed files.\n"
+        "If there is an error in mapping.yaml or in a .proto file, the command prints it and writes nothing (exit\n"
+        "code 1). A file that roverlink did not generate is never replaced, unless you give --overwrite.",
     )
     add_table(parser)
     parser.add_argument(
         "--check",
         action="store_true",
         help="write nothing; if a file is not up to date, print the difference and exit with code 1",
+    )
+    parser.add_argument(
+        "--overwrite",
+        action="store_true",
+        help="replace files that have the path of a generated file, but were not generated",
     )
     parser.add_argument(
         "--target",
@@ -50,7 +57,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the generated files, or check if they are up to date.
+    """Write the generated files, or with ``--check`` only check if they are up to date.
 
     The exit code is 1 if there are diagnostics, or if ``--check`` finds a file that is out of date.
     """
@@ -59,11 +66,11 @@ def run(arguments: argparse.Namespace) -> int:
         # Relative to the table: generated files name their templates and must not contain machine paths.
         folders = [os.path.relpath(folder, table.resolve().parent) for folder in arguments.template]
         compiled = compile_table(table, arguments.target, folders)
-        changes = compare(table.resolve().parent, compiled.files, compiled.folders)
+        changes = compiled.changes(table.resolve().parent)
         show(compiled.warnings, Sources(table.parent), sys.stderr)
         if arguments.check:
             return _check(table, changes)
-        write(table.resolve().parent, changes)
+        write(table.resolve().parent, changes, arguments.overwrite)
     except DiagnosticsError as error:
         return report(table, error)
     print_changes(compiled, changes)
@@ -71,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def print_changes(compiled: Compiled, changes: list[Change]) -> None:
-    """Print one line for each file that was changed, and the number of files and messages."""
+    """Print one line for each changed file, then the number of changed files, of generated files and of messages."""
     for change in changes:
         print(f"{change.verb:>8} {change.path}")
     said = counted(len(changes), "change"), counted(len(compiled.bridge.routes), "message")
@@ -89,7 +96,7 @@ def _check(table: Path, changes: list[Change]) -> int:
 
 
 def report(table: Path, error: DiagnosticsError) -> int:
-    """Print the diagnostics because of which nothing was written, and return the exit code."""
+    """Print the diagnostics of an error because of which no file was written, and return the exit code."""
     severities = [finding.severity for finding in error.findings]
     errors = sum(severity.rank <= Severity.ERROR.rank for severity in severities)
     show_error(error, table.parent, sys.stderr)

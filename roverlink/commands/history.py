@@ -1,4 +1,4 @@
-"""``roverlink history``: print the meanings that an envelope number has had."""
+"""``roverlink history``: print the payloads that an envelope number has had in git's history."""
 
 from __future__ import annotations
 
@@ -21,19 +21,25 @@ def add(commands: Subparsers) -> None:
         "history",
         "show every payload that has or had a number in the envelope, with the first and the last commit of each",
         "roverlink history 18",
+        "Show every payload that has or had the number NUMBER in the envelope (the protobuf message that holds each\n"
+        "payload in a oneof). The command reads all commits of all branches in git. Use it if `roverlink lint`\n"
+        "reports a reused number, or to find out which payload an old recording or an old firmware means.\n\n"
+        "For each payload, the output has its type and name, then the commits that added and removed it, and the\n"
+        "branches that still have it. Exit code 1: no commit ever used the number.",
     )
     parser.add_argument("number", type=count, metavar="NUMBER", help="number of a payload in the envelope")
     add_subject(parser)
     parser.add_argument(
         "--of",
         metavar="MESSAGE",
-        help="NUMBER is not an envelope number, but a field number of this message, or a value of this enum",
+        help="show the history of a field number of this message, or of a value of this enum, instead of an envelope "
+        "number",
     )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the meanings that a number has had. The exit code is 1 if it has had none."""
+    """Print the payloads (or fields, with ``--of``) that a number has had. The exit code is 1 if it has had none."""
     try:
         with progress("reading history") as report:
             question = Question(history=True, envelope=not arguments.of, report=report)

@@ -1,10 +1,9 @@
-"""``roverlink info``: print the contents of a recording."""
+"""``roverlink info``: print the files, the duration and the topics of a recording."""
 
 from __future__ import annotations
 
 import argparse
 import json
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,12 +13,23 @@ from rich.table import Table
 from roverlink.console import OK, Subparsers, command
 
 if TYPE_CHECKING:
+    from roverlink.runtime.recording.clocks import ClockJump
     from roverlink.runtime.recording.reader import Recording
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(commands, "info", "show the contents of a recording", "roverlink info run.mcap")
+    parser = command(
+        commands,
+        "info",
+        "show the files, the duration and the topics of a recording",
+        "roverlink info run.mcap",
+        "Show the contents of a recording of `roverlink record`: its files, its start and duration, the fingerprint\n"
+        "(a hash) of the table with which it was made, and for each topic its message type, the number of messages\n"
+        "and the messages a second. If the recorder was killed or is still running, a line says that the recording\n"
+        "is incomplete. If the computer's clock was set during the recording, lines say when and by how much; the\n"
+        "start and the duration do not depend on that.",
+    )
     parser.add_argument(
         "recording", type=Path, help="an .mcap file: of topics (run.mcap) or of datagrams (run.datagrams.mcap)"
     )
@@ -28,14 +38,15 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the contents of a recording."""
+    """Print the contents of a recording as text, or with ``--json`` as a JSON object."""
     from roverlink.runtime.recording.reader import Recording
 
-    facts = _facts(Recording(arguments.recording))
+    recording = Recording(arguments.recording)
+    facts = _facts(recording)
     if arguments.json:
         print(json.dumps(facts, indent=2))
     else:
-        _print(facts)
+        _print(facts, recording.jumps)
     return OK
 
 
@@ -47,6 +58,15 @@ def _facts(recording: Recording) -> dict[str, Any]:
         "start_ns": recording.start,
         "end_ns": recording.end,
         "seconds": seconds,
+        "clock_jumps": [
+            {
+                "after_seconds": (jump.time - recording.start) / 1e9,
+                "by_seconds": jump.by / 1e9,
+                "before_ns": jump.before,
+                "after_ns": jump.after,
+            }
+            for jump in recording.jumps
+        ],
         "table": recording.metadata,
         "topics": [
             {
@@ -61,12 +81,15 @@ def _facts(recording: Recording) -> dict[str, Any]:
     }
 
 
-def _print(facts: dict[str, Any]) -> None:
+def _print(facts: dict[str, Any], jumps: list[ClockJump]) -> None:
+    from roverlink.runtime.recording.clocks import local_time
+
     console = Console(highlight=False, markup=False, soft_wrap=True)
     for file in facts["files"]:
         console.print(f"file      {file['path']} ({file['bytes'] / 1e6:.2f} MB)")
-    start = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(facts["start_ns"] / 1e9))
-    console.print(f"start     {start}, for {facts['seconds']:.1f} s")
+    console.print(f"start     {local_time(facts['start_ns'])}, for {facts['seconds']:.1f} s")
+    for jump in jumps:
+        console.print(f"clock     {jump.text(facts['start_ns'])}")
     if "fingerprint" in facts["table"]:
         console.print(f"table     {facts['table']['fingerprint']}")
     if not facts["complete"]:

@@ -1,4 +1,4 @@
-"""``roverlink init``: start a project in an empty folder, or in a folder that has .proto files already."""
+"""``roverlink init``: start a project in this folder, with an example board or from existing .proto files."""
 
 from __future__ import annotations
 
@@ -7,19 +7,21 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted
+from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted, finish_interrupted
 from roverlink.diagnostic_text import Sources, show, show_error
 from roverlink.generator.adopt import Adoption, AdoptionRequest, adopt
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
 from roverlink.generator.emit.writer import Change, write
 from roverlink.generator.new_project import NewProject, new_project
+from roverlink.installed_packages import git_source
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 
 _EXAMPLE = """\
 roverlink init
          roverlink init --from proto --envelope components/common/envelope.proto --message PBEnvelope"""
-_IN_TOP_FOLDER = (".github/workflows/roverlink.yml", ".pre-commit-config.yaml")
+_WORKFLOW = ".github/workflows/roverlink.yml"
+_IN_TOP_FOLDER = (_WORKFLOW, ".pre-commit-config.yaml")
 
 
 def add(commands: Subparsers) -> None:
@@ -29,14 +31,16 @@ def add(commands: Subparsers) -> None:
         "init",
         "start a project in this folder, with an example board or from existing .proto files",
         _EXAMPLE,
-        "Start a project in this folder. Without --from, the command writes mapping.yaml with one message of one\n"
-        "board, its .proto file, a GitHub workflow, a configuration for pre-commit and a .gitignore file, and runs\n"
-        "`roverlink generate`. With --from, the project starts with your .proto files: mapping.yaml gets a row for\n"
-        "each member of the envelope's oneof. Values that the command had to guess have the comment `guessed`.\n"
-        "Files that do not compile together with the others are excluded. Numbers that git's history used and\n"
-        "the envelope no longer uses are retired. Your .proto files do not change, with one\n"
-        "exception: if the envelope's file contains nothing but the envelope, `roverlink generate` overwrites it\n"
-        "from now on.",
+        "Start a project in this folder. A project has a table, mapping.yaml, with a row for each message that the\n"
+        "bridge converts between protobuf and ROS 2. At the end, the command prints the next steps.\n\n"
+        "Without --from, the command writes mapping.yaml with one message of one board, its .proto file, a GitHub\n"
+        "workflow, a configuration for pre-commit and a .gitignore file, and runs `roverlink generate`.\n\n"
+        "With --from, the project starts with your .proto files. One of them declares the envelope, the protobuf\n"
+        "message that holds each payload in a oneof. mapping.yaml gets a row for each member of this oneof. Values\n"
+        "that the command had to guess have the comment `guessed`. Files that do not compile together with the others\n"
+        "are excluded. Numbers that git's history used and the envelope no longer uses are retired. Your .proto files\n"
+        "do not change, with one exception: if the envelope's file contains nothing but the envelope,\n"
+        "`roverlink generate` overwrites it from now on.",
     )
     parser.add_argument(
         "--from",
@@ -71,15 +75,16 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the files of the new project. If one of them cannot be made, none is written."""
+    """Write the files of the new project, and print the next steps. If one file cannot be made, none is written."""
+    finish_interrupted(Path.cwd())
     table = Path(TABLE)
     if table.exists():
         raise SetupError(f"{table} exists already; `roverlink add` adds a row to it")
     if arguments.root is None and any((arguments.envelope, arguments.message, arguments.oneof)):
-        raise SetupError("--envelope, --message and --oneof need --from")
+        raise SetupError("--envelope, --message and --oneof need --from PROTO_ROOT")
     try:
         if arguments.root is None:
-            started = new_project(Path.cwd(), arguments.package)
+            started = new_project(Path.cwd(), arguments.package, git_source("roverlink"))
             if _write(started.changes, arguments.dry_run):
                 _print_started(started)
             return OK
@@ -98,7 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _write(changes: Iterable[Change], dry_run: bool) -> bool:
-    """Write the files; with ``dry_run``, only print the table. Return true if the files were written."""
+    """Write the changed files; with ``dry_run``, only print mapping.yaml. Return true if the files were written."""
     if dry_run:
         sys.stdout.writelines(change.after or "" for change in changes if change.path == TABLE)
     else:
@@ -117,6 +122,8 @@ def _print_started(started: NewProject) -> None:
     if top != here:
         print(f"GitHub and pre-commit look for {' and '.join(_IN_TOP_FOLDER)} in the top folder of the repository:")
         print(f"move them to {top} and let their commands run in {here.relative_to(top)}")
+    if _WORKFLOW not in started.kept and not started.source:
+        print(f"GitHub has to know from where it installs roverlink: set ROVERLINK in {_WORKFLOW}")
     print("next:")
     print("  roverlink run                                        run the bridge until Ctrl-C")
     print(
@@ -126,7 +133,7 @@ def _print_started(started: NewProject) -> None:
 
 
 def _print_adoption(adoption: Adoption) -> None:
-    """Print, for a project made from existing .proto files, the results, the guesses and the next steps."""
+    """Print the rows, the guesses and the next steps of a project that was made from existing .proto files."""
     draft = adoption.draft
     guessed = sum(bool(row.doubt) for row in draft.rows)
     print(f"{draft.message} in {draft.root}/{draft.file} has {counted(len(draft.rows), 'payload')} in {draft.oneof}")
@@ -160,5 +167,8 @@ def _print_findings(adoption: Adoption) -> None:
     show(adoption.findings, Sources(Path.cwd()), sys.stdout)
     draft = adoption.draft
     if lowered := sorted({*draft.lint, *(rule for row in draft.rows for rule in row.lint)}):
-        print(f"{', '.join(lowered)}: lowered to a hint under `lint` in {TABLE}; remove the entry when it is solved,")
-        print(f"or keep it with your reason; `roverlink explain {lowered[0]}` describes the rule")
+        print(
+            f"{', '.join(lowered)}: these rules have findings in your files, so {TABLE} lowers them to a hint (`lint`);"
+        )
+        print("remove such an entry when you have solved the problem, or keep it and add your reason;")
+        print(f"`roverlink explain {lowered[0]}` describes the rule")

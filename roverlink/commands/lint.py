@@ -1,4 +1,4 @@
-"""``roverlink lint``: check numbers, names and sizes, also compared with another state and in git's history."""
+"""``roverlink lint``: check the table and the .proto files, also against an earlier state and git's history."""
 
 from __future__ import annotations
 
@@ -25,17 +25,21 @@ def add(commands: Subparsers) -> None:
         "lint",
         "find reused numbers and other mistakes that make two machines misread each other",
         "roverlink lint --against main",
-        "Check mapping.yaml, the .proto files and the ledger (mapping.lock, which lists every number that was ever\n"
-        "published). With --against, check also what changed since an earlier state. With --history, check also all\n"
-        "commits in git. Exit code 0: there is no finding, or only findings that are less severe than --fail-on;\n"
-        "1: there are findings; 2: a check could not run. `roverlink explain ID` describes the rule of a finding.",
+        "Find mistakes that make two machines misread each other, such as an envelope number that was given to a\n"
+        "second payload. Use it before a commit and in CI. The command checks mapping.yaml, the .proto files and the\n"
+        "ledger (mapping.lock, which lists every number that was ever published). With --against, it also checks the\n"
+        "changes since an earlier state. With --history, it also checks all commits in git.\n\n"
+        "Each finding has a place, a severity, the ID of a rule and a message, for example\n"
+        "`mapping.yaml:19:12: error[ENV101] ...`. `roverlink explain ENV101` describes the rule.\n\n"
+        "Exit code 0: there is no finding, or only findings that are less severe than --fail-on; 1: there are\n"
+        "findings; 2: a check could not run.",
     )
     add_subject(parser)
     parser.add_argument(
         "--against",
         metavar="STATE",
-        help="earlier state to compare with: a git ref (branch, tag or commit), a folder, or a descriptor set of "
-        "protoc",
+        help="earlier state to compare with: a git ref (branch, tag or commit), a folder, or a file with a descriptor "
+        "set of protoc",
     )
     parser.add_argument(
         "--with-buf",
@@ -55,7 +59,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--branches",
         action="store_true",
-        help="find numbers that two branches of this repository, not merged yet, use for different payloads",
+        help="find envelope numbers that two unmerged branches of this repository give to different payloads",
     )
     parser.add_argument(
         "--pins",
@@ -63,16 +67,15 @@ def add(commands: Subparsers) -> None:
         type=Path,
         default=[],
         metavar="FILE|REPO",
-        help="find numbers that have different payloads for two projects, because they use different commits of the "
-        "protos. "
-        "REPO is the folder of a project, whose commit is read from its submodules or from GIT_TAG in CMake; FILE is a "
-        "text file with a line `project commit` for each project",
+        help="find envelope numbers that have different payloads in two projects, because these projects use different "
+        "commits of the .proto files. REPO is the folder of a project; the commit is read from its submodules or from "
+        "GIT_TAG in CMake. FILE is a text file with a line `project commit` for each project",
     )
     parser.add_argument(
         "--accept",
         action="store_true",
-        help="with --history: write the reused numbers that were found into the ledger, so that they are not "
-        "reported again",
+        help="with --history: write the reused numbers that were found into mapping.lock, so that lint does not report "
+        "them again",
     )
     parser.add_argument(
         "--format", choices=FORMATS, default="text", help="format of the findings (default: %(default)s)"
@@ -106,9 +109,11 @@ def run(arguments: argparse.Namespace) -> int:
 def _lint(arguments: argparse.Namespace) -> Linted:
     of_history: Path | None = arguments.history if isinstance(arguments.history, Path) else None
     if of_history is not None and arguments.root is not None:
-        raise SetupError(f"two trees are given, {arguments.root} and {of_history}; lint checks one at a time")
+        raise SetupError(
+            f"two folders of .proto files are given, '{arguments.root}' and '{of_history}'; give only one of them"
+        )
     if arguments.with_buf and not arguments.against:
-        raise SetupError("--with-buf compares two states; name the baseline with --against")
+        raise SetupError("--with-buf compares two states; name the earlier state with --against")
     root = of_history or arguments.root
     with progress("reading history") as report:
         question = Question(
@@ -123,7 +128,10 @@ def _lint(arguments: argparse.Namespace) -> Linted:
 
 
 def _accept(arguments: argparse.Namespace, found: Linted) -> int:
-    """Write the numbers that the check of the history has found to the ledger, and generate. Return the exit code."""
+    """Write the reused numbers that the check of git's history has found to the ledger (mapping.lock).
+
+    Write the other generated files, too, print the changed files, and return the exit code.
+    """
     # Imported here: a plain lint does not need the slow import of the emitter.
     from roverlink.generator.accept import accept
     from roverlink.generator.emit.writer import write
@@ -132,5 +140,7 @@ def _accept(arguments: argparse.Namespace, found: Linted) -> int:
     write(found.folder, changes)
     for change in changes:
         print(f"{change.verb:>8} {change.path}")
-    print(f"accepted {accepted} numbers from the history; from now on only new findings are reported")
+    print(
+        f"accepted {accepted} reused numbers from the history: they are in mapping.lock, and lint reports them no more"
+    )
     return OK

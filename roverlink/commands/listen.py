@@ -26,9 +26,16 @@ def add(commands: Subparsers) -> None:
         "listen",
         "print the envelopes that arrive at a UDP port, each as one line of JSON",
         "roverlink listen --port 6001",
+        "Print the envelopes that arrive at a UDP port. Use it in place of a board or a basestation, to see what the\n"
+        "bridge sends to this peer. An envelope is the protobuf message that holds one payload in a oneof.\n\n"
+        "Each datagram gives one line of JSON:\n"
+        '{"from": "127.0.0.1:5000", "number": 9, "name": "drive_motor", "payload": {"distance_to_go": 1.5}}.\n'
+        'A datagram that cannot be decoded gives a line with the keys "error" and "bytes" (its size).',
     )
     add_project(parser)
-    parser.add_argument("--port", type=port, required=True, help="UDP port to listen on")
+    parser.add_argument(
+        "--port", type=port, required=True, help="UDP port to listen on, such as that of a peer in mapping.yaml"
+    )
     parser.add_argument(
         "--address",
         default=_EVERY_ADDRESS,
@@ -39,7 +46,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the envelopes until Ctrl-C, or until ``--count`` envelopes have come."""
+    """Print the envelopes that arrive until Ctrl-C, or until ``--count`` datagrams have arrived."""
     registry = load_project(project_folder(arguments.project))
     translator = Translator(registry)
     seen = 0

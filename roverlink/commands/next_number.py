@@ -1,4 +1,4 @@
-"""``roverlink next-number``: print the envelope number for the next payload."""
+"""``roverlink next-number``: print the number that the next payload of the envelope should get."""
 
 from __future__ import annotations
 
@@ -22,10 +22,11 @@ def add(commands: Subparsers) -> None:
         "next-number",
         "print the envelope number for the next payload, and why other numbers are skipped",
         "roverlink next-number",
-        "Print the number that the next payload of the envelope should have. This number is greater than all\n"
-        "numbers in use, and it was never used before: it is not in mapping.yaml or mapping.lock, not reserved or\n"
-        "commented out in the envelope, not in git's history, and not on another branch. If numbers are skipped,\n"
-        "the reasons are printed on standard error.",
+        "Print the number for the next payload of the envelope, the protobuf message that holds each payload in a\n"
+        "oneof. Use it if you write a row of mapping.yaml yourself; `roverlink add` uses this number on its own.\n\n"
+        "The number is greater than all numbers in use, and it was never used before: it is not in mapping.yaml or\n"
+        "mapping.lock, not reserved or commented out in the envelope, not in git's history, and not on another\n"
+        "branch. If numbers are skipped, the reasons are printed on standard error.",
     )
     add_subject(parser)
     parser.set_defaults(run=run)
@@ -46,14 +47,14 @@ def run(arguments: argparse.Namespace) -> int:
     print_skipped(found.context)
     number = found.context.next_number()
     if number > LARGEST_NUMBER:
-        print("no number is left", file=sys.stderr)
+        print(f"no number is left: numbers end at {LARGEST_NUMBER}", file=sys.stderr)
         return UNABLE
     print(number)
     return code
 
 
 def print_skipped(context: Context) -> None:
-    """Print on standard error why the numbers before the next free number are not free."""
+    """Print on standard error the numbers skipped before the next free one, each with the reason: ``14 is retired``."""
     largest, number = context.largest_number(), context.next_number()
     for start in [largest + 1] if number > largest else [largest + 1, 1]:
         for first, last, why in context.occupied(start):

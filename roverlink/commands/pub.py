@@ -1,4 +1,4 @@
-"""``roverlink pub``: publish messages on a topic, without a ROS installation."""
+"""``roverlink pub``: publish a message on a ROS 2 topic, as ``ros2 topic pub`` does, without a ROS installation."""
 
 from __future__ import annotations
 
@@ -25,19 +25,17 @@ def add(commands: Subparsers) -> None:
         "pub",
         "publish messages on a topic, as `ros2 topic pub` does, without a ROS installation",
         "roverlink pub drive_motor '{distance_to_go: 1.5}' --count 1",
+        "Publish a message on a topic once a second until Ctrl-C (see --count and --rate), as `ros2 topic pub` does,\n"
+        "without a ROS installation. Use it to command a board through a running bridge. Careful: the rover may\n"
+        "move! Each published message gives a line such as `published 1 on drive_motor`.",
     )
     add_project(parser)
-    parser.add_argument("topic", help="name of the ROS 2 topic")
+    topic_types.add_topic(parser)
     parser.add_argument(
         "values",
         nargs="?",
         default="{}",
         help="the message's fields in YAML, such as '{speed: 1.5}'; all other fields are zero (default: {})",
-    )
-    parser.add_argument(
-        "--type",
-        metavar="PKG/msg/NAME",
-        help="type of the messages, needed only for a topic that is not in mapping.yaml",
     )
     parser.add_argument("--count", type=count, metavar="N", help="number of messages (default: publish until Ctrl-C)")
     parser.add_argument("-1", "--once", action="store_const", const=1, dest="count", help="the same as --count 1")
@@ -56,7 +54,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Wait for a subscriber of the topic, and publish the messages."""
+    """Wait for a subscriber of the topic, and publish the message ``--count`` times, or until Ctrl-C."""
     registry = load_project(project_folder(arguments.project))
     message_type, qos = topic_types.endpoint(registry, arguments.topic, arguments.type)
     data = cdr.encode(message_from_values(message_type, _values(arguments.values)))
@@ -80,7 +78,7 @@ def _values(text: str) -> object:
     try:
         return strict_yaml.load(text)
     except strict_yaml.YamlTextError as error:
-        raise SetupError(f"the message: {error}") from error
+        raise SetupError(f"cannot read the message: {error}") from error
 
 
 def _wait_for_subscriber(publisher: Publisher, topic: str, seconds: float) -> None:

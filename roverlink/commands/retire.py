@@ -1,4 +1,4 @@
-"""``roverlink retire``: end the use of an envelope number."""
+"""``roverlink retire``: remove a payload from the bridge, and reserve its envelope number permanently."""
 
 from __future__ import annotations
 
@@ -18,8 +18,10 @@ def add(commands: Subparsers) -> None:
         "retire",
         "retire an envelope number, so that it is never used again",
         "roverlink retire 14",
-        "Retire an envelope number, so that no other payload ever gets it: move its row in mapping.yaml from\n"
-        "`messages` to `retired`, and run `roverlink generate`, which reserves the number in the envelope.",
+        "Retire an envelope number whose payload is no longer needed, so that no other payload ever gets this number:\n"
+        "old firmware and old recordings may still contain it. The command moves the row in mapping.yaml from\n"
+        "`messages` to `retired`, and runs `roverlink generate`, which reserves the number in the envelope. The\n"
+        "output lists the changed files.",
     )
     parser.add_argument("number", type=count, metavar="NUMBER", help="number of the payload in the envelope")
     add_table(parser)
@@ -27,7 +29,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Retire a number and generate. If the table without the row does not compile, nothing is written."""
+    """Retire a number, and generate the code. If the table without the row does not compile, nothing is written."""
     table = table_file(arguments.table)
     try:
         compiled, changes = retire(table, arguments.number)

@@ -1,4 +1,4 @@
-"""``roverlink run``: run the bridge as the ROS 2 node ``udp_forwarder``."""
+"""``roverlink run``: run the bridge between UDP and ROS 2, as the ROS 2 node ``udp_forwarder``."""
 
 from __future__ import annotations
 
@@ -39,23 +39,26 @@ def add(commands: Subparsers) -> None:
         "run",
         "run the bridge between UDP and ROS 2, as the node udp_forwarder",
         "roverlink run --ros-args -p dst_ip:=10.0.0.7 -r imu_data:=imu/raw --log-level debug",
-        "Run the bridge between UDP and ROS 2, as the node udp_forwarder. SIGINT (Ctrl-C) or SIGTERM stops it.\n"
+        "Run the bridge between UDP and ROS 2, as the node udp_forwarder. The bridge publishes the datagrams of the\n"
+        "peers (boards, basestation) as messages on topics, and sends messages of other topics as datagrams to the\n"
+        "peers. mapping.yaml lists these messages. SIGINT (Ctrl-C) or SIGTERM stops the bridge. The log is written to\n"
+        "standard error; at the end it says how many datagrams were received, published, sent and dropped.\n\n"
         "All options must stand before --ros-args. After it, these arguments are known: -p NAME:=VALUE and\n"
-        "--params-file FILE (parameters), -r FROM:=TO (remap a topic), -r __ns:=/NAMESPACE, -r __node:=NAME,\n"
-        "--log-level LEVEL.",
+        "--params-file FILE (parameters such as dst_ip, the address of the peers, and listen_port),\n"
+        "-r FROM:=TO (remap a topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.",
     )
     parser.add_argument(
         "--record",
         type=Path,
         metavar="FILE",
-        help=f"record all topics and datagrams. {observers.RECORDING_HELP}",
+        help=f"record all topics and datagrams; FILE: {observers.RECORDING_HELP}",
     )
     add_options(parser)
     parser.set_defaults(run=run, takes_ros_args=True)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of a bridge to a parser. `roverlink run` and `roverlink record` have the same options."""
+    """Add the options that `roverlink run` and `roverlink record` have in common to a parser."""
     add_project(parser)
     add_middleware(parser)
     parser.add_argument(
@@ -69,14 +72,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         choices=LOG_FORMATS,
         default="ros",
         help="format of the log on standard error. ros: lines like those of other ROS 2 nodes; json: one JSON object "
-        "per "
-        "line (default: %(default)s)",
+        "per line (default: %(default)s)",
     )
     observers.add_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the bridge until a signal comes; the exit code is then 0."""
+    """Run the bridge until SIGINT or SIGTERM stops it; the exit code is then 0."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None, arguments.log_format)
     registry = load_project(project_folder(arguments.project))
@@ -106,9 +108,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _announce(registry: Registry, node: str, port: int, logger: logging.Logger, *, json_too: bool) -> None:
-    """Report that the bridge listens on a UDP port, together with the fingerprint of the table.
+    """Log that the bridge listens on a UDP port, with the fingerprint of the table (a hash).
 
-    Two machines with equal fingerprints use the same table and the same schema.
+    With ``json_too``, also print this as a JSON object on standard output. Two machines with equal fingerprints use the
+    same table and the same message definitions.
     """
     messages, fingerprint = len(registry.handlers), registry.fingerprint
     logger.info("%s bridges %s on UDP port %d", node, counted(messages, "message"), port)

@@ -1,4 +1,4 @@
-"""``roverlink send``: send envelopes to a bridge, as a board does."""
+"""``roverlink send``: send a datagram with one payload to a bridge, as a board does."""
 
 from __future__ import annotations
 
@@ -23,13 +23,15 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "send",
-        "send an envelope to the bridge, as a board does",
+        "send a datagram with one payload to the bridge, as a board does",
         "roverlink send imu_info accel_x=0.12 accel_y=-9.81 --to 127.0.0.1:5000 --count 10 --rate 100",
-        "Send an envelope to the bridge, as a board or the basestation does. Write nested fields with dots\n"
-        "(imu_sensor.accel_x=1), enum values by name, lists as [1, 2, 3], and bytes in hexadecimal.",
+        "Send a datagram to the bridge, as a board or the basestation does, to test the bridge without a board. The\n"
+        "datagram is an envelope: the protobuf message that holds one payload in a oneof. Write nested fields with\n"
+        "dots (imu_sensor.accel_x=1), enum values by name, lists as [1, 2, 3], and bytes in hexadecimal.\n"
+        "`roverlink echo TOPIC` shows the message that the bridge makes of it.",
     )
     add_project(parser)
-    parser.add_argument("name", nargs="?", help="name of the payload's row in mapping.yaml")
+    parser.add_argument("name", nargs="?", help="name of the payload's row in mapping.yaml, such as imu_info")
     parser.add_argument(
         "assignments",
         nargs="*",
@@ -53,7 +55,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Send the envelopes, or list the payloads of the table."""
+    """Send the datagram as often as ``--count`` says, or list the payloads of the table (``--list``)."""
     registry = load_project(project_folder(arguments.project))
     if arguments.list:
         _list(registry)
@@ -72,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _handler(registry: Registry, name: str | None) -> AnyHandler:
     if name is None:
-        raise SetupError("no payload given; `roverlink send --list` lists them")
+        raise SetupError("no payload is given; `roverlink send --list` lists all payloads")
     handler = registry.by_name.get(name)
     if handler is None:
         raise SetupError(f"unknown payload {name!r}; {nearest(name, registry.by_name)}")
@@ -86,19 +88,19 @@ def _assignments(texts: list[str]) -> dict[str, str]:
         if not separator or not path:
             raise SetupError(f"{text!r} is not of the form field=value")
         if path in found:
-            raise SetupError(f"{path} is assigned more than once")
+            raise SetupError(f"the field {path!r} is assigned more than once")
         found[path] = value
     return found
 
 
 def destination_of(text: str) -> tuple[str, int]:
-    """Return the address for ``HOST:PORT``.
+    """Return the IPv4 address and the port for a text ``HOST:PORT``, such as ``rover.local:5000``.
 
     Raises `SetupError` if the text has another form or the host does not resolve.
     """
     host, separator, port = text.rpartition(":")
     if not separator or not host or not port.isdecimal() or not 0 < int(port) < 65_536:
-        raise SetupError(f"{text!r} is not of the form HOST:PORT")
+        raise SetupError(f"{text!r} is not of the form HOST:PORT, such as 127.0.0.1:5000")
     return udp.resolve(host, int(port))
 
 

@@ -1,4 +1,4 @@
-"""``roverlink simulate``: simulate boards and a basestation, for tests and demonstrations."""
+"""``roverlink simulate``: send the datagrams of simulated boards and a simulated basestation to a bridge."""
 
 from __future__ import annotations
 
@@ -53,12 +53,15 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "simulate",
-        "send the datagrams of simulated boards to a bridge, with faults if you want them",
+        "test a bridge with the datagrams of simulated boards, also with faults such as losses",
         "roverlink simulate --scenario lossy --scenario padded --seed 7 --to 127.0.0.1:5000",
-        "Send the datagrams that the boards and the basestation of the table would send. They go to a running bridge\n"
-        "(--to), or to a bridge that this command starts and stops (--bridge). With --bridge, the report at the end\n"
-        "says how many datagrams were published, forwarded and dropped. The exit code is then 1 if these numbers do\n"
-        "not add up to the number of datagrams sent, or if the bridge needs more and more memory.\n\nscenarios:\n"
+        "Send the datagrams that the boards and the basestation of mapping.yaml would send, to test a bridge, or the\n"
+        "ROS 2 nodes that use it, without boards. The values in the messages change with the time.\n\n"
+        "With --to, the datagrams go to a running bridge. At the end, the command prints how many datagrams it sent,\n"
+        "and the result that the bridge should count for them, such as 57 published, 3 malformed.\n\n"
+        "With --bridge, the command starts a bridge, and stops it at the end. It then prints how many datagrams the\n"
+        "bridge published, forwarded and dropped. The exit code is 1 if these numbers do not add up to the number of\n"
+        "datagrams sent, or if the memory of the bridge grows.\n\nscenarios:\n"
         + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
     )
     add_project(parser)
@@ -80,7 +83,7 @@ def add(commands: Subparsers) -> None:
         action="append",
         default=[],
         choices=tuple(SCENARIOS),
-        help="fault to simulate (see above); may be repeated (default: none)",
+        help="fault to simulate (see the list above); may be repeated (default: no fault)",
     )
     parser.add_argument(
         "--seed",
@@ -111,7 +114,7 @@ def _summary(name: str) -> str:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate the peers. The exit code is 1 if the counters of a bridge that was started for the run do not agree."""
+    """Simulate the peers. With ``--bridge``, the exit code is 1 if the counts of the bridge do not add up."""
     registry = load_project(project_folder(arguments.project))
     longest = parameters.defaults(registry)["max_datagram"]
     world = World(registry, random.Random(arguments.seed), longest)  # noqa: S311  # repeatable, not secret
@@ -133,7 +136,7 @@ def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) ->
         print(json.dumps({"sent": dict(sorted(totals.sent.items())), "unsendable": totals.unsendable}))
         return OK
     ends = ", ".join(f"{count} {end}" for end, count in totals.sent.most_common())
-    print(f"sent {totals.sent.total()} datagrams to {arguments.to}; expected results in the bridge: {ends or 'none'}")
+    print(f"sent {totals.sent.total()} datagrams to {arguments.to}; the bridge should have counted: {ends or 'none'}")
     return OK
 
 
@@ -164,7 +167,7 @@ def _host(arguments: argparse.Namespace, registry: Registry, arrivals: Arrivals)
 
 
 class _Nodes:
-    """Publishers that stand in for the rover's ROS 2 nodes: one for each topic whose messages are sent to a peer."""
+    """Publishers in place of the rover's ROS 2 nodes: one for each topic whose messages the bridge sends to a peer."""
 
     def __init__(self, registry: Registry, middleware: Middleware) -> None:
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
@@ -176,7 +179,10 @@ class _Nodes:
         self._next = 0.0
 
     def publish(self, now: float) -> int:
-        """Publish the messages that are due on the topics to which the bridge has subscribed; return their number."""
+        """Publish one message on each topic that the bridge has subscribed to, but at most 20 times a second.
+
+        ``now`` is the time since the start in seconds. Return the number of published messages.
+        """
         if now < self._next:
             return 0
         self._next = now + 1 / _COMMANDS_HZ
@@ -190,7 +196,7 @@ class _Nodes:
 def _repeated(stream: Stream, count: int) -> Stream:
     """Yield the first ``count`` datagrams of a stream again and again, at later and later times.
 
-    They are prepared, because making a datagram takes longer than sending it.
+    These datagrams are made before the first is sent, because making a datagram takes longer than sending it.
     """
     prepared = list(itertools.islice(stream, count))
     # One interval behind the last datagram, so that the seam of two repetitions is not a burst.
@@ -201,9 +207,9 @@ def _repeated(stream: Stream, count: int) -> Stream:
 
 
 def _play(stream: Stream, length: float, senders: Senders, totals: RunTotals, world: World) -> Iterator[float]:
-    """Send each datagram of a stream at its time, for ``length`` seconds. Count the datagrams in ``totals``.
+    """Send each datagram of a stream at its time, for ``length`` seconds. Count sent datagrams in ``totals``.
 
-    Yields the time since the start, in seconds, every few milliseconds.
+    Yields the time since the start, in seconds, every few milliseconds, so that the caller can do other work meanwhile.
     """
     translator, predictions = Translator(world.registry), dict[bytes, str]()
     start = time.monotonic()
@@ -234,7 +240,7 @@ def _watch_memory(host: BridgeHost, now: float, totals: RunTotals) -> None:
 
 
 def _wait_for(arrivals: Arrivals, totals: RunTotals) -> None:
-    """Wait until the peers have received all datagrams that the bridge has sent, or until a time limit is reached."""
+    """Wait, at most 20 seconds, until the peers have received all datagrams of the bridge. Store their number."""
     account = totals.account
     out = account["sent"] + account["forwarded"] + sum(account["stops"].values())
     deadline = time.monotonic() + _TIMEOUT_S
@@ -249,5 +255,7 @@ def _report(totals: RunTotals, *, as_json: bool) -> int:
         print(json.dumps(totals.as_dict()))
     else:
         print("\n".join(totals.lines()))
-        print("all sums agree" if not faults else "\n".join(f"error: {fault}" for fault in faults))
+        print(
+            "No problems found: all counts add up." if not faults else "\n".join(f"error: {fault}" for fault in faults)
+        )
     return FINDINGS if faults else OK

@@ -1,28 +1,34 @@
-"""``roverlink top``: show the live state of a bridge on the terminal."""
+"""``roverlink top``: show the live state of bridges on the terminal."""
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import queue
 import sys
 import time
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from rich.console import Console
 from rich.live import Live
 
-from roverlink import top_screen, topic_types
-from roverlink.console import FINDINGS, OK, Subparsers, add_middleware, command, seconds
-from roverlink.runtime import NODE
+from roverlink import link_page, top_screen, topic_types
+from roverlink.console import FINDINGS, OK, Subparsers, add_middleware, command, print_note, seconds
+from roverlink.heard_bridges import QUIET_S, HeardBridges, full_name, has_problems
+from roverlink.keyboard import Keyboard
+from roverlink.link_page.live_link import LiveLink
+from roverlink.runtime import SetupError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
-from roverlink.runtime.middleware import open_middleware
+from roverlink.runtime.interfaces.rcl_interfaces import Log
+from roverlink.runtime.middleware import Middleware, open_middleware, rosout
 from roverlink.runtime.monitoring import diagnostic_array
 
-_REFRESH_S = 0.5
-_QUIET_S = 3.0  # time without a message after which the screen reports it
+_REFRESH_S = 0.25
+_HEAR_S = 1.5  # each bridge publishes its state once a second
 
 
 def add(commands: Subparsers) -> None:
@@ -32,34 +38,70 @@ def add(commands: Subparsers) -> None:
         "top",
         "show the state of a running bridge live: message rates, time since the last message, drops, queues",
         "roverlink top",
-        "Show the state of a running bridge live: for each row, the messages a second, the time since the last\n"
-        "message, and the dropped messages. It also shows how full the bridge's queues are. The command reads the\n"
-        "topic /diagnostics, so the bridge may run on any machine of the same ROS 2 domain.",
+        "Show the state of all running bridges live, to see which messages arrive and which are lost. The command\n"
+        "reads the topic /diagnostics, so a bridge may run on any machine of the same ROS 2 domain.\n\n"
+        "The first lines count the datagrams of the whole bridge. The table has these columns for each row of\n"
+        "mapping.yaml:\n"
+        "  level    OK; WARN: too few messages, a loss, or a QoS that does not match; STALE: expected messages do not\n"
+        "           come; ERROR: messages are dropped, and none is bridged\n"
+        "  rate     messages a second, in the last two seconds\n"
+        "  min      messages a second that the table expects at least (key expect_rate)\n"
+        "  age      time since the last message\n"
+        "  count    messages bridged since the start\n"
+        "  dropped  messages that were not bridged\n"
+        "  stops    stops that the bridge sent because the topic was silent (table key deadman)\n"
+        "  message  reason for the level; on a narrow terminal it stands below the table, for the selected row\n"
+        "Several bridges are shown side by side if the terminal is wide enough.\n\n"
+        "Keys:\n"
+        "  up, down, page up, page down, home, end (or k, j, g, G)   select a row, and scroll\n"
+        "  s, S   sort by the next or the last of: number, name, level, rate, age, dropped\n"
+        "  /      show only rows with a text in their name, topic, direction or level\n"
+        "  p      show only rows with a problem: another level than OK, drops, or a stopped peer\n"
+        "  Esc    show all rows again\n"
+        "  Tab    select the next bridge\n"
+        "  q      quit",
     )
-    parser.add_argument("--node", default=NODE, help="name of the bridge's node (default: %(default)s)")
+    parser.add_argument(
+        "--node",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="show only the bridge whose node has this name, such as udp_forwarder or /rover/udp_forwarder; may be "
+        "repeated (default: all bridges)",
+    )
     parser.add_argument(
         "--once",
         action="store_true",
-        help="show the state once, and exit with code 0; or with 1 if the state is not OK",
+        help="show the state once and exit: with code 0 if each bridge and all of its rows are OK and no two bridges "
+        "have the same name, else with 1",
     )
     parser.add_argument(
         "--json",
         action="store_true",
-        help="print the state as a JSON object every second; with --once, print one object",
+        help="print the state as a JSON object every second, on one line for each bridge; with --once, print one "
+        "object for each bridge",
     )
+    link_page.add_option(parser, "--web")
     parser.add_argument(
-        "--timeout", type=seconds, default=10.0, metavar="S", help="wait at most S seconds for the bridge (default: 10)"
+        "--timeout", type=seconds, default=10.0, metavar="S", help="wait at most S seconds for a bridge (default: 10)"
     )
     add_middleware(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show the state of a bridge until Ctrl-C, or only once.
+    """Show the state of bridges until Ctrl-C or the key q, or only once; or that of one bridge on a web page.
 
-    The exit code is 1 if no bridge is found. With ``--once`` it is also 1 if the state is not OK.
+    The exit code is 1 if no bridge is found. With ``--once`` it is also 1 if the state is not OK. Raises `SetupError`
+    if options exclude each other, or if the live view has no terminal.
     """
+    if arguments.web is not None:
+        if arguments.once or arguments.json:
+            raise SetupError("--web cannot be combined with --once or --json; run `roverlink top` twice")
+    elif not (arguments.once or arguments.json or sys.stdout.isatty()):
+        raise SetupError("the output is not a terminal; print the state with `roverlink top --once` or `--json`")
     arrived: queue.Queue[bytes] = queue.Queue()
+    heard = HeardBridges(arguments.node)
 
     def keep(messages: Sequence[bytes]) -> None:
         for message in messages:
@@ -67,51 +109,109 @@ def run(arguments: argparse.Namespace) -> int:
 
     with open_middleware(arguments.middleware, topic_types.identity("top")) as middleware:
         middleware.subscribe(diagnostic_array.TOPIC, DiagnosticArray, diagnostic_array.QOS, keep)
-        page = _next_page(arrived, arguments.node, arguments.timeout)
+        page = _next_page(arrived, heard, arguments.timeout)
         if page is None:
+            bridges = " or ".join(f"named {name!r}" for name in arguments.node)
             print(
-                f"no messages of a bridge named {arguments.node!r} on {diagnostic_array.TOPIC} within "
-                f"{arguments.timeout:g} s",
+                f"no messages of a bridge{bridges and f' {bridges}'} on {diagnostic_array.TOPIC} within "
+                f"{arguments.timeout:g} s; check that the bridge runs in this ROS 2 domain, without --no-diagnostics",
                 file=sys.stderr,
             )
             return FINDINGS
+        if arguments.web is not None:
+            return _serve(arrived, heard, arguments.web, middleware)
         if arguments.once:
-            _show(page, arguments.json)
-            return FINDINGS if top_screen.has_problems(page) else OK
-        return _follow(arrived, page, arguments)
+            return _show(arrived, heard, arguments.json)
+        return _print_json(arrived, heard, page) if arguments.json else _follow(arrived, heard)
 
 
-def _follow(arrived: queue.Queue[bytes], page: dict[str, Any], arguments: argparse.Namespace) -> int:
-    if arguments.json:
+def _show(arrived: queue.Queue[bytes], heard: HeardBridges, as_json: bool) -> int:
+    """Show the states of all bridges once, and return the exit code."""
+    _hear_all(arrived, heard)
+    if as_json:
+        for bridge in heard.bridges:
+            print(json.dumps(bridge.page, indent=2))
+    else:
+        console = Console()
+        console.print(top_screen.printed(heard.bridges, console.width))
+    warnings = heard.warnings()
+    for warning in warnings:
+        print_note(f"warning: {warning}")
+    return FINDINGS if warnings or any(has_problems(bridge.page) for bridge in heard.bridges) else OK
+
+
+def _print_json(arrived: queue.Queue[bytes], heard: HeardBridges, page: dict[str, Any]) -> int:
+    told: set[str] = set()
+    while True:
+        print(json.dumps(page), flush=True)
+        for warning in set(heard.warnings()) - told:
+            print_note(f"warning: {warning}")
+            told.add(warning)
+        while (next_page := _next_page(arrived, heard, QUIET_S)) is None:
+            pass
+        page = next_page
+
+
+def _follow(arrived: queue.Queue[bytes], heard: HeardBridges) -> int:
+    view, console = top_screen.View(), Console()
+    with Keyboard() as keyboard, Live(console=console, screen=True, auto_refresh=False) as live:
         while True:
-            print(json.dumps(page), flush=True)
-            while (next_page := _next_page(arrived, arguments.node, _QUIET_S)) is None:
-                pass
-            page = next_page
-    updated = time.monotonic()
-    with Live(console=Console(), screen=True, auto_refresh=False) as live:
+            while not arrived.empty():
+                heard.take(arrived.get())
+            bridges = heard.bridges
+            view.bridge = min(view.bridge, len(bridges) - 1)
+            live.update(top_screen.live(bridges, heard, view, *console.size), refresh=True)
+            for key in keyboard.keys(_REFRESH_S):
+                if not view.press(key, [bridge.page for bridge in bridges]):
+                    return OK
+
+
+def _serve(arrived: queue.Queue[bytes], heard: HeardBridges, address: tuple[str, int], middleware: Middleware) -> int:
+    """Show the first bridge by name on a web page until Ctrl-C, with the log that it publishes on /rosout."""
+    _hear_all(arrived, heard)
+    name = full_name(heard.bridges[0].page)
+    if len(heard.bridges) > 1:
+        print_note(f"the page shows the bridge {name!r}; select another one with --node")
+    for warning in heard.warnings():
+        print_note(f"warning: {warning}")
+    live = LiveLink()
+    # The logger of /rover/udp_forwarder is named rover.udp_forwarder.
+    logger = name.removeprefix("/").replace("/", ".")
+
+    def take_log(messages: Sequence[bytes]) -> None:
+        for message in messages:
+            log = cdr.decode(Log, message)
+            if log.name == logger:
+                live.log.add(log.stamp.sec + log.stamp.nanosec / 1e9, log.level, log.msg)
+
+    middleware.subscribe(rosout.TOPIC, Log, rosout.QOS, take_log)
+    with contextlib.ExitStack() as stack:
+        link_page.serve(live, address, stack, partial(print, file=sys.stderr, flush=True))
+        page: dict[str, Any] | None = heard.bridges[0].page
         while True:
-            live.update(top_screen.render(page, quiet=time.monotonic() - updated > _QUIET_S), refresh=True)
-            if (next_page := _next_page(arrived, arguments.node, _REFRESH_S)) is not None:
-                page, updated = next_page, time.monotonic()
+            # Several processes can have this name; the page keeps to one of them, until it is gone.
+            shown = next(bridge.page for bridge in heard.bridges if full_name(bridge.page) == name)
+            if page is shown:
+                live.take_state(shown)
+            page = _next_page(arrived, heard, QUIET_S)
 
 
-def _next_page(arrived: queue.Queue[bytes], node: str, seconds: float) -> dict[str, Any] | None:
-    """Return the next state that the bridge publishes; None if no state comes in ``seconds``."""
+def _hear_all(arrived: queue.Queue[bytes], heard: HeardBridges) -> None:
+    """Wait until each running bridge has published its state."""
+    deadline = time.monotonic() + _HEAR_S
+    while (left := deadline - time.monotonic()) > 0:
+        _next_page(arrived, heard, left)
+
+
+def _next_page(arrived: queue.Queue[bytes], heard: HeardBridges, seconds: float) -> dict[str, Any] | None:
+    """Return the next state that a bridge publishes; None if no state comes within ``seconds`` seconds."""
     deadline = time.monotonic() + seconds
     # Other nodes publish on /diagnostics too, so a message may be from another node.
     while (left := deadline - time.monotonic()) > 0:
         try:
-            data = arrived.get(timeout=left)
+            message = arrived.get(timeout=left)
         except queue.Empty:
             return None
-        if page := top_screen.page_of(cdr.decode(DiagnosticArray, data), node):
+        if page := heard.take(message):
             return page
     return None
-
-
-def _show(page: dict[str, Any], as_json: bool) -> None:
-    if as_json:
-        print(json.dumps(page, indent=2))
-    else:
-        Console().print(top_screen.render(page))

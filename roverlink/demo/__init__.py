@@ -1,1 +1,1 @@
-"""Modules that only ``roverlink demo`` uses."""
+"""Simulated camera of ``roverlink demo``, and the rendered scene that this camera sees."""

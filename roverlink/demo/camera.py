@@ -1,6 +1,6 @@
-"""Camera of the demo: a child process ``roverlink aruco track`` that gets rendered frames instead of a camera's.
+"""Camera of ``roverlink demo``: a child process ``roverlink aruco track`` that reads rendered images, not a camera.
 
-It is a process of its own, as on a rover. So its computations do not delay the nodes that command peers.
+It is a process of its own, as on a rover, so its computations do not delay the demo's messages to peers.
 """
 
 from __future__ import annotations
@@ -33,13 +33,16 @@ _TIMEOUT_S = 20.0
 
 
 class DemoCamera:
-    """Simulated camera that sees a film in a loop. A context manager; on exit the child process ends."""
+    """Simulated camera. A child process computes the rover's position from a film of rendered images, in a loop.
+
+    A context manager: the child process starts on entry and ends on exit.
+    """
 
     rows = (ROW,)
-    """Rows whose topics the camera publishes."""
+    """Names of the rows on whose topics the camera publishes, so the demo does not simulate their messages."""
 
     def __init__(self, project: Path, middleware: str) -> None:
-        """Prepare the child process.
+        """Render the film, write the files for the child process, and prepare its command line.
 
         With the middleware ``memory``, call `publish_on`, because the child process has no access to the topics of
         this process. With any other middleware, the child process publishes the rover's position itself.
@@ -62,7 +65,10 @@ class DemoCamera:
             cv2.imwrite(str(frames / f"{frame.number}.png"), frame.image)
 
     def publish_on(self, middleware: Middleware, registry: Registry, topic: Callable[[str], str]) -> None:
-        """Publish the positions that the child process computes with a middleware of this process."""
+        """Publish the positions that the child process computes through ``middleware``, which belongs to this process.
+
+        ``topic`` returns the fully qualified name of a topic of the table.
+        """
         self._publish_position = position_publisher(middleware, registry, topic)
 
     def __enter__(self) -> DemoCamera:
@@ -79,12 +85,12 @@ class DemoCamera:
         return self
 
     def stop(self) -> str:
-        """End the child process and return a summary for the user."""
+        """End the child process. Return a text for the user: the number of images, and the largest position error."""
         self._child.send_signal(signal.SIGINT)
         self._child.wait(_TIMEOUT_S)
         self._thread.join()
         return (
-            f"the camera located itself in {self._frames} frames with {len(landmarks().places)} landmarks; "
+            f"the simulated camera located itself in {self._frames} frames with {len(landmarks().places)} landmarks; "
             f"largest error {1e3 * self._worst:.0f} mm"
         )
 

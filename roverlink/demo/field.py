@@ -1,4 +1,7 @@
-"""Scene of the demo's camera: four landmarks on a field. The scene is rendered, so the camera's true pose is known."""
+"""Scene of the demo's camera: four landmarks (ArUco markers at known poses) on a field.
+
+The images of the scene are rendered, so the camera's true pose is known in each image.
+"""
 
 from __future__ import annotations
 
@@ -17,11 +20,13 @@ from roverlink.vision.markers.detection import Image
 from roverlink.vision.opencv import cv2
 
 FRAMES = 16
+"""Number of images in one trip of the rover around its circle."""
 RATE_HZ = 10.0
+"""Images per second."""
 SIDE = 0.15
 """Side of the markers in metres."""
 SURVEY = 0.002
-"""Standard deviation of the landmarks' positions in metres; that of their rotations is the default."""
+"""Standard deviation of the landmarks' measured positions in metres. For their rotations, the default is used."""
 _SIZE = (640, 480)
 _LENS = Lens(
     np.array([[600.0, 0, 322.5], [0, 602.0, 236.0], [0, 0, 1]]),
@@ -37,10 +42,11 @@ _LANDMARKS = {7: (3.0, 0.9, 0.9), 8: (3.4, 0.2, 1.2), 9: (2.6, -0.5, 0.5), 10: (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Film:
-    """Frames of a camera that drives in a circle, with the camera's true pose in each frame."""
+    """Images of a camera that drives in a circle, with the camera's true pose in each image."""
 
     frames: tuple[Image, ...]
     truth: tuple[Pose, ...]
+    """Pose of the camera (camera to field) in each image."""
 
     def __iter__(self) -> Iterator[Frame]:
         for number, image in enumerate(self.frames):
@@ -48,12 +54,12 @@ class Film:
 
 
 def landmarks() -> Landmarks:
-    """Return the landmarks on the field, with their poses."""
+    """Return the four landmarks, with their poses in the frame ``field``."""
     return Landmarks("field", {number: Landmark(_on_field(number), SURVEY) for number in _LANDMARKS})
 
 
 def parameters() -> CameraParameters:
-    """Return the parameters of the simulated camera."""
+    """Return the camera matrix, the distortion and the image size of the simulated camera."""
     return CameraParameters(_LENS.matrix, np.array(_LENS.distortion), _SIZE)
 
 
@@ -69,9 +75,9 @@ def write_field(folder: Path) -> None:
 
 
 def render_film(frames: int = FRAMES) -> Film:
-    """Render the first ``frames`` camera images of the demo rover's trip around the field.
+    """Render the first ``frames`` images that the camera of the demo's rover sees on its trip around a circle.
 
-    The result is always the same.
+    Two calls give the same images.
     """
     rng = np.random.default_rng(1)
     scene = texture(_SIZE, rng)
@@ -85,11 +91,11 @@ def _on_field(number: int) -> Pose:
 
 
 def _place(angle: float) -> Pose:
-    """Return the pose of the camera (camera to field) when the rover is at this angle of its circle, in radians."""
+    """Return the pose of the camera (camera to field) when the rover is at ``angle``, in radians, on its circle."""
     return Pose(_AHEAD, np.array([0.3 * np.sin(angle), 0.3 * np.cos(angle), 0.6]))
 
 
 def _print(number: int, camera: Pose) -> tuple[Print, PrintPose]:
-    """Return the print of a landmark, with its pose in the camera's frame, for a pose of the camera on the field."""
+    """Return the printed marker of a landmark, and its pose in the camera's frame; ``camera`` is the camera's pose."""
     seen = camera.inverse() @ _on_field(number)
     return marker_print(cv2.aruco.DICT_5X5_250, number, SIDE, texels=8), PrintPose(seen.rotation, seen.translation)

@@ -1,4 +1,4 @@
-"""Output formats for the findings of `roverlink lint`: for people, scripts and CI servers."""
+"""Output formats for the findings (diagnostics) of `roverlink lint`: for people, scripts and CI servers."""
 
 from __future__ import annotations
 
@@ -14,4 +14,4 @@ FORMATS: Mapping[str, Callable[[Linted], None]] = {
     "sarif": sarif.write,
     "junit": junit.write,
 }
-"""Functions that write findings to standard output, by the name of the format."""
+"""Functions that write findings to standard output, by the format's name in the option ``--format``."""

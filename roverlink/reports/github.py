@@ -1,4 +1,4 @@
-"""Findings as workflow commands of GitHub Actions. GitHub shows them at the lines of a pull request.
+"""Findings of `roverlink lint` as workflow commands of GitHub Actions, which GitHub shows in a pull request.
 
 The syntax is in GitHub's documentation, "Workflow commands for GitHub Actions".
 """

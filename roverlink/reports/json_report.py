@@ -1,4 +1,4 @@
-"""Findings as JSON: a list with one object for each finding."""
+"""Findings of `roverlink lint` as JSON: a list with one object for each finding."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.generator.lint.project import Linted
 
 
 def write(linted: Linted) -> None:
-    """Print the JSON list."""
+    """Print the findings as a JSON list on standard output."""
     print(json.dumps([_finding(finding, linted) for finding in linted.findings], indent=2))
 
 
@@ -30,7 +30,10 @@ def _finding(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
 
 
 def _use(use: Use) -> dict[str, Any]:
-    """Return the JSON values for one meaning that a number had. If a branch still uses it, there is no last commit."""
+    """Return the JSON values for one meaning (type and name) that a number had in git's history.
+
+    ``last_commit`` is the commit that removed this meaning; None if a branch still has it.
+    """
     last = (
         {"last_commit": use.went.id, "last_date": use.went.date, "last_subject": use.went.subject} if use.went else {}
     )

@@ -1,4 +1,4 @@
-"""Findings as JUnit XML for CI servers: every rule is a test case, which fails if the rule has findings."""
+"""Findings of `roverlink lint` as JUnit XML for CI servers: each rule is a test case, which fails on findings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.generator.lint.rules import modules
 
 
 def write(linted: Linted) -> None:
-    """Print the XML document."""
+    """Print the findings as an XML document on standard output."""
     rules = {module.RULE.id: module.RULE for module in modules().values()}
     rules |= {finding.rule.id: finding.rule for finding in linted.findings}
     suite = ElementTree.Element("testsuite", name="roverlink lint", tests=str(len(rules)))
@@ -22,7 +22,7 @@ def write(linted: Linted) -> None:
 
 
 def _add(suite: ElementTree.Element, rule: Rule, findings: list[Diagnostic]) -> bool:
-    """Add a test case for a rule to the suite; return true if the rule has findings that make it fail."""
+    """Add a test case for a rule to the suite. Return true if the test case fails; hints do not make it fail."""
     case = ElementTree.SubElement(suite, "testcase", classname="roverlink", name=f"{rule.id} {rule.name}")
     # A hint does not fail the lint either.
     faults = [finding for finding in findings if finding.severity is not Severity.HINT]

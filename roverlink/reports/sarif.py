@@ -1,4 +1,4 @@
-"""Findings as SARIF 2.1.0 (OASIS), the format of services that show findings beside the code."""
+"""Findings of `roverlink lint` as SARIF 2.1.0 (OASIS), a JSON format for services that show findings beside code."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
 def write(linted: Linted) -> None:
-    """Print the SARIF document."""
+    """Print the findings as a SARIF document on standard output."""
     rules = {id: _rule(module.RULE) for id, module in modules().items()}
     rules |= {finding.rule.id: _rule(finding.rule) for finding in linted.findings}
     driver = {"name": "roverlink", "rules": [rules[id] for id in sorted(rules)]}

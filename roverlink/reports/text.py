@@ -1,4 +1,8 @@
-"""Findings as text: diagnostics, numbers about which projects disagree, and the number of diagnostics."""
+"""Findings of `roverlink lint` as text for people.
+
+The text consists of the diagnostics, a table of the numbers that projects use differently (option ``--pins``), and a
+last line such as ``1 error, 2 warnings``.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +23,7 @@ from roverlink.lint_scope import sources
 
 
 def write(linted: Linted) -> None:
-    """Print the findings, and how many there are of each severity."""
+    """Print the findings on standard output, and how many findings there are of each severity."""
     console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
     show(linted.findings, sources(linted), sys.stdout)
     if linted.context.past is not None and linted.context.past.pinned:

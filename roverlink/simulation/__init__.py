@@ -1,1 +1,1 @@
-"""Simulation of boards and a basestation, and the final check that no datagram is unaccounted for."""
+"""Simulated boards and basestation, and a check at the end that each datagram was bridged or dropped for a reason."""

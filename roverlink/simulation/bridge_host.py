@@ -1,4 +1,4 @@
-"""Bridge for demo and simulation: a separate process in ROS 2, or a thread of this process without ROS 2."""
+"""Bridge for `roverlink demo` and `roverlink simulate`: a child process in ROS 2, or a thread without ROS 2."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ _STOP_TIMEOUT_S = 20.0  # on a busy machine it may take long to handle the datag
 
 
 class BridgeHost(Protocol):
-    """Bridge that was started for a demo or simulation. A context manager."""
+    """Bridge that is started for a demo or a simulation.
+
+    A context manager: the bridge starts on entry, and ends on exit at the latest.
+    """
 
     port: int
     """UDP port on which the bridge listens."""
@@ -29,10 +32,10 @@ class BridgeHost(Protocol):
     """Id of the process in which the bridge runs."""
 
     def middleware(self, node: NodeIdentity) -> Middleware:
-        """Return a middleware for a node that exchanges messages with the bridge."""
+        """Return a connection to the bridge's topics for the node ``node`` of this process."""
 
     def stop(self) -> dict[str, Any]:
-        """Stop the bridge and return its counters, as `Account.as_dict` does."""
+        """Stop the bridge and return its counters: the result of `roverlink.runtime.bridge.account.Account.as_dict`."""
 
     def __enter__(self) -> BridgeHost: ...
 
@@ -42,14 +45,18 @@ class BridgeHost(Protocol):
 def bridge_with(
     middleware: str, project: Path, registry: Registry, ports: dict[str, int], log_level: str = "warn"
 ) -> BridgeHost:
-    """Return a bridge that uses a middleware, and sends datagrams to these ports of the peers."""
+    """Return a bridge for a project; it starts when it is entered as a context manager.
+
+    ``middleware`` is ``dds``, ``rclpy`` or ``memory``; with ``memory`` the bridge is a thread, else a child process.
+    ``ports`` holds the UDP port of each simulated peer, by the name of the peer's port parameter (``dst_b_port``).
+    """
     if middleware == "memory":
         return BridgeThread(registry, ports, log_level)
     return BridgeProcess(project, middleware, ports, log_level)
 
 
 class BridgeProcess:
-    """``roverlink run`` as a child process, over ``dds`` or ``rclpy``."""
+    """Bridge as a child process ``roverlink run``, which uses the middleware ``dds`` or ``rclpy``."""
 
     def __init__(self, project: Path, middleware: str, ports: dict[str, int], log_level: str = "warn") -> None:
         self._middleware = middleware
@@ -92,7 +99,7 @@ class BridgeProcess:
                 sys.stderr.write(line)
 
     def middleware(self, node: NodeIdentity) -> Middleware:
-        """Return the same middleware that the bridge uses."""
+        """Return a connection to ROS 2 for the node ``node``, through the same middleware as the bridge's."""
         return open_middleware(self._middleware, node)
 
     def stop(self) -> dict[str, Any]:
@@ -117,7 +124,7 @@ class BridgeProcess:
 
 
 class BridgeThread:
-    """Bridge on a thread of this process, which uses the middleware `memory`."""
+    """Bridge on a thread of this process. It uses the middleware ``memory``, whose topics need no ROS 2."""
 
     def __init__(self, registry: Registry, ports: dict[str, int], log_level: str = "warn") -> None:
         self._graph = Graph()
@@ -134,7 +141,7 @@ class BridgeThread:
         return self
 
     def middleware(self, node: NodeIdentity) -> Middleware:  # noqa: ARG002  # memory has no nodes
-        """Return a memory middleware that is connected to the bridge."""
+        """Return a middleware ``memory`` that has the same topics as the bridge; the node's name is not used."""
         return MemoryMiddleware(self._graph)
 
     def stop(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Counters of the messages that were bridged, by row, and the table that shows the counters."""
+"""Counters of bridged messages, one for each row of mapping.yaml, and the live table of `roverlink demo`."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ _SHOWN_FIELDS = 4
 
 @dataclass
 class Crossing:
-    """Count of the messages of one row that were bridged, with the last of these messages."""
+    """Number of bridged messages of one row, with the last bridged message."""
 
     handler: AnyHandler
     count: int = 0
     last: Callable[[], dict[str, Any]] = dict
-    """Function that decodes the last message; called only when the message is shown."""
+    """Function that decodes the last message to a dictionary of field values; called only when the message is shown."""
     _times: deque[float] = field(default_factory=deque)
 
     def add(self, last: Callable[[], dict[str, Any]]) -> None:
-        """Count a message. Keep ``last``, a function that returns the values of this message."""
+        """Count a bridged message. ``last`` is a function that returns the field values of this message."""
         self.count += 1
         self.last = last
         self._times.append(time.monotonic())
 
     def rate(self) -> float:
-        """Return how many messages a second were counted, averaged over the last two seconds."""
+        """Return the number of messages a second, averaged over the last two seconds."""
         horizon = time.monotonic() - _WINDOW_S
         while self._times and self._times[0] < horizon:
             self._times.popleft()
@@ -41,7 +41,7 @@ class Crossing:
 
 
 def table(crossings: Iterable[Crossing], title: str) -> Table:
-    """Return a table for the terminal with the counters of all rows."""
+    """Return a table for the terminal: for each row its rate, its count, and the values of its last message."""
     shown = Table(title=title, expand=True)
     shown.add_column("no.", justify="right", no_wrap=True)
     shown.add_column("payload", no_wrap=True)
@@ -64,7 +64,7 @@ def table(crossings: Iterable[Crossing], title: str) -> Table:
 
 
 def brief(values: dict[str, Any]) -> str:
-    """Return the first fields of a message as text on one line."""
+    """Return the first four fields of a message as text on one line: ``x 0.116, y -0.277, z 0.599``."""
     parts = [f"{name} {_short(value)}" for name, value in list(values.items())[:_SHOWN_FIELDS]]
     return ", ".join([*parts, "…"] if len(values) > _SHOWN_FIELDS else parts)
 

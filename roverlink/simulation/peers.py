@@ -16,7 +16,10 @@ _LARGEST = 65_536
 
 
 class Senders:
-    """Sockets from which the simulated peers send. After each restart a peer gets a new socket. A context manager."""
+    """Sockets from which the simulated peers send datagrams to a bridge. A context manager.
+
+    A simulated peer that restarts gets a new socket, so it sends from a new port.
+    """
 
     def __init__(self, bridge: tuple[str, int]) -> None:
         self._bridge = bridge
@@ -45,7 +48,10 @@ class Senders:
 
 
 class Arrivals:
-    """Sockets on which the simulated peers receive; a thread reads each socket. A context manager."""
+    """Sockets on which the simulated peers receive datagrams of the bridge. A context manager.
+
+    A thread reads each socket and counts the datagrams.
+    """
 
     def __init__(self, registry: Registry) -> None:
         self._count = 0
@@ -53,15 +59,16 @@ class Arrivals:
         self._stack = contextlib.ExitStack()
         self._sockets = {peer.name: udp.bind("127.0.0.1", 0, _RECEIVE_BUFFER) for peer in registry.peers}
         self.ports = {peer.port_parameter: int(self._sockets[peer.name].getsockname()[1]) for peer in registry.peers}
+        """UDP port of each simulated peer, by the name of the bridge's parameter for this port, such as dst_b_port."""
 
     @property
     def count(self) -> int:
-        """Number of datagrams that all peers have received."""
+        """Number of datagrams that the peers together have received."""
         return self._count
 
     @property
     def lost(self) -> int:
-        """Number of datagrams that the kernel dropped because this process was too slow to read them."""
+        """Number of datagrams that the kernel dropped at these sockets, because this process read them too slowly."""
         return sum(udp.kernel_drops(sock) for sock in self._sockets.values())
 
     def __enter__(self) -> Arrivals:

@@ -1,4 +1,4 @@
-"""Final check of a simulation: every datagram that was sent must be delivered, or dropped for a known reason."""
+"""Counts of a simulation, and the check at its end: each sent datagram was delivered, or dropped for a known reason."""
 
 from __future__ import annotations
 
@@ -21,15 +21,16 @@ _OF_THE_BRIDGE = (
     Reason.OVER_RATE,
     Reason.STOPPED,
 )
-"""Reasons that depend on more than the datagram itself."""
+"""Reasons for drops that depend on the state of the bridge, so they cannot be predicted from the datagram alone."""
 _WARMED_UP = 0.25
 _MOST_GROWTH = 8 * 1024 * 1024
 
 
 def predict(datagram: bytes, translator: Translator, longest: int) -> str:
-    """Return the result that a datagram must have in a bridge: ``published``, or the reason of its drop.
+    """Predict the result of a datagram in a bridge: ``published``, or the reason for its drop, such as ``malformed``.
 
-    A bridge that is overloaded may drop the datagram for another reason.
+    ``longest`` is the length in bytes of the longest datagram that the bridge accepts. An overloaded bridge may drop
+    the datagram for another reason.
     """
     if len(datagram) > longest:
         return Reason.OVERSIZED.value
@@ -45,19 +46,19 @@ class RunTotals:
     """Totals of a simulation: how many datagrams were sent to the bridge, and what happened to them."""
 
     sent: Counter[str] = field(default_factory=Counter)
-    """Datagrams sent to the bridge, by predicted result."""
+    """Number of datagrams sent to the bridge, by predicted result (see `predict`)."""
     seconds: float = 0.0
     """Duration of the run in seconds."""
     unsendable: int = 0
-    """Datagrams that this host's network refused."""
+    """Number of datagrams that were not sent, because this host's network refused them."""
     commands: int = 0
-    """Messages published on topics that the bridge subscribes."""
+    """Number of messages published on topics whose messages the bridge sends to peers."""
     arrived: int = 0
-    """Datagrams that the peers received from the bridge."""
+    """Number of datagrams that the peers received from the bridge."""
     lost_at_peers: int = 0
-    """Datagrams that the kernel dropped at the peers' sockets, because this process was too slow."""
+    """Number of datagrams that the kernel dropped at the peers' sockets, because this process read them too slowly."""
     account: dict[str, Any] = field(default_factory=dict)
-    """Counters of the bridge, as `roverlink.runtime.bridge.account.Account.as_dict`."""
+    """Counters of the bridge at its end, with the keys of `roverlink.runtime.bridge.account.Account.as_dict`."""
     memory: list[int] = field(default_factory=list)
     """Resident memory of the bridge's process in bytes, one value per second."""
 
@@ -78,26 +79,32 @@ class RunTotals:
         """Yield the lines of the report for the user."""
         account = self.account
         hertz = self.sent.total() / self.seconds if self.seconds else 0
-        yield f"{self.sent.total()} datagrams were sent to the bridge, {hertz:.0f} a second; the bridge counted:"
-        ends = {PUBLISHED: account["published"], **account["dropped"], "dropped by the kernel": account["kernel_drops"]}
+        yield f"{self.sent.total()} datagrams were sent to the bridge, {hertz:.0f} a second; it counted them as:"
+        ends = {PUBLISHED: account["published"]}
+        ends |= {f"dropped: {reason}": count for reason, count in account["dropped"].items()}
+        ends["dropped by the kernel"] = account["kernel_drops"]
         for end, count in ends.items():
             yield f"  {count:>12} {end}"
         yield f"  {sum(ends.values()):>12} in total"
-        yield f"{self.commands} messages were published on topics to peers; the bridge counted:"
-        ends = {"sent": account["sent"], **{name: sum(account[name].values()) for name in _ENDS_OF_COMMANDS}}
-        ends["overwritten in ROS 2 queues"] = self.commands - account["taken"]
+        yield f"{self.commands} messages were published on topics for peers; the bridge counted them as:"
+        ends = {"sent to a peer": account["sent"]}
+        ends |= {text: sum(account[name].values()) for name, text in _ENDS_OF_COMMANDS.items()}
+        ends["overwritten in a full ROS 2 queue"] = self.commands - account["taken"]
         for end, count in ends.items():
             yield f"  {count:>12} {end}"
-        yield f"{self.arrived} datagrams reached the peers: {account['sent']} made from topics, "
-        yield f"  {account['forwarded']} forwarded raw, {sum(account['stops'].values())} stops"
+        yield f"{self.arrived} datagrams reached the peers; the bridge sent:"
+        yield f"  {account['sent']:>12} made from messages of topics"
+        yield f"  {account['forwarded']:>12} forwarded from other peers"
+        yield f"  {sum(account['stops'].values()):>12} stop datagrams, because a topic was silent (deadman)"
         if self.memory:
             first, last = _mebibytes(self.memory[0]), _mebibytes(self.memory[-1])
             yield f"memory of the bridge: {first} after 1 s, {last} at the end"
 
     def faults(self) -> list[str]:
-        """Return a text for each pair of sums that disagree, and one if the bridge's memory has grown.
+        """Return a text for each count that does not add up, and one if the bridge's memory has grown too much.
 
-        Empty if there is no fault.
+        An example is "10 datagrams were sent, but 9 were received or dropped by the kernel". The list is empty if there
+        is no fault.
         """
         return [
             *self._lost_before_bridge(),
@@ -113,9 +120,9 @@ class RunTotals:
             yield f"{self.sent.total()} datagrams were sent, but {found} were received or dropped by the kernel"
 
     def _mispredicted(self) -> Iterator[str]:
-        """Yield a text for each reason for which more or fewer datagrams were dropped than predicted.
+        """Yield a text for each reason with more or fewer dropped datagrams than predicted (see `predict`).
 
-        Datagrams that were dropped before they were parsed may explain a part of the difference.
+        The number may be lower than predicted by the datagrams that were dropped before the bridge parsed them.
         """
         dropped = self.account["dropped"]
         for reason in Reason:
@@ -140,7 +147,12 @@ class RunTotals:
             yield f"the bridge's memory grew from {_mebibytes(warm[0])} to {_mebibytes(warm[-1])}"
 
 
-_ENDS_OF_COMMANDS = ("refused", "superseded", "failed")
+_ENDS_OF_COMMANDS = {
+    "refused": "refused: a value cannot be converted",
+    "superseded": "superseded: a newer message replaced it before it was sent",
+    "failed": "failed: the network refused the datagram",
+}
+"""Texts for the counters of messages that the bridge did not send to a peer."""
 _BEFORE_PARSING = (Reason.UNKNOWN_SOURCE, Reason.OVER_RATE, Reason.STOPPED)
 
 

@@ -1,7 +1,8 @@
-"""Scenarios: datagrams of simulated boards and of a simulated basestation, with the faults that the user selects.
+"""Datagrams of simulated boards and of a simulated basestation, and scenarios: the faults that a user can select.
 
-A scenario is a function that changes a stream of datagrams, so scenarios can be combined. All random choices come from
-one generator of random numbers: the same seed gives the same stream.
+A scenario is a function that takes a stream of datagrams and yields a changed stream, for example with some datagrams
+lost. So scenarios can be combined. All random choices come from one generator of random numbers: the same seed gives
+the same stream.
 """
 
 from __future__ import annotations
@@ -25,13 +26,13 @@ class Emission:
     """Datagram that a simulated peer sends at a certain time."""
 
     at: float
-    """Seconds since the start."""
+    """Time at which the datagram is sent, in seconds since the start."""
     peer: str
     name: str
-    """Payload of the datagram, or from which it was made."""
+    """Name of the row whose payload the datagram contains, or contained before a scenario changed the datagram."""
     datagram: bytes
     life: int = 0
-    """Number of restarts of the peer; it sends from a new port after each."""
+    """Number of times that the peer has restarted; after each restart it sends from a new port."""
 
 
 Stream = Iterator[Emission]
@@ -39,7 +40,7 @@ Stream = Iterator[Emission]
 
 @dataclass(frozen=True)
 class World:
-    """Objects that every scenario needs in addition to the stream of datagrams."""
+    """Objects that every scenario needs in addition to the stream of datagrams: the table and the random numbers."""
 
     registry: Registry
     rng: random.Random
@@ -47,7 +48,10 @@ class World:
     """Length in bytes of the longest datagram that the bridge accepts."""
 
     def datagram(self, name: str, seconds: float) -> bytes:
-        """Return an envelope with the payload ``name``. Its values are those at ``seconds`` after the peer's start."""
+        """Return a serialized envelope with the payload of the row ``name``.
+
+        The payload has the simulated values of the time ``seconds`` after the peer's start.
+        """
         payload = payload_at(self.registry.by_name[name].payload_type, seconds)
         return bytes(self.registry.envelope(**{name: payload}).SerializeToString())
 
@@ -57,13 +61,16 @@ class World:
         return [handler for handler in self.registry.handlers if handler.route.inbound]
 
     def unused_number(self) -> int:
-        """Return a number that no row has; a retired number if there is one."""
+        """Return an envelope number that no row has; a retired number if there is one."""
         candidates = itertools.chain(self.registry.retired, itertools.count(1))
         return next(number for number in candidates if number not in self.registry.by_number)
 
 
 def steady(world: World, rate: float) -> Stream:
-    """Yield the datagrams of all rows from peers in turn, without end; ``rate`` is the number of datagrams a second."""
+    """Yield datagrams without faults and without end: one of each row whose payload comes from a peer, in turn.
+
+    ``rate`` is the number of datagrams a second, of all rows together.
+    """
     rows = world.inbound
     for index in itertools.count():
         route = rows[index % len(rows)].route
@@ -75,7 +82,7 @@ def steady(world: World, rate: float) -> Stream:
 
 
 def lossy(stream: Stream, world: World) -> Stream:
-    """Radio link: a tenth of the datagrams is lost, some arrive twice, late or out of order."""
+    """Simulate a radio link: a tenth of the datagrams is lost, some arrive twice, late or out of order."""
     # The index decides between equal times: emissions themselves have no order, and heapq would compare them.
     late: list[tuple[float, int, Emission]] = []
     for index, emission in enumerate(stream):
@@ -97,7 +104,7 @@ _LOST, _LATE, _TWICE, _DELAY_S = 0.1, 0.05, 0.05, 0.2
 
 
 def stale(stream: Stream, world: World) -> Stream:
-    """Stuck program on a board: it repeats the same values for seconds."""
+    """Simulate a stuck program on a board: it repeats the same values for seconds."""
     held: dict[str, Emission] = {}
     for emission in stream:
         before = held.get(emission.name)
@@ -107,7 +114,7 @@ def stale(stream: Stream, world: World) -> Stream:
 
 
 def old_schema(stream: Stream, world: World) -> Stream:
-    """Boards with other protos than the rover: unknown fields, missing fields, payloads without a row."""
+    """Simulate boards with other .proto files: unknown fields, missing fields, payloads without a row."""
     for emission in stream:
         chance = world.rng.random()
         if chance < _OF_NO_ROW:
@@ -124,7 +131,7 @@ _NEWER_FIELD = 1000
 
 
 def _of_other_protos(emission: Emission, world: World) -> bytes:
-    """Return a datagram whose payload lacks its last field, and has a field that the rover does not know."""
+    """Return a datagram whose payload lacks the message's last field, and has a field that the rover does not know."""
     handler = world.registry.by_name[emission.name]
     payload = payload_at(handler.payload_type, emission.at)
     fields = handler.payload_type.DESCRIPTOR.fields
@@ -151,7 +158,7 @@ def _varint(value: int) -> bytes:
 
 
 def padded(stream: Stream, world: World) -> Stream:
-    """Boards that pad datagrams with zeros, strip trailing zeros, or do neither."""
+    """Simulate boards that pad datagrams with zeros, strip trailing zeros, or do neither."""
     for emission in stream:
         datagram = emission.datagram
         size = world.rng.choice((0, 0, _BUFFER))
@@ -165,7 +172,7 @@ _BUFFER = 256
 
 
 def malformed(stream: Stream, world: World) -> Stream:
-    """Damaged datagrams, one in five: cut, bit flipped, too long, empty, random, or meant for the other direction."""
+    """Damage one datagram in five: cut, with a flipped bit, too long, empty, random, or of the wrong direction."""
     for emission in stream:
         if emission.datagram and world.rng.random() < _DAMAGED:
             damage = world.rng.choice(_DAMAGES)
@@ -203,7 +210,7 @@ _DAMAGES = (_cut, _flipped, _too_long, _noise, _of_the_other_direction)
 
 
 def flood(stream: Stream, world: World) -> Stream:
-    """Flooding: each datagram of one row is sent a hundred times."""
+    """Send each datagram of one row a hundred times."""
     mad = world.rng.choice(world.inbound).route.name
     for emission in stream:
         yield from itertools.repeat(emission, _MANY if emission.name == mad else 1)
@@ -213,7 +220,7 @@ _MANY = 100
 
 
 def reboot(stream: Stream, world: World) -> Stream:
-    """Peers that stop for a second now and then, and restart at time 0 from another port."""
+    """Simulate peers that stop for a second now and then, and restart at time 0, with another UDP port."""
     lives: dict[str, tuple[int, float, float]] = {}
     for emission in stream:
         life, born, dies = lives.get(emission.peer, (0, 0.0, world.rng.uniform(2, 6)))
@@ -236,12 +243,14 @@ SCENARIOS: dict[str, Callable[[Stream, World], Stream]] = {
     "flood": flood,
     "reboot": reboot,
 }
+"""Scenarios by their name in the option ``--scenario``. The help shows the first line of their documentation."""
 
 
 def emissions(world: World, rate: float, names: list[str]) -> Stream:
-    """Return a stream of datagrams, changed by the scenarios ``names`` in this order.
+    """Return the stream of datagrams of all peers, changed by the scenarios ``names`` one after the other.
 
     The stream has no end and is in order of time. ``rate`` is the number of datagrams a second before the changes.
+    ``names`` are keys of `SCENARIOS`, such as ``lossy``.
     """
     stream = steady(world, rate)
     for name in names:

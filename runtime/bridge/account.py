@@ -17,8 +17,9 @@ WARNING_INTERVAL_S = 2.0
 class Account:
     """Counters of a bridge since its start.
 
-    Each counter is written by one thread, or under a lock. Another thread that reads a counter may get a value that is
-    slightly old. Counters "by payload" use the payload's field name in the envelope's oneof.
+    `Counters` updates them; monitoring and the final summary read them. Each counter is written by one thread, or under
+    a lock. Another thread that reads a counter may get a value that is slightly old. Counters "by payload" use the
+    payload's field name in the envelope's oneof.
     """
 
     received: int = 0
@@ -32,7 +33,7 @@ class Account:
     sent: Counter[str] = field(default_factory=Counter)
     """Datagrams sent to peers, made from messages of topics, by payload."""
     forwarded: Counter[str] = field(default_factory=Counter)
-    """Raw datagrams forwarded, by the peer to which they were sent."""
+    """Received datagrams that were sent on unchanged to another peer, by this peer."""
     dropped: Counter[str] = field(default_factory=Counter)
     """Datagrams received but not bridged, by reason (`Reason`)."""
     dropped_of_row: Counter[tuple[str, str]] = field(default_factory=Counter)
@@ -79,7 +80,7 @@ class Account:
         }
 
     def discrepancies(self) -> list[str]:
-        """Return a text for each pair of sums that disagree now, as the function `discrepancies` does.
+        """Return a text for each pair of sums that should be equal but are not, as the function `discrepancies` does.
 
         Sums may disagree while the bridge is handling messages; a difference is an error only when the bridge is idle.
         """
@@ -96,10 +97,11 @@ class Account:
 
 # Module function, not only a method: `simulate` checks the counters that another process printed as JSON.
 def discrepancies(account: Mapping[str, Any]) -> list[str]:
-    """Return a text for each pair of sums of an account that disagree; an empty list if all agree.
+    """Return a text for each pair of sums of counters that should be equal but are not; an empty list if all agree.
 
-    ``account`` is a result of `Account.as_dict`. Every datagram received must have been published, or dropped for a
-    reason. Every message of a topic must have been sent, refused, superseded, or failed in the network.
+    A text is ``10 datagrams received, but 9 published and dropped``. ``account`` is a result of `Account.as_dict`.
+    Every datagram received must have been published, or dropped for a reason. Every message of a topic must have been
+    sent, refused, superseded, or failed in the network.
     """
     dropped = sum(account["dropped"].values())
     ends = [sum(account[name].values()) for name in ("refused", "superseded", "failed")]
@@ -111,7 +113,11 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
 
 
 class ThrottledWarnings:
-    """Log of warnings. For each subject it logs one warning in two seconds at most, and counts the suppressed ones."""
+    """Log of warnings with a rate limit: for each subject, at most one warning in two seconds is logged.
+
+    A subject is the kind of a warning, such as the reason of a drop. The suppressed warnings are counted, and the next
+    warning of the subject tells their number.
+    """
 
     def __init__(self, logger: logging.Logger, clock: Callable[[], float] = time.monotonic) -> None:
         self._logger, self._clock = logger, clock
@@ -121,7 +127,7 @@ class ThrottledWarnings:
         self._lock = threading.Lock()
 
     def warn(self, subject: str, message: str) -> None:
-        """Log a warning; if one of the same subject was logged less than two seconds ago, only count it."""
+        """Log a warning; if one of the same subject was logged less than two seconds ago, only count the new one."""
         now = self._clock()
         # Warnings come from several threads. Logging happens after the lock is released, since a log handler may block.
         with self._lock:

@@ -12,7 +12,10 @@ from roverlink.runtime.net.sources import Address, SourceGate
 
 
 class Admission:
-    """Selects a `Translator` for each datagram by the address of its sender. To be used from one thread."""
+    """Selector of a `Translator` for each datagram, by the address of its sender. To be used from one thread.
+
+    The translator accepts only payloads of the peers to which the address belongs.
+    """
 
     def __init__(self, registry: Registry, drop: Callable[[DatagramError], None]) -> None:
         """Prepare the access control; ``drop`` is called for every datagram that its sender may not send."""

@@ -1,4 +1,4 @@
-"""The bridge: datagrams of peers to topics, and topics to datagrams for peers.
+"""The bridge: it publishes datagrams of peers on topics, and sends messages of topics to peers as datagrams.
 
 Two threads do the work.
 - The thread of `udp.Receiver` reads datagrams, translates and publishes them, and forwards them to other peers.
@@ -46,14 +46,15 @@ Handle = Callable[[udp.Batch], None]
 class Observer(Protocol):
     """Observer of the datagrams that pass a bridge, such as a recorder.
 
-    When a bridge starts, it lets each observer wrap the functions that handle and send datagrams. So a bridge without
-    observers loses no time.
+    When a bridge starts, it lets each observer wrap the functions that handle and send datagrams. A bridge without
+    observers calls its own functions directly, so it loses no time.
     """
 
     def receiving(self, handle: Handle) -> Handle:
         """Wrap the function that handles received batches; the returned function must call ``handle``.
 
-        The bridge calls this at start. If the table restricts senders, it calls this later, once for each set of peers.
+        The bridge calls this at start. If the table restricts senders (key ``sources``), the bridge also calls it
+        later: each time when datagrams come from a new set of peers.
         """
 
     def sending(self, peer: str, send: Send) -> Send:
@@ -64,7 +65,7 @@ class Observer(Protocol):
 
 
 class Bridge:
-    """Bridge between UDP and ROS 2.
+    """Bridge between UDP and ROS 2: publishes datagrams of peers on topics, and sends messages of topics to peers.
 
     A context manager; inside the block, call `run`, which returns after `stop` is called.
     """
@@ -92,6 +93,7 @@ class Bridge:
         self.account = self._counters.account
         self._destinations = {name: Destination(name, address) for name, address in addresses.items()}
         self._observers = observers
+        self._handle_observed = self._observed(self._handle)
         self._admission = Admission(registry, self._counters.count_dropped)
         self._admitted: dict[Translator, Handle] = {}
         self._receiver: udp.Receiver[Any] = udp.Receiver(
@@ -173,16 +175,17 @@ class Bridge:
             raise self._failure
 
     def change(self, parameters: Parameters) -> None:
-        """Use changed parameters from now on; the read-only ones among them must be the same.
+        """Use changed parameters from now on; the values of read-only parameters must be the same as before.
 
-        Raises `SetupError` if the address of the peers does not resolve; then nothing has changed.
+        Raises `SetupError` if the address of the peers does not resolve; the bridge then keeps the old parameters.
         """
         addresses = _addresses(parameters)
         before, self._parameters = self._parameters, parameters
         for name, address in addresses.items():
             self._destinations[name].direct_to(address)
         self._forwarding.follow(parameters.forward_policy)
-        self._receiver.pass_to(*self._receiving(parameters.source_policy))
+        if parameters.source_policy != before.source_policy:
+            self._receiver.pass_to(*self._receiving(parameters.source_policy))
         if parameters.receive_buffer != before.receive_buffer:
             udp.size_receive_buffer(self._socket, parameters.receive_buffer)
             self._warn_of_small_buffer()
@@ -190,16 +193,16 @@ class Bridge:
     # --- peers to topics ---
 
     def _receiving(self, source_policy: str) -> tuple[Callable[[list[Any]], None], Callable[..., Any]]:
-        """Return the handler of batches, and the reader that reads them.
+        """Return the function that handles batches, and the function that makes their reader, for `udp.Receiver`.
 
         The addresses of senders are read only if the table restricts senders, because reading them costs time.
         """
         if source_policy == "any" or not restricts_sources(self._registry.peers):
-            return self._observed(self._handle), udp.reader
+            return self._handle_observed, udp.reader
         return self._handle_with_sources, udp.source_reader
 
     def _observed(self, handle: Handle) -> Handle:
-        """Let all observers wrap a function that handles batches, and return the result."""
+        """Let all observers wrap a function that handles batches, and return the wrapped function."""
         for observer in self._observers:
             handle = observer.receiving(handle)
         return handle
@@ -303,5 +306,8 @@ class Bridge:
 
 
 def _addresses(parameters: Parameters) -> dict[str, tuple[str, int]]:
-    """Return the address of each peer by the peer's name. Raises `SetupError` if it does not resolve."""
+    """Return the IPv4 address and UDP port of each peer, by the peer's name.
+
+    Raises `SetupError` if the parameter ``dst_ip``, the host of all peers, does not resolve.
+    """
     return {name: udp.resolve(parameters.dst_ip, port) for name, port in parameters.peer_ports.items()}

@@ -42,7 +42,7 @@ class Counters:
         self.warnings.warn(error.reason.value, f"dropped: {error}")
 
     def count_unhandled(self, count: int) -> None:
-        """Count datagrams that had arrived when the bridge stopped, but that it had no time left to handle."""
+        """Count datagrams that had arrived when the bridge stopped, but were not handled, as received and dropped."""
         if count:
             self.account.received += count
             self.account.dropped[Reason.STOPPED.value] += count

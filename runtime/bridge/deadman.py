@@ -1,9 +1,9 @@
-"""Watchdog of a topic that commands a peer (table key ``deadman``): tells when the peer must be told to stop.
+"""Watchdog of a topic that commands a peer (table key ``deadman``): decides when the bridge must send the stop.
 
-The stop is the datagram that the table gives under ``deadman``. A topic is silent if no message of it has been sent to
-the peer for some time. The cause does not matter: the publisher hangs, was killed or has left; its messages cannot be
-converted; or the thread that receives them is blocked. At start the topic counts as silent, because nobody knows which
-command the peer got before.
+The stop is the datagram that the table gives under ``deadman``; it makes the peer stop. A topic is silent if no message
+of it has been sent to the peer for some time. The cause does not matter: the publisher hangs, was killed or has left;
+its messages cannot be converted; or the thread that receives them is blocked. At start the topic counts as silent,
+because nobody knows which command the peer got before.
 
 Times are arguments, in seconds of a monotonic clock.
 """
@@ -15,7 +15,10 @@ import threading
 
 
 class Watchdog:
-    """Watchdog of one topic. Safe to call from several threads."""
+    """Watchdog of one topic: decides when the bridge must send the stop, a datagram that makes the peer stop.
+
+    Safe to call from several threads.
+    """
 
     def __init__(self, after_s: float, repeat_s: float, now: float) -> None:
         """Set the times: the stop is due after ``after_s`` seconds of silence, and then every ``repeat_s`` seconds."""
@@ -26,7 +29,7 @@ class Watchdog:
 
     @property
     def silent(self) -> bool:
-        """True if no message has been sent to the peer since the last stop, or since the start."""
+        """True if no message of the topic has been sent to the peer since the last stop, or since the start."""
         return self._silent
 
     @property
@@ -35,7 +38,7 @@ class Watchdog:
         return self._due
 
     def message_passed(self, now: float) -> None:
-        """Take note that a message was sent to the peer."""
+        """Record that a message was sent to the peer at the time ``now``; this restarts the time of silence."""
         with self._lock:
             self._silent, self._due = False, now + self._after_s
 

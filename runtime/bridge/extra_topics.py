@@ -1,4 +1,7 @@
-"""Publishing on the extra topics of rows, with a count of the messages that could not be published."""
+"""Publishing on the extra topics of rows, with a count of the messages that could not be published.
+
+An extra topic has the payload of a row as a standard ROS 2 message, such as sensor_msgs/Imu (table key ``also``).
+"""
 
 from __future__ import annotations
 
@@ -18,25 +21,26 @@ if TYPE_CHECKING:
 
 def now() -> Time:
     """Return the current wall-clock time, which is used as the receive time of a batch."""
-    return Time(*divmod(time.time_ns(), 1_000_000_000))
+    return Time.since_1970(time.time_ns())
 
 
 class ExtraTopics:
-    """Publishers of all extra topics."""
+    """Publishers of all extra topics, the topics with a standard ROS 2 message for the payload of a row."""
 
     def __init__(self, account: Account, warnings: ThrottledWarnings) -> None:
         self._account, self._warnings = account, warnings
         self._publishers: dict[AnyStandardHandler, Publisher] = {}
 
     def open(self, handler: AnyStandardHandler, publisher: Publisher) -> None:
-        """Add an extra topic."""
+        """Store the publisher of an extra topic; ``handler`` converts payloads for this topic."""
         self._publishers[handler] = publisher
 
     def publish(self, batch: Iterable[tuple[AnyStandardHandler, Sequence[ProtoMessage]]], stamp: Time) -> None:
         """Convert and publish the payloads of a batch, with one call of the publisher for each topic.
 
         ``batch`` holds the handler of each extra topic with the payloads for the topic; ``stamp`` is the receive time.
-        Payloads of a topic without subscribers are neither converted nor counted.
+        If a topic has no subscribers, its payloads are neither converted nor counted, unless the topic's durability is
+        transient_local.
         """
         for handler, payloads in batch:
             publisher = self._publishers[handler]

@@ -1,4 +1,4 @@
-"""Forwarding of raw datagrams from peers to other peers (table key ``forward``)."""
+"""Forwarding of received datagrams, unchanged, from peers to other peers (table key ``forward``)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from roverlink.runtime.net.destination import Destination
 
 
 class Forwarding:
-    """Forwards datagrams to other peers: to those that the row names, or to all. One thread may call `forward`."""
+    """Forwarder of received datagrams to other peers: to the peers that the row names, or to all peers.
+
+    Only one thread may call `forward`.
+    """
 
     def __init__(
         self,
@@ -21,7 +24,12 @@ class Forwarding:
         send: Callable[[Sequence[bytes], Destination], int],
         account: Account,
     ) -> None:
-        """Forward by a policy, see `follow`. The function ``send`` returns how many datagrams it sent."""
+        """Forward to the peers' ``destinations``, given by the names of the peers.
+
+        The ``policy`` is ``mapping`` (to the peers that the row names) or ``all`` (every datagram to every peer). The
+        function ``send`` sends datagrams to a destination and returns how many the network accepted; ``account`` counts
+        them.
+        """
         self._send, self._account = send, account
         self._all = tuple(destinations.values())
         self._rows: defaultdict[Destination, set[str]] = defaultdict(set)
@@ -31,7 +39,7 @@ class Forwarding:
         self.follow(policy)
 
     def follow(self, policy: str) -> None:
-        """Choose the receivers: by row if ``policy`` is ``mapping``, every peer if it is ``all``.
+        """Use a policy from now on: ``mapping`` forwards to the peers that the row names, ``all`` to every peer.
 
         Safe to call from any thread.
         """

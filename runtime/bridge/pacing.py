@@ -1,4 +1,6 @@
-"""Rate limit for values. A value that comes too early waits until its time; a newer value replaces a waiting one.
+"""Rate limit for values, which are the messages of a row (table key ``max_rate``).
+
+A value that comes too early waits until its time; a newer value replaces a waiting one.
 
 Times are arguments, in seconds of a monotonic clock.
 """
@@ -12,7 +14,10 @@ T = TypeVar("T")
 
 
 class Pacer(Generic[T]):
-    """Rate limit for the values of one row. Safe to call from several threads."""
+    """Rate limit for the values of one row, usually its messages. Safe to call from several threads.
+
+    A value that comes too early waits until its time; a newer value replaces a waiting one.
+    """
 
     def __init__(self, rate: float) -> None:
         """Let at most ``rate`` values a second pass."""

@@ -20,9 +20,10 @@ Endpoints = Callable[[str, bool], Sequence[Endpoint]]
 
 
 class QosWatch:
-    """Timed task that looks every two seconds for nodes whose QoS does not match, and logs a warning for each new one.
+    """Timed task that looks every two seconds for nodes whose QoS does not match the bridge's.
 
-    A mismatch counts if two looks in a row find it, because DDS often finds an endpoint before the name of its node.
+    It logs a warning for each new mismatch. A mismatch counts if two looks in a row find it, because DDS often finds an
+    endpoint before the name of its node.
     """
 
     def __init__(
@@ -36,7 +37,7 @@ class QosWatch:
         self.next_due = 0.0
 
     def run_due(self, now: float) -> None:
-        """Look for mismatches if it is time, count them, and warn of the new ones."""
+        """Look for QoS mismatches if two seconds have passed, count them, and log a warning for each new one."""
         if now < self.next_due:
             return
         self.next_due = now + _LOOK_S
@@ -60,9 +61,10 @@ class QosWatch:
 
 
 def unsatisfied(offered: Qos, requested: Qos, demands: Sequence[str] = ()) -> str:
-    """Return the policy in which a publisher does not satisfy a subscription, with both values; empty if none.
+    """Return the first policy in which a publisher does not satisfy a subscription; an empty text if there is none.
 
-    ``demands`` names further policies that the subscription requires and the publisher does not offer.
+    The text is ``reliability: reliable required, best_effort offered``, for example. ``demands`` names further policies
+    that the subscription requires and the publisher does not offer.
     """
     for policy, strict in _REQUIREMENTS.items():
         if getattr(requested, policy) == strict != (value := getattr(offered, policy)):

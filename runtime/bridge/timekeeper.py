@@ -1,4 +1,6 @@
-"""Timekeeper: a thread that runs timed tasks, such as sending a message that had to wait, or a stop.
+"""Timekeeper: a thread that runs timed tasks, such as sending a message that had to wait.
+
+Another task is to send the stop to a peer if a topic is silent (table key ``deadman``).
 
 The tasks have a thread of their own so that the stop is sent even if the middleware's thread or the receiving thread is
 blocked.
@@ -20,7 +22,7 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 _LOOK_S = 0.1
-"""Longest time in seconds between two rounds; the loss of a publisher is noticed after this time at most."""
+"""Longest time in seconds between two runs of a task; the loss of a publisher is noticed after this time at most."""
 _WAKES = 4096  # bytes read at once; each call of `wake` writes one
 
 
@@ -35,7 +37,7 @@ class TimedTask(Protocol):
 
     @property
     def next_due(self) -> float:
-        """Time at which `run_due` should be called next, in seconds of the monotonic clock; infinity for no time."""
+        """Time at which `run_due` should be called next, in seconds of the monotonic clock; infinity for never."""
 
 
 class Timekeeper:

@@ -2,7 +2,8 @@
 
 The middleware's thread calls `OutboundRow.take`; the timekeeper's thread calls `OutboundRow.run_due`. A lock keeps the
 datagrams in order. If the lock is taken, `run_due` does not wait for it: the middleware's thread may hold the lock and
-be blocked, and in that case the stop must be sent.
+be blocked, and the stop must be sent also in that case. The stop is the datagram that makes the peer stop (table key
+``deadman``).
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from roverlink.runtime.middleware import Subscription
 from roverlink.runtime.text.assignments import payload_from_assignments
 
 _STOP_COPIES = 3
-"""Number of stop datagrams at shutdown: nobody repeats them afterwards, and UDP may lose one."""
+"""Number of times that the stop is sent at shutdown, because UDP may lose a datagram and nobody sends it later."""
 # A full buffer or a moment without radio link usually takes neighbouring datagrams, so the copies go out apart.
 _STOP_PAUSE_S = 0.02
 
@@ -32,7 +33,10 @@ Send = Callable[[Sequence[bytes]], int]
 
 
 class OutboundRow:
-    """Sends the messages of one topic to its peer."""
+    """Outbound row: sends the messages of one topic to the row's peer.
+
+    If the topic is silent, it sends the stop, a datagram that makes the peer stop (table key ``deadman``).
+    """
 
     def __init__(
         self, handler: AnyHandler, translator: Translator, send: Send, account: Account, warnings: ThrottledWarnings
@@ -56,7 +60,8 @@ class OutboundRow:
     def connect(self, subscription: Subscription, wake: Callable[[], None]) -> PublisherWatch | None:
         """Store ``wake``, the function that wakes the timekeeper of this row.
 
-        Returns a `PublisherWatch` if the topic has a watchdog, else None; the caller has to run it as a timed task.
+        Returns a `PublisherWatch` for ``subscription`` if the topic has a watchdog, else None. The caller must run the
+        `PublisherWatch` as a timed task.
         """
         self._wake = wake
         return PublisherWatch(subscription, self._guard.watchdog, wake) if self._guard else None
@@ -92,7 +97,10 @@ class OutboundRow:
         return stop if slot is None else min(slot, stop)
 
     def end(self) -> None:
-        """Send the waiting message, or the stop if the row has a watchdog. Call it when no more messages arrive."""
+        """Send the last datagram at shutdown: the waiting message, or the stop if the row has a watchdog.
+
+        Call it when no more messages arrive.
+        """
         message = self._pacer.withdraw() if self._pacer else None
         if self._guard is None:
             if message is not None:
@@ -105,9 +113,9 @@ class OutboundRow:
             time.sleep(_STOP_PAUSE_S)
 
     def _newest(self, messages: Sequence[bytes], pacer: Pacer[bytes]) -> Sequence[bytes]:
-        """Return the newest message if the rate limit allows it now, else nothing.
+        """Return the newest message in a list if the rate limit allows it now, else an empty list.
 
-        The older messages count as superseded.
+        The messages that are replaced by it count as superseded.
         """
         before = pacer.superseded
         passes = pacer.offer(messages[-1], time.monotonic())
@@ -144,12 +152,12 @@ class OutboundRow:
     def _warn_of_silence(self) -> None:
         self._warnings.warn(
             f"silent {self._name}",
-            f"{self._name}: the topic is silent, so the bridge sends the peer the payload that stops it (deadman)",
+            f"{self._name}: the topic is silent, so the bridge sends the stop payload (table key deadman) to the peer",
         )
 
 
 class _Guard:
-    """Watchdog of a topic together with the datagram that stops its peer."""
+    """Watchdog of a topic together with the stop: the datagram that makes the topic's peer stop."""
 
     def __init__(self, deadman: Deadman, stop: bytes, warn: Callable[[], None]) -> None:
         self.stop, self._warn = stop, warn

@@ -17,7 +17,7 @@ Drop = Callable[[DatagramError], None]
 
 
 class InboundRow:
-    """Publishes the messages of one row. To be used from the receiving thread."""
+    """Inbound row: publishes the messages of one row on its topic. To be used from the receiving thread."""
 
     def __init__(self, route: Route, publisher: Publisher, account: Account, drop: Drop) -> None:
         self._route, self._publish, self._account, self._drop = route, publisher.publish, account, drop
@@ -32,9 +32,10 @@ class InboundRow:
 
 
 class PacedInboundRow(InboundRow):
-    """Publishes at most ``rate`` messages a second; a newer message replaces the waiting one.
+    """Inbound row with a rate limit (table key ``max_rate``): publishes at most ``rate`` messages a second.
 
-    Used from the receiving thread and from the timekeeper's thread.
+    A message that comes too early waits, and a newer message replaces it. Used from the receiving thread and from the
+    timekeeper's thread.
     """
 
     def __init__(self, route: Route, publisher: Publisher, account: Account, drop: Drop, rate: float) -> None:
@@ -46,7 +47,7 @@ class PacedInboundRow(InboundRow):
     def take(self, messages: Sequence[bytes]) -> None:
         """Publish the newest message, or let it wait if the rate limit forbids it now.
 
-        The others count as superseded.
+        The other messages, and a message that waited before, count as superseded.
         """
         with self._lock:
             before = self._pacer.superseded

@@ -48,7 +48,11 @@ def packed(message: ProtoMessage) -> Any:
 
 
 def check_empty(payload: Any, place: str) -> None:
-    """Raise `ConversionError` if an Any holds a message for which the ROS 2 message has no field."""
+    """Raise `ConversionError` if an Any is not empty.
+
+    Generated code calls this if the Any holds none of the message types that the table lists for the field, so that the
+    ROS 2 message has no field for its content.
+    """
     if payload.type_url or payload.value:
         raise ConversionError(f"it holds {payload.type_url!r}, for which the ROS 2 message has no field", place)
 
@@ -56,7 +60,8 @@ def check_empty(payload: Any, place: str) -> None:
 def check_none(which: int, place: str) -> None:
     """Raise `ConversionError` if ``which`` is not 0, the number for an empty Any.
 
-    Generated code calls this if ``which`` is not the number of any message type that the table lists for the field.
+    In ROS 2, the field ``which`` tells which of the message types that the table lists the Any holds. Generated code
+    calls this if ``which`` is not the number of any of these types.
     """
     if which:
         raise ConversionError(f"{which} is not the number of a message that this field may hold", f"{place}.which")

@@ -6,7 +6,7 @@ from typing import Any
 
 
 def keywords(fields: dict[str, Any]) -> dict[str, Any]:
-    """Return a dict unchanged, but with the type Any for its values.
+    """Return the dict ``fields`` unchanged; a type checker sees the values as ``Any``.
 
     A type checker then accepts the call ``Payload(**keywords({...}))``, whatever the types of the fields are.
     """

@@ -1,4 +1,4 @@
-"""Conversion of protobuf oneofs: the member that is set is a constant in the ROS 2 message.
+"""Conversion of protobuf oneofs. In ROS 2, an integer field tells which member is set; each member has a constant.
 
 ``members`` maps each member's name to its constant in the ROS 2 message; 0 means that no member is set.
 """
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 
 def number(payload: ProtoMessage, oneof: str, members: Mapping[str, int]) -> int:
-    """Return the constant of the oneof's member that is set; 0 if none is set."""
+    """Return the ROS 2 constant of the oneof's member that is set; 0 if none is set."""
     name = payload.WhichOneof(oneof)
     return 0 if name is None else members.get(name, 0)
 
 
 def member(number: int, members: Mapping[str, int], field: str) -> str | None:
-    """Return the name of the member that a constant stands for; None for 0.
+    """Return the name of the oneof's member for which a ROS 2 constant stands; None for 0.
 
     Raises `ConversionError` that names ``field`` if the constant is unknown.
     """

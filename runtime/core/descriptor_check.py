@@ -1,7 +1,8 @@
 """Check, when a program starts, that the loaded protobuf descriptors are those from which the code was generated.
 
-``generated/checks.py`` does this check. If two copies of one .proto tree at different commits are on the import path, a
-program can load the wrong copy and then read fields by the wrong numbers. No other check would notice this.
+The generated module ``checks.py`` calls this check. If two copies of one .proto tree at different commits are on the
+import path, a program can load the wrong copy and then read fields by the wrong numbers. No other check would notice
+this.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from roverlink.runtime.core.errors import RegistryError
 if TYPE_CHECKING:
     from google.protobuf.descriptor import Descriptor, EnumDescriptor
 
-# The descriptor of the running protobuf has numbers for the types (descriptor.proto, FieldDescriptorProto.Type).
+# Descriptors have a number for each scalar type (descriptor.proto, FieldDescriptorProto.Type): 13 is uint32.
 _SCALARS = {
     value: name.removeprefix("TYPE_").lower()
     for name, value in vars(FieldDescriptor).items()
@@ -26,16 +27,17 @@ _SCALARS = {
 
 
 Fields = tuple[tuple[int, str, str], ...]
-"""The fields of a message by number: number, name and type (``repeated <type>`` for a list)."""
+"""Number, name and type of each field of a message, such as ``(1, "corners", "repeated float")``."""
 Values = tuple[tuple[int, str], ...]
-"""The values of an enum by number: number and name."""
+"""Number and name of each value of an enum, such as ``(0, "NO_FIX")``."""
 Parts = TypeVar("Parts", Fields, Values)
 
 
 def check_descriptors(messages: Mapping[str, Fields], enums: Mapping[str, Values]) -> None:
-    """Compare the loaded messages and enums with those from which the code was generated.
+    """Compare the loaded protobuf messages and enums with those from which the code was generated.
 
-    The keys of ``messages`` and ``enums`` are full names. Raises `RegistryError` with a list of the differences.
+    ``messages`` and ``enums`` hold, by full name, the fields and values at the time of generation. Raises
+    `RegistryError` with a list of the differences.
     """
     pool = descriptor_pool.Default()
     # All differences are listed, since one of them alone rarely shows which copy of the protos was loaded.

@@ -1,7 +1,8 @@
-"""Bytes of the envelope: its trailing zeros, and the numbers of its payloads.
+"""Functions for the bytes of an envelope: they restore its trailing zeros, and read the numbers of its payloads.
 
-Boards treat trailing zeros differently. Some send the envelope as the protobuf library writes it. Some strip the zero
-bytes at its end. Some append zeros up to the size of their buffer. All three forms mean the same envelope.
+The boards that send datagrams treat trailing zeros differently. Some send the envelope as the protobuf library writes
+it. Some strip the zero bytes at its end. Some append zeros up to the size of their buffer. All three forms mean the
+same envelope.
 
 Two facts of the encoding (protobuf.dev, Encoding) make it possible to restore the envelope exactly:
 - No field starts with a zero byte, because field number 0 does not exist. So a zero byte where a field would start is
@@ -43,5 +44,9 @@ def strip_trailing_zeros(datagram: bytes) -> bytes:
 
 
 def payload_numbers(datagram: bytes) -> list[int]:
-    """Return the numbers of the length-delimited fields of an envelope, including fields that the schema lacks."""
+    """Return the numbers of the payloads in a serialized envelope, in the order of the bytes.
+
+    A payload is a message, so every length-delimited field of the envelope counts. Numbers that the envelope's schema
+    does not declare are included.
+    """
     return [field.number for field in fields(datagram) if field.wire_type == DELIMITED]

@@ -14,7 +14,10 @@ class RoverlinkError(Exception):
 
 
 class RegistryError(RoverlinkError):
-    """Mismatch between the generated code, the loaded descriptors and the table. The program cannot start."""
+    """Error of the generated code: it is missing, is not importable, or does not match the protobuf descriptors.
+
+    The program cannot start. Most often `roverlink generate` solves the problem.
+    """
 
 
 class SetupError(RoverlinkError):
@@ -38,36 +41,51 @@ class ConversionError(RoverlinkError):
 
 
 class Reason(str, Enum):
-    """Reason why a datagram was not bridged. Dropped datagrams are counted by reason."""
+    """Reason why a received datagram was not published on a topic. The bridge counts dropped datagrams by reason."""
 
     EMPTY = "empty"
+    """The envelope has no payload."""
     OVERSIZED = "oversized"
+    """The datagram is longer than the parameter ``max_datagram`` allows."""
     MALFORMED = "malformed"
+    """The bytes are not a valid envelope."""
     UNKNOWN_PAYLOAD = "unknown_payload"
+    """The table has no row for the payload."""
     WRONG_DIRECTION = "wrong_direction"
+    """The payload goes only from ROS 2 to a peer, but a peer has sent it."""
     CONVERSION = "conversion"
+    """A value of the payload does not fit the ROS 2 message."""
     NOT_PUBLISHED = "not_published"
+    """The middleware did not accept the message, because a subscriber is too slow."""
     SUPERSEDED = "superseded"
+    """A newer message replaced the message while it waited (table key ``max_rate``)."""
     UNKNOWN_SOURCE = "unknown_source"
+    """No peer has the sender's address (table key ``sources``)."""
     WRONG_SOURCE = "wrong_source"
+    """The payload belongs to another peer than the sender's address."""
     OVER_RATE = "over_rate"
+    """The sender sends more datagrams a second than the table allows (table key ``source_rate``)."""
     STOPPED = "stopped"
+    """The bridge stopped before it could handle the datagram."""
 
 
 class DatagramError(RoverlinkError):
-    """Error of one datagram: its content or its sender does not allow to bridge it.
+    """Error that concerns one datagram only, which is therefore not published on a topic, or not replayed.
 
-    The datagram is counted as dropped.
+    It does not end the program: the bridge counts the datagram as dropped and continues.
     """
 
     def __init__(self, reason: Reason, message: str, row: str = "") -> None:
-        """Create the error; ``row`` is the name of the payload, or empty if it is unknown."""
+        """Create the error; ``row`` is the name of the payload's row, such as ``imu_info``, or empty if unknown."""
         super().__init__(message)
         self.reason, self.row = reason, row
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """Return ``did you mean ...?`` with the most similar known word. If none is similar, return all known words."""
+    """Return a hint for an error about an unknown word, such as ``did you mean 'imu_info'?``.
+
+    If no known word is similar, the hint lists the known words, at most 30: ``known: gps_info, imu_info``.
+    """
     choices = list(known)
     found = difflib.get_close_matches(word, choices, 1)
     if found:

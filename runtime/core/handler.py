@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
 
 UNSTAMPED = Time()
-"""Time zero: the receive time of a payload that was not received from a peer."""
+"""Time zero, used as receive time if a payload was not received from a peer."""
 
 MISFITS = (struct.error, ConversionError, ValueError, TypeError, OverflowError)
-"""Exceptions that converting or packing a value may raise if it does not fit."""
+"""Exceptions that converting or packing a value may raise if the value does not fit its type."""
 
 P = TypeVar("P", bound="ProtoMessage")
 M = TypeVar("M", bound=Message)
@@ -41,7 +41,10 @@ class Qos:
 
 @dataclass(frozen=True, slots=True)
 class Deadman:
-    """Stop of a row (table key ``deadman``): a datagram that the peer gets when the row's topic falls silent."""
+    """Settings of a row's stop: a datagram that makes the row's peer stop (table key ``deadman``).
+
+    The bridge sends the stop when the row's topic is silent, so that the peer does not continue with an old command.
+    """
 
     after_ms: int
     """Silence in milliseconds after which the stop is sent."""
@@ -58,21 +61,24 @@ class Route:
     number: int
     """Field number in the envelope's oneof. It never changes."""
     name: str
-    """Field name in the envelope's oneof."""
+    """Name of the row: the payload's field name in the envelope's oneof, such as ``imu_info``."""
     topic: str
     """ROS 2 topic; relative to the node's namespace unless it starts with a slash."""
     direction: str
-    """``<peer>_to_ros`` or ``ros_to_<peer>``."""
+    """``<peer>_to_ros`` or ``ros_to_<peer>``, such as ``ros_to_hardware``."""
     qos: Qos = Qos()
     forward: tuple[str, ...] = ()
-    """Peers that also receive the raw datagram."""
+    """Names of other peers to which the bridge sends a received datagram unchanged."""
     deadman: Deadman | None = None
     max_rate: int | None = None
-    """Most messages a second; a newer message replaces a waiting one. None for no limit."""
+    """Largest number of messages a second that the bridge passes on; None for no limit.
+
+    A message that comes too early waits, and a newer message replaces it.
+    """
     priority: int = 0
-    """Priority of a topic to a peer; topics with larger numbers are served first."""
+    """Priority of a topic whose messages go to a peer; topics with larger numbers are served first."""
     expect_rate: int | None = None
-    """Messages a second that diagnostics expect at least; None for no expectation."""
+    """Expected messages a second; diagnostics warn if the rate is clearly lower. None for no expectation."""
 
     @property
     def inbound(self) -> bool:
@@ -153,9 +159,9 @@ class Handler(ABC, Generic[P, M]):
 
 # A function, not a method: `help` of a generated handler shows only what programs call.
 def all_to_cdr(handler: Handler[P, M], payloads: Sequence[P], stamp: Time = UNSTAMPED) -> Serialized:
-    """Serialize several payloads of a row; collect the errors instead of raising them.
+    """Serialize several payloads of a row as ROS 2 messages; collect the errors instead of raising them.
 
-    It costs no more than the serialization of each payload, unless one does not fit.
+    If all payloads fit, each is serialized once. If one does not fit, all are serialized again, one by one, to find it.
     """
     try:
         return Serialized(handler._pack_all(payloads, stamp), {})

@@ -35,9 +35,10 @@ class Message:
 
 
 def how_to_install(message_type: type[Message]) -> str:
-    """Return an instruction to install or update the type support of a message in ROS 2.
+    """Return a help text that tells the user how to install or update the ROS 2 package of a message.
 
-    The message's package is either generated from the table or a package of ROS 2, which apt installs.
+    If the package is generated from the table, the text names a ``colcon build`` command. Otherwise the package belongs
+    to ROS 2, and the text names an ``apt install`` command.
     """
     generated, ours, _ = message_type.__module__.partition(".messages.")
     if ours:
@@ -57,14 +58,14 @@ class Primitive:
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """Largest number of elements of a sequence, or of bytes of a string."""
+    """Annotation of a field of limited size: the largest number of elements of a sequence, or of bytes of a string."""
 
     count: int
 
 
 @dataclass(frozen=True, slots=True)
 class Length:
-    """Number of elements of a fixed-size array."""
+    """Annotation of a field that is a fixed-size array: its number of elements."""
 
     count: int
 
@@ -90,21 +91,21 @@ PRIMITIVES: dict[str, Any] = {
         *(Float32, Float64),
     )
 }
-"""Annotations of all primitives, by ROS name."""
+"""Annotation of each primitive type, by its ROS name: ``uint32`` -> `UInt32`."""
 
 UINT8 = Primitive("uint8", "B", 1)
 
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """Type ``string``; ``bound`` is the largest number of bytes, or None if there is no limit."""
+    """ROS type ``string``; ``bound`` is the largest number of bytes, or None if there is no limit."""
 
     bound: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Sequence:
-    """Sequence type; ``bound`` is the largest number of elements, or None.
+    """ROS sequence type, such as ``float32[]``; ``bound`` is the largest number of elements, or None for no limit.
 
     The value of ``uint8[]`` is a ``bytes`` object.
     """
@@ -115,7 +116,10 @@ class Sequence:
 
 @dataclass(frozen=True, slots=True)
 class Array:
-    """Array type with exactly ``length`` elements. The value of a ``uint8`` array is a ``bytes`` object."""
+    """ROS array type with exactly ``length`` elements, such as ``float64[9]``.
+
+    The value of a ``uint8`` array is a ``bytes`` object.
+    """
 
     element: FieldType
     length: int
@@ -171,7 +175,10 @@ def messages_in(message_type: type[Message]) -> list[type[Message]]:
 
 
 def type_of(hint: Any) -> FieldType:
-    """Return the ROS type for a field's annotation. Raises `TypeError` if the annotation stands for no ROS type."""
+    """Return the ROS type for a field's annotation: ``str`` -> ``Text()``.
+
+    Raises `TypeError` if the annotation stands for no ROS type.
+    """
     marks: tuple[Any, ...] = ()
     if get_origin(hint) is Annotated:
         hint, *rest = get_args(hint)
@@ -198,7 +205,7 @@ def _element_type(hint: Any) -> FieldType:
 
 
 def default_of(field_type: FieldType) -> Callable[[], Any]:
-    """Return a function that makes the default value of a type: zero, or empty."""
+    """Return a function that makes the default value of a field type, such as 0, False or an empty string."""
     if isinstance(field_type, Primitive):
         return {"?": bool, "f": float, "d": float}.get(field_type.format, int)
     if isinstance(field_type, Text):

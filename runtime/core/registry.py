@@ -1,4 +1,4 @@
-"""Registry: the handlers and peers of a table, as the generated code creates them."""
+"""Registry of the handlers and peers that the generated code creates from the table (mapping.yaml)."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ AnyStandardHandler = StandardHandler[Any, Any]
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """Peer: the machine at the other end of the link."""
+    """Peer: the other end of a UDP link to the rover's computer, such as ``hardware`` or ``basestation``."""
 
     name: str
     port_parameter: str
-    """Node parameter that holds the peer's UDP port."""
+    """Name of the ROS 2 node parameter that sets the peer's UDP port."""
     port: int
-    """Default UDP port of the peer."""
+    """UDP port to which the peer's datagrams are sent, if the parameter is not given."""
     strip_trailing_zeros: bool = False
     """True if datagrams to this peer are sent without their trailing zero bytes."""
     sources: tuple[str, ...] = ()
-    """IPv4 addresses and networks from which the peer sends; empty for any."""
+    """IPv4 addresses and networks from which the peer may send; empty if any address may send."""
     source_rate: int | None = None
-    """Datagrams a second accepted from each address of the peer; None for no limit."""
+    """Largest number of datagrams a second accepted from each address of the peer; None for no limit."""
 
 
 @dataclass(frozen=True)
@@ -46,25 +46,28 @@ class Registry:
     """All handlers of a table, with the class of the envelope that carries their payloads."""
 
     package: str
+    """Import name of the package with the generated code."""
     envelope: type[ProtoMessage]
     oneof: str
+    """Name of the envelope's oneof that contains the payload."""
     peers: tuple[Peer, ...]
     handlers: tuple[AnyHandler, ...]
+    """Handlers of rows, one for each row."""
     fingerprint: str
     """SHA-256 of the table and the wire schema from which the code was generated."""
     extra_topics: tuple[AnyStandardHandler, ...] = ()
-    """Handlers of extra topics, with standard messages."""
+    """Handlers of extra topics: topics with a standard ROS 2 message, which rows list under ``also``."""
     retired: Mapping[int, str] = field(default_factory=dict)
-    """Retired numbers, with the name that each had. They are never used again."""
+    """Payload numbers that are never used again, each with the name of its former payload."""
 
     @cached_property
     def by_number(self) -> dict[int, AnyHandler]:
-        """Handlers of rows, by the number in the envelope."""
+        """Handlers of rows, by the payload's field number in the envelope."""
         return {handler.route.number: handler for handler in self.handlers}
 
     @cached_property
     def by_name(self) -> dict[str, AnyHandler]:
-        """Handlers of rows, by the field name in the envelope's oneof."""
+        """Handlers of rows, by the payload's field name in the envelope's oneof, such as ``imu_info``."""
         return {handler.route.name: handler for handler in self.handlers}
 
     @cached_property
@@ -79,7 +82,7 @@ class Registry:
 
 
 def load_registry(project: str | Path | None = None, package: str = "generated") -> Registry:
-    """Import the generated registry and check that it matches the loaded descriptors.
+    """Import the generated registry of handlers and peers, and check that it matches the loaded protobuf descriptors.
 
     ``project`` is the folder of the table. Without ``project``, the generated package is found on the import path.
     ``package`` is the import name of the generated package (key ``python.package`` of the table).
@@ -99,7 +102,7 @@ def load_registry(project: str | Path | None = None, package: str = "generated")
         if isinstance(error, ModuleNotFoundError) and _concerns(str(error.name), package):
             where = project if project is not None else "the import path"
             raise RegistryError(f"no generated code in {where} ({error}); run `roverlink generate`") from error
-        raise RegistryError(f"the generated code does not import: {error}; run `roverlink generate`") from error
+        raise RegistryError(f"the generated code cannot be imported: {error}; run `roverlink generate`") from error
     if not isinstance(registry, Registry):
         raise RegistryError(f"{package}.registry.REGISTRY is not a Registry; run `roverlink generate`")
     check()
@@ -107,12 +110,18 @@ def load_registry(project: str | Path | None = None, package: str = "generated")
 
 
 def _concerns(module: str, package: str) -> bool:
-    """Return true if ``module`` is the package, a part of it, or a package that contains it; all are dotted names."""
+    """Return true if ``module`` is the package, a part of it, or a package that contains it; all are dotted names.
+
+    A `ModuleNotFoundError` for such a module means that there is no generated code.
+    """
     return f"{package}.".startswith(f"{module}.") or module.startswith(f"{package}.")
 
 
 def _put_first(project: Path, package: str) -> None:
-    """Put the project's folder first on the import path, so that the project's own generated code is imported."""
+    """Put the project's folder first on the import path, so that the project's own generated code is imported.
+
+    Raises `RegistryError` if the folder has no generated code, or if that of another project is loaded already.
+    """
     if not (project.joinpath(*package.split(".")) / "registry.py").is_file():
         raise RegistryError(f"no generated code in {project}; run `roverlink generate` there")
     folder = project

@@ -61,9 +61,9 @@ class StandardHandler(Handler[P, M]):
 
 
 class Counterparts(dict[K, V]):
-    """Map between the values of a proto field and of a ROS 2 field.
+    """Map from values of a proto field to values of a ROS 2 field, as the table lists them, or in the other direction.
 
-    Raises `ConversionError` for a value without counterpart.
+    A look-up of a value that the map does not contain raises `ConversionError`.
     """
 
     def __init__(self, field: str, values: Mapping[K, V]) -> None:
@@ -79,7 +79,7 @@ class Counterparts(dict[K, V]):
 
 
 def nanoseconds(time: Time | Duration) -> int:
-    """Return a ROS 2 time or duration as a number of nanoseconds."""
+    """Return a ROS 2 time or duration as a number of nanoseconds: 1 s and 500 ns -> 1,000,000,500."""
     return time.sec * 1_000_000_000 + time.nanosec
 
 

@@ -21,19 +21,26 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Translation:
-    """Result of translating a batch of datagrams."""
+    """Result of translating a batch of datagrams to ROS 2 messages."""
 
     names: list[str | None]
-    """Payload name of each datagram; None if it was refused."""
+    """Payload name of each datagram, in the order of the batch; None if the datagram was refused."""
     messages: dict[str, list[bytes]] = field(default_factory=dict)
-    """Serialized messages of each row, by payload name."""
+    """Serialized ROS 2 messages of each row, by payload name."""
     extra_topics: list[tuple[AnyStandardHandler, Sequence[ProtoMessage]]] = field(default_factory=list)
-    """Payloads for each extra topic, not yet converted: who publishes them knows if the topic has subscribers."""
+    """Handler of each extra topic, with the payloads to publish there.
+
+    The payloads are not converted yet, because a topic without subscribers needs no conversion.
+    """
     refusals: list[DatagramError] = field(default_factory=list)
+    """Error of each refused datagram."""
 
 
 class Translator:
-    """Translates datagrams with the handlers of a registry. It contains no code for particular messages."""
+    """Translator between datagrams and serialized ROS 2 messages.
+
+    It uses the handlers of a registry, and contains no code for particular messages.
+    """
 
     def __init__(self, registry: Registry, peers: frozenset[str] | None = None) -> None:
         """Accept only payloads of the peers named in ``peers``; None accepts the payloads of all peers."""
@@ -50,7 +57,7 @@ class Translator:
     def receive(self, datagram: bytes, stamp: Time = UNSTAMPED) -> tuple[str, bytes]:
         """Return the payload name of a peer's datagram, and its serialized ROS 2 message.
 
-        ``stamp`` is the receive time. Raises `DatagramError` with the reason; it contains number and name of the
+        ``stamp`` is the receive time. Raises `DatagramError` with the reason; its text has number and name of the
         payload if these are known.
         """
         translation = self.receive_all([datagram], stamp)
@@ -139,14 +146,17 @@ class Translator:
             ) from error
 
     def send(self, handler: AnyHandler, cdr: bytes) -> bytes:
-        """Convert a serialized ROS 2 message to the datagram for the peer.
+        """Return the datagram for the peer that carries a serialized ROS 2 message; the caller sends the datagram.
 
         Raises `ConversionError` that names row and field if a value does not fit.
         """
         return self.datagram(handler, handler.from_cdr(cdr))
 
     def datagram(self, handler: AnyHandler, payload: ProtoMessage) -> bytes:
-        """Return the datagram for a payload. Raises `ConversionError` if a field that proto2 requires is not set."""
+        """Return the datagram with a payload: the serialized envelope, without trailing zeros if the peer wants it so.
+
+        Raises `ConversionError` if a field that proto2 requires is not set.
+        """
         try:
             datagram = self._registry.envelope(**{handler.route.name: payload}).SerializeToString()
         except EncodeError as error:  # a `required` field of proto2 that nothing has set

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 VARINT, FIXED64, DELIMITED, GROUP_START, GROUP_END, FIXED32 = range(6)
-"""Wire types, by number."""
+"""Wire types of protobuf; each has its number on the wire as value."""
 _MAX_VARINT = 10  # bytes: 64 bits, 7 in each
 
 

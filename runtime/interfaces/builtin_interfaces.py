@@ -17,6 +17,11 @@ class Time(Message):
     sec: Int32 = 0
     nanosec: UInt32 = 0
 
+    @classmethod
+    def since_1970(cls, nanoseconds: int) -> Time:
+        """Return the time that is a number of nanoseconds after the start of 1970."""
+        return cls(*divmod(nanoseconds, 1_000_000_000))
+
 
 @dataclass(slots=True)
 class Duration(Message):

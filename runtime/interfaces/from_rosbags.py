@@ -1,4 +1,4 @@
-"""Classes of standard ROS 2 messages. They are made at run time from the definitions in the rosbags package."""
+"""Classes of standard ROS 2 messages, made at run time from the definitions in the rosbags package."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def _store() -> Typestore:
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
         raise SetupError(
-            "standard ROS 2 types need the rosbags package; install it with `pip install 'roverlink[standard]'`"
+            "standard ROS 2 types need the rosbags package; install it with `pip install 'rosbags>=0.11'`"
         ) from error
     # Some standard messages differ between distributions, and with them their type hashes.
     distribution = os.environ.get("ROS_DISTRO", "humble").upper()

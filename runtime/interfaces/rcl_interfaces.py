@@ -66,7 +66,7 @@ class Parameter(Message):
 
 @dataclass(slots=True)
 class FloatingPointRange(Message):
-    """rcl_interfaces/msg/FloatingPointRange."""
+    """rcl_interfaces/msg/FloatingPointRange: the allowed values of a parameter of type double."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/msg/FloatingPointRange"
 
@@ -77,7 +77,7 @@ class FloatingPointRange(Message):
 
 @dataclass(slots=True)
 class IntegerRange(Message):
-    """rcl_interfaces/msg/IntegerRange."""
+    """rcl_interfaces/msg/IntegerRange: the allowed values of a parameter of type integer."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/msg/IntegerRange"
 
@@ -104,7 +104,7 @@ class ParameterDescriptor(Message):
 
 @dataclass(slots=True)
 class SetParametersResult(Message):
-    """rcl_interfaces/msg/SetParametersResult."""
+    """rcl_interfaces/msg/SetParametersResult: success, or the reason why a change was refused."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/msg/SetParametersResult"
 
@@ -114,7 +114,7 @@ class SetParametersResult(Message):
 
 @dataclass(slots=True)
 class ListParametersResult(Message):
-    """rcl_interfaces/msg/ListParametersResult."""
+    """rcl_interfaces/msg/ListParametersResult: the names of parameters, and the prefixes of these names."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/msg/ListParametersResult"
 

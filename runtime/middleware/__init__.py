@@ -1,6 +1,6 @@
-"""Middlewares: the connections to ROS 2.
+"""Middlewares: the possible connections to ROS 2, which are rclpy, DDS without a ROS installation, and memory.
 
-All of them exchange serialized messages, so the bridge can use any of them.
+All middlewares exchange serialized messages (CDR), so the bridge can use any of them.
 """
 
 from __future__ import annotations
@@ -37,8 +37,9 @@ NAMES = ("auto", "dds", "rclpy", "memory")
 def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | None = None) -> Middleware:
     """Connect to ROS 2 as a node; ``name`` is ``dds``, ``rclpy``, ``memory``, or ``auto``.
 
-    ``auto`` selects rclpy if it can be imported, else dds. ROS 2 tools can read and change ``parameters`` as those of
-    the node. Raises `MiddlewareError` if a package is missing; the message says how to install it.
+    ``auto`` selects rclpy if it can be imported, else dds. ``memory`` connects only parts of this process.
+    ``parameters`` are the parameters of the node, which ROS 2 tools can then read and change. Raises `MiddlewareError`
+    if a package is missing; the message says how to install it.
     """
     if name == "auto":
         name = "rclpy" if _imports("rclpy") else "dds"
@@ -57,7 +58,7 @@ def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | 
 def _imports(package: str) -> bool:
     """Return true if a package can be imported.
 
-    To find it is not enough: it may be made for another version of Python.
+    The function imports the package, because an installed package may be made for another version of Python.
     """
     try:
         importlib.import_module(package)
@@ -71,8 +72,9 @@ def _open_rclpy(node: NodeIdentity, parameters: NodeParameters | None) -> Middle
         from roverlink.runtime.middleware.rclpy import RclpyMiddleware
     except ImportError as error:
         raise MiddlewareError(
-            f"rclpy does not import ({error}); source ROS 2 first (`source /opt/ros/humble/setup.bash`), and make the "
-            "environment with --system-site-packages; on x86-64 without ROS 2: pip install 'roverlink[ros]'"
+            f"rclpy cannot be imported ({error}); source ROS 2 first (`source /opt/ros/humble/setup.bash`), and make "
+            "the virtual environment with --system-site-packages; on x86-64 without ROS 2, install roverlink with the "
+            "extra 'ros': `pip install 'SOURCE[ros]'`, where SOURCE is the wheel or the checkout of roverlink"
         ) from error
     return RclpyMiddleware(node, parameters)
 
@@ -82,7 +84,7 @@ def _open_dds(node: NodeIdentity, parameters: NodeParameters | None) -> Middlewa
         from roverlink.runtime.middleware.dds import DdsMiddleware
     except ImportError as error:
         raise MiddlewareError(
-            f"Cyclone DDS does not import ({error}); install it with `pip install cyclonedds`"
+            f"Cyclone DDS cannot be imported ({error}); install it with `pip install cyclonedds`"
             + (
                 f" (it has no wheel for {platform.machine()}: there, use --middleware rclpy with an installed ROS 2)"
                 if platform.machine() not in ("x86_64", "AMD64")

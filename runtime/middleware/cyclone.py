@@ -60,14 +60,17 @@ _CQos._set_p_writerbatching = classmethod(_set_policy)  # type: ignore[attr-defi
 
 
 class MatchedReaders(Listener):
-    """Listener of a writer: tells at any time, without a call of Cyclone DDS, if readers match the writer."""
+    """Listener of a writer; its attribute ``exist`` is true while at least one reader matches the writer.
+
+    To read the attribute is faster than to ask Cyclone DDS before each write.
+    """
 
     def __init__(self) -> None:
         super().__init__()  # type: ignore[no-untyped-call]  # its base declares no types
         self.exist = False
 
     def on_publication_matched(self, _: object, status: Any) -> None:
-        """Note the number of readers. Cyclone DDS calls this for each reader that it finds or loses."""
+        """Store whether a reader matches. Cyclone DDS calls this for each reader that it finds or loses."""
         self.exist = status.current_count > 0
 
 

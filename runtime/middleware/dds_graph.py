@@ -1,6 +1,6 @@
 """Publishers and subscriptions of all nodes in a DDS domain, with their QoS and the names of their nodes.
 
-DDS knows writers and readers by GUID, and tells their QoS. The names of the nodes come from the topic
+DDS identifies writers and readers by GUID, and announces their QoS. The names of the nodes come from the topic
 ``ros_discovery_info`` (module `discovery`).
 """
 
@@ -32,7 +32,7 @@ _INFINITE = duration(infinite=True)
 
 
 class DdsGraph:
-    """Reader of the graph of one participant. It reads only what has changed since its last use."""
+    """Reader of the ROS 2 graph, through one DDS participant. Each call reads only the changes since the last call."""
 
     def __init__(self, participant: DomainParticipant, discovery: Topic[Any], discovery_type: type[Message]) -> None:
         """Start to read; ``discovery`` is the topic ``ros_discovery_info``, with messages of ``discovery_type``."""
@@ -46,7 +46,7 @@ class DdsGraph:
         self._names: dict[bytes, str] = {}
 
     def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
-        """Return the publishers or the subscriptions of a fully qualified topic that are known now."""
+        """Return the publishers (``publishing`` is true) or subscriptions of a fully qualified topic that are known."""
         self._read_names()
         self._read_endpoints(publishing)
         return [
@@ -78,7 +78,7 @@ class DdsGraph:
 
 
 def _taken(take: Any) -> Iterator[Any]:
-    """Yield everything that a reader has received."""
+    """Yield all samples that a reader has received; ``take`` is the reader's function that takes samples."""
     samples: Sequence[Any] = take(_TAKE)
     while samples:
         yield from samples

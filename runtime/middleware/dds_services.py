@@ -3,7 +3,7 @@
 A service ``/node/x`` has the DDS topics ``rq/node/xRequest`` and ``rr/node/xReply``. A Cyclone client puts two fields
 before those of the request, and the response repeats them: the client's identification and the request's number.
 
-A Fast DDS client needs the same facts elsewhere, in the inline QoS of the response (PID_RELATED_SAMPLE_IDENTITY).
+A Fast DDS client needs the same two values elsewhere, in the inline QoS of the response (PID_RELATED_SAMPLE_IDENTITY).
 Cyclone DDS 11 neither writes this parameter nor tells the sequence number of a received sample. A Fast DDS client
 therefore never gets a response.
 """
@@ -48,7 +48,7 @@ class _Header(Message):
 
 
 def _with_header(message_type: type[Message]) -> Any:
-    """Return a message type with the fields of the header before its own."""
+    """Return a message type with the fields of `_Header` before the fields of ``message_type``."""
     # dataclasses and `fields_of` take the fields of the last base first.
     return dataclass(type(message_type.__name__, (message_type, _Header), {}))
 
@@ -59,7 +59,7 @@ class DdsServices:
     def __init__(
         self, participant: DomainParticipant, announcer: GraphAnnouncer, node: str, services: Sequence[Service]
     ) -> None:
-        """Offer services below the fully qualified name of a node."""
+        """Offer services below ``node``, the fully qualified name of the node: ``/rover/bridge/get_parameters``."""
         self._waitset = WaitSet(participant)
         self._stopped = GuardCondition(participant)
         self._waitset.attach(self._stopped)
@@ -70,7 +70,7 @@ class DdsServices:
         self._thread.start()
 
     def close(self) -> None:
-        """Answer no more requests."""
+        """Stop the thread; later requests get no response."""
         self._stopped.set(True)
         self._thread.join()
 
@@ -110,7 +110,10 @@ class _Server:
             self._raw_writer.write([cdr.encode(self._response(request.client, request.number, *values))])
 
     def _wait_for_the_clients_reader(self) -> None:
-        """Wait until each client that can ask can also get the response; discovery may match its reader last."""
+        """Wait until each client that can send a request can also receive the response, at most 0.1 s.
+
+        DDS may discover the client's reader of responses after the client's writer of requests.
+        """
         deadline = time.monotonic() + _MATCH_S
         while time.monotonic() < deadline and len(self._writer.get_matched_subscriptions()) < len(
             self._reader.get_matched_publications()

@@ -30,9 +30,10 @@ _UNLIMITED = -1
 _KEPT_TO_READ = 256
 """Smallest history depth of our readers, in samples.
 
-The taking thread may wait for a core for milliseconds, in which more samples than a topic's usual ten arrive. Cyclone
-DDS announces this depth to other nodes instead of the table's. It has one depth for both: the resource limits can only
-lower the number of samples that it keeps, and DDS forbids to change the depth of a reader.
+The thread that takes samples may have to wait some milliseconds for a processor core. In this time more samples can
+arrive than a history of the usual depth (10) holds. Cyclone DDS also announces the larger depth to other nodes, instead
+of the depth in the table: the resource limits can only lower the number of samples that it keeps, and DDS forbids
+changing the depth of an existing reader.
 """
 
 _DDS_TYPES: dict[str, Any] = {
@@ -55,8 +56,8 @@ _DDS_TYPES: dict[str, Any] = {
 def dds_qos(qos: Qos, writing: bool, type_hash: str = "") -> DdsQos:
     """Return the DDS policies that the ROS 2 middlewares use for a QoS profile.
 
-    ``writing`` is true for a writer, false for a reader. The type hash is put into the USER_DATA of the writer or
-    reader; ROS 2 looks for it there since the distribution Iron.
+    ``writing`` is true for a writer, false for a reader. The type hash of the message is put into the USER_DATA of the
+    writer or reader; ROS 2 looks for it there since the distribution Iron.
     """
     reliable = qos.reliability == "reliable"
     latched = qos.durability == "transient_local"
@@ -88,7 +89,7 @@ _bounded_text: Any = types.bounded_str.__class_getitem__
 
 @cached_by_type
 def dds_type(message_type: type[Message]) -> type[IdlStruct]:
-    """Return the DDS type of a ROS 2 message."""
+    """Return the DDS type of a ROS 2 message: ``comms/msg/Imu`` -> ``comms::msg::dds_::Imu_``."""
     return make_idl_struct(*_declaration(message_type))
 
 

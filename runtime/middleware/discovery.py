@@ -32,7 +32,7 @@ _QOS = Qos(durability="transient_local", depth=1)
 
 
 def _message(name: str, fields: list[tuple[str, Any]]) -> Any:
-    """Make a message class of the package rmw_dds_common."""
+    """Make a message class of the package rmw_dds_common; each field is a pair of its name and its annotation."""
     return make_dataclass(name, fields, bases=(Message,), namespace={"__msgtype__": f"rmw_dds_common/msg/{name}"})
 
 
@@ -68,12 +68,12 @@ class GraphAnnouncer:
         self._announce()
 
     def add_reader(self, reader: Entity) -> None:
-        """Announce a new subscription of the node."""
+        """Announce a new subscription of the node to the ROS 2 graph; ``reader`` is its DDS reader."""
         self._readers.append(self._gid(reader))
         self._announce()
 
     def add_writer(self, writer: Entity) -> None:
-        """Announce a new publisher of the node."""
+        """Announce a new publisher of the node to the ROS 2 graph; ``writer`` is its DDS writer."""
         self._writers.append(self._gid(writer))
         self._announce()
 

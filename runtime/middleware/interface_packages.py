@@ -69,7 +69,10 @@ def _difference(message_type: type[Message]) -> str:
 
 
 def _spelled(field_type: FieldType) -> str:
-    """Return the name of a type as ``get_fields_and_field_types()`` of the installed classes spells it."""
+    """Return the name of a field type as ``get_fields_and_field_types()`` of the installed classes spells it.
+
+    Examples are ``double``, ``string<8>``, ``sequence<float, 4>`` and ``std_msgs/Header``.
+    """
     if isinstance(field_type, Primitive):
         return _IDL_NAMES.get(field_type.name, field_type.name)
     if isinstance(field_type, Text):

@@ -31,7 +31,7 @@ class MemoryPublisher:
         self._callbacks = callbacks
 
     def publish(self, messages: Sequence[bytes], /) -> int:
-        """Pass the messages to each subscriber."""
+        """Pass the messages to each subscriber; return their number, because all messages are accepted."""
         # A copy: a callback may subscribe or unsubscribe.
         for callback in tuple(self._callbacks):
             callback(messages)
@@ -43,7 +43,7 @@ class MemoryPublisher:
 
 
 class MemorySubscription:
-    """Subscription of one topic, which can tell whether the topic has publishers."""
+    """Subscription of one topic in a `Graph`."""
 
     def __init__(self, graph: Graph, topic: str) -> None:
         self._graph, self._topic = graph, topic
@@ -62,10 +62,10 @@ class MemoryMiddleware:
         self._published: list[str] = []
 
     def check_types(self, message_types: Iterable[type[Message]]) -> None:
-        """Accept all message types."""
+        """Accept all message types, because no other program reads the messages."""
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> MemoryPublisher:
-        """Create a publisher on a topic."""
+        """Create a publisher on a topic of the graph."""
         self._published.append(topic)
         self._graph.publishers[topic] += 1
         return MemoryPublisher(self._graph.callbacks[topic])
@@ -80,11 +80,11 @@ class MemoryMiddleware:
         return MemorySubscription(self._graph, topic)
 
     def endpoints(self, topic: str, publishing: bool) -> tuple[Endpoint, ...]:
-        """Return nothing: topics in memory have no QoS."""
+        """Return an empty tuple, because topics in memory have no QoS."""
         return ()
 
     def close(self) -> None:
-        """Unsubscribe from all topics and remove the publishers."""
+        """Remove the subscriptions and publishers of this middleware from the graph."""
         self._graph.publishers.subtract(self._published)
         self._published.clear()
         for callbacks, callback in self._own:

@@ -1,4 +1,4 @@
-"""Parameter services of a ROS 2 node (package rcl_interfaces): the response to each request.
+"""Parameter services of a ROS 2 node (package rcl_interfaces), which `ros2 param` calls: the response to each request.
 
 The services answer as rclpy's node does: a request that names an unknown parameter gets an empty response.
 """
@@ -86,7 +86,7 @@ class ParameterServices:
         return rcl.SetParametersAtomicallyResponse(self._change(request.parameters))
 
     def _change(self, parameters: Sequence[rcl.Parameter]) -> rcl.SetParametersResult:
-        """Change parameters together, or none of them."""
+        """Change all parameters together, or none of them."""
         try:
             self._parameters.change({parameter.name: _from_message(parameter.value) for parameter in parameters})
         except SetupError as error:
@@ -96,7 +96,11 @@ class ParameterServices:
 
 
 def _is_listed(name: str, request: rcl.ListParametersRequest) -> bool:
-    """Return true if a name is one of the prefixes, or at most ``depth`` parts below one of them (0: any number)."""
+    """Return true if a ListParameters request asks for the parameter ``name``.
+
+    It does if the name is one of the request's prefixes, or begins with a prefix and has at most ``depth`` more parts
+    (0 for any number). Without prefixes, the whole name may have at most ``depth`` parts.
+    """
 
     def shallow_enough(rest: str) -> bool:
         return request.depth == 0 or rest.count(".") < request.depth
@@ -109,7 +113,7 @@ def _is_listed(name: str, request: rcl.ListParametersRequest) -> bool:
 
 
 def _all_or_none(by_name: Mapping[str, Any], names: Sequence[str]) -> list[Any]:
-    """Return what the names stand for, or nothing if one of them is unknown."""
+    """Return the values of ``by_name`` for all names, or an empty list if one of the names is unknown."""
     return [by_name[name] for name in names] if all(name in by_name for name in names) else []
 
 
@@ -120,5 +124,5 @@ def _to_message(value: Any) -> rcl.ParameterValue:
 
 
 def _from_message(value: rcl.ParameterValue) -> Any:
-    """Return a value; None for an unset one, and for an array."""
+    """Return the Python value of a parameter; None if the parameter is not set or is an array."""
     return getattr(value, _VALUE_FIELDS[value.type]) if value.type in _VALUE_FIELDS else None

@@ -16,14 +16,18 @@ Callback = Callable[[Sequence[bytes]], None]
 
 @dataclass(frozen=True, slots=True)
 class NodeIdentity:
-    """Name and namespace of the ROS 2 node that the program is."""
+    """Name and namespace of the program's ROS 2 node."""
 
     name: str
     namespace: str = "/"
     """Namespace with a leading slash."""
 
     def topic(self, name: str) -> str:
-        """Return the fully qualified name of a topic: ``~/x`` is below the node's name, ``x`` in its namespace."""
+        """Return the fully qualified name of a topic.
+
+        For a node ``/rover/bridge``, ``imu`` becomes ``/rover/imu``, ``~/imu`` becomes ``/rover/bridge/imu``, and
+        ``/imu`` is unchanged.
+        """
         if name.startswith("/"):
             return name
         if name.startswith("~/"):
@@ -37,7 +41,7 @@ class NodeIdentity:
 
 
 class NodeParameters(Protocol):
-    """Parameters of our node, which ROS 2 may read and change. Safe to use from several threads."""
+    """Parameters of the program's node, which ROS 2 tools may read and change. Safe to use from several threads."""
 
     @property
     def values(self) -> Mapping[str, Any]:
@@ -45,7 +49,7 @@ class NodeParameters(Protocol):
 
     @property
     def descriptors(self) -> Mapping[str, ParameterDescriptor]:
-        """Declaration of each parameter by its name."""
+        """Declaration of each parameter by its name: type, description, and allowed values."""
 
     def change(self, changes: Mapping[str, Any]) -> None:
         """Change parameters and apply the changes.
@@ -63,7 +67,7 @@ class Endpoint:
     qos: Qos
     """Reliability and durability; the graph does not show history and depth."""
     demands: tuple[str, ...] = ()
-    """Further QoS policies of a subscription that no publisher of roverlink satisfies."""
+    """Further QoS policies that a subscription requires, and that no publisher of roverlink offers: ``deadline``."""
 
 
 class Publisher(Protocol):
@@ -86,7 +90,7 @@ class Subscription(Protocol):
     def has_publishers(self) -> bool:
         """Return true if the middleware knows a publisher of the topic.
 
-        It forgets a killed publisher only after some seconds.
+        A publisher whose program was killed is known for some more seconds.
         """
 
 
@@ -108,9 +112,9 @@ class Middleware(Protocol):
         """
 
     def endpoints(self, topic: str, publishing: bool) -> Sequence[Endpoint]:
-        """Return the publishers of a fully qualified topic that are known now; its subscriptions if not ``publishing``.
+        """Return the publishers or subscriptions of a fully qualified topic that the middleware knows now.
 
-        Must be called by one thread at a time.
+        ``publishing`` selects: true for publishers, false for subscriptions. Must be called by one thread at a time.
         """
 
     def close(self) -> None:

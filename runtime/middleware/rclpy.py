@@ -26,12 +26,12 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, NodeIdentity, NodeParameters
 
+if TYPE_CHECKING:
+    from roverlink.runtime.middleware.rclpy_receiving import Receiver
+
 # Names that the ROS 2 middlewares give to the node of an endpoint until they know it.
 _UNKNOWN_NODES = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
 _INFINITE_NS = 2**63 - 1  # RMW_DURATION_INFINITE
-
-if TYPE_CHECKING:
-    from roverlink.runtime.middleware.rclpy_receiving import Receiver
 
 
 class RclpyPublisher:
@@ -41,7 +41,7 @@ class RclpyPublisher:
         self._publish, self._count = handle.publish_raw, handle.get_subscription_count
 
     def publish(self, messages: Sequence[bytes], /) -> int:
-        """Publish serialized messages."""
+        """Publish serialized messages; return their number, because rclpy accepts every message."""
         for message in messages:
             self._publish(message)
         return len(messages)
@@ -63,7 +63,7 @@ class RclpySubscription:
 
 
 class RclpyMiddleware:
-    """rclpy node with two threads: one takes the messages of its topics, and one spins the rest of the node."""
+    """rclpy node with two threads: one takes the messages of its topics, and one spins the executor for all else."""
 
     def __init__(self, node: NodeIdentity, parameters: NodeParameters | None) -> None:
         # A context of its own: the default one may belong to a program that uses this package.
@@ -100,12 +100,12 @@ class RclpyMiddleware:
         self._node.add_on_set_parameters_callback(change)
 
     def check_types(self, message_types: Iterable[type[Message]]) -> None:
-        """Compare the message types with the installed interface packages."""
+        """Raise `MiddlewareError` if the installed interface packages lack a message type, or have other fields."""
         for message_type in message_types:
             installed_class(message_type)
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> RclpyPublisher:
-        """Create a publisher on a fully qualified topic."""
+        """Create a publisher for serialized messages on a fully qualified topic."""
         publisher = self._node.create_publisher(installed_class(message_type), topic, _profile(qos))
         # rclpy's own `publish` enters the handle for each message, so that nobody destroys the publisher meanwhile.
         # To enter it once, and to publish by the handle, saves half of what a message costs.
@@ -132,7 +132,7 @@ class RclpyMiddleware:
         return [Endpoint(_name(info), _qos(info), tuple(_strict(info.qos_profile))) for info in found]
 
     def close(self) -> None:
-        """Stop spinning and destroy the node."""
+        """Stop both threads and destroy the node, so that it leaves the ROS 2 graph."""
         if not self._open:
             return
         self._open = False
@@ -158,7 +158,7 @@ class RclpyMiddleware:
 
 
 def _receiver(node: Any) -> Receiver | None:
-    """Start the thread that takes messages; None if this rclpy lacks what the thread needs."""
+    """Start the thread that takes messages; None if this rclpy lacks internal functions that the thread needs."""
     try:
         # Imported here, because the module uses internal names of rclpy.
         from roverlink.runtime.middleware.rclpy_receiving import Receiver

@@ -34,9 +34,9 @@ _EVENTS_NS = 1_000_000_000  # time between two looks for QoS events
 
 
 class _WithoutExecutor(CallbackGroup):  # type: ignore[misc]  # rclpy has no types in Humble
-    """Callback group of what no executor may wait for.
+    """Callback group of the entities that no rclpy executor may wait for: our subscriptions and their QoS events.
 
-    These are the subscriptions and their QoS events: Fast DDS wakes who waits for an event with each message.
+    If an executor waited for QoS events, Fast DDS would wake it with each message.
     """
 
     def can_execute(self, _: Any) -> bool:
@@ -59,7 +59,7 @@ class _Reader:
 
 
 class _Subscribed(NamedTuple):
-    """Subscription of rclpy's: its handle, the handle's address, the handlers of its QoS events, and its topic."""
+    """rclpy subscription: its handle, the handle's address, the handlers of its QoS events, and its topic."""
 
     handle: Any
     address: int
@@ -70,7 +70,7 @@ class _Subscribed(NamedTuple):
 class Receiver:
     """Thread that waits for the messages of subscriptions and calls their callbacks, the most urgent topics first.
 
-    Raises AttributeError or TypeError if rclpy differs from what the comment of this module describes.
+    Raises AttributeError or TypeError if the internals of rclpy differ from those that this module's docstring lists.
     """
 
     def __init__(self, node: Any) -> None:
@@ -86,7 +86,7 @@ class Receiver:
         self._thread.start()
 
     def subscribe(self, message_class: Any, topic: str, profile: Any, callback: Callback, priority: int) -> None:
-        """Call ``callback`` with the serialized messages of a topic."""
+        """Call ``callback`` with the serialized messages of a topic, on the thread of this receiver."""
         subscription = self._node.create_subscription(
             message_class, topic, _not_called, profile, callback_group=self._group, raw=True
         )
@@ -97,7 +97,7 @@ class Receiver:
         self._woken.trigger()
 
     def stop(self) -> None:
-        """End the thread. A callback that runs is finished."""
+        """End the thread, and wait until it has ended. A callback that is running is not interrupted."""
         self._stop()
         self._thread.join()
 
@@ -106,7 +106,7 @@ class Receiver:
         self._woken.trigger()
 
     def _try_names(self) -> None:
-        """Use the internal names of rclpy once, before anything depends on them."""
+        """Use the internal functions of rclpy once, so that a missing one raises an error at start."""
         rclpy_implementation.Subscription.take_message  # noqa: B018
         self._woken.trigger()
         self._wait(self._wait_set(), ())
@@ -121,7 +121,7 @@ class Receiver:
                 raise
 
     def _serve(self, subscribed: Sequence[_Subscribed]) -> None:
-        """Serve these topics until another one is subscribed to, or until the thread has to end."""
+        """Serve the topics in ``subscribed`` until another subscription is added, or until the thread has to end."""
         topics = [one.topic for one in subscribed]
         wait_set = self._wait_set(subscriptions=len(subscribed))
         events_due = 0
@@ -149,7 +149,7 @@ class Receiver:
     def _handle_events(self, subscribed: Sequence[_Subscribed]) -> None:
         """Call the callbacks of QoS events that have occurred.
 
-        They are those of rclpy, which warn about a publisher whose QoS or type does not match.
+        The callbacks are rclpy's own; they log a warning about a publisher whose QoS or type does not match.
         """
         events = [event for one in subscribed for event in one.events]
         wait_set = self._wait_set(events=len(events))
@@ -167,4 +167,4 @@ class Receiver:
 
 
 def _not_called(_: bytes) -> None:
-    """Stand for the callback that rclpy asks for. Only an executor would call it."""
+    """Do nothing. rclpy requires a callback for a subscription, but only an executor would call it."""

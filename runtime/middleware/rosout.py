@@ -13,25 +13,27 @@ from roverlink.runtime.interfaces.rcl_interfaces import Log
 from roverlink.runtime.middleware.protocol import Middleware, NodeIdentity
 
 TOPIC = "/rosout"
-_QOS = Qos(durability="transient_local", depth=1000)  # rmw_qos_profile_rosout_default
-_NS = 1_000_000_000
+QOS = Qos(durability="transient_local", depth=1000)  # rmw_qos_profile_rosout_default
 
 
 class RosoutHandler(logging.Handler):
-    """Publishes the records of a logger until it is closed. Close it before the middleware."""
+    """Log handler that publishes the records of a logger on a ROS 2 topic, usually ``/rosout``, until it is closed.
+
+    Close it before the middleware.
+    """
 
     def __init__(self, logger: logging.Logger, middleware: Middleware, topic: str, node: NodeIdentity) -> None:
         super().__init__()
-        self._publisher = middleware.publisher(topic, Log, _QOS)
+        self._publisher = middleware.publisher(topic, Log, QOS)
         # rcl names the logger of a node so: /rover/udp_forwarder is rover.udp_forwarder.
         self._name = node.full_name.removeprefix("/").replace("/", ".")
         self._logger = logger
         logger.addHandler(self)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Publish a record; `logging` calls this."""
+        """Publish a record as a rcl_interfaces/msg/Log; `logging` calls this."""
         log = Log(
-            Time(*divmod(round(record.created * _NS), _NS)),
+            Time.since_1970(round(record.created * 1e9)),
             record.levelno,
             self._name,
             record.getMessage(),
@@ -44,6 +46,6 @@ class RosoutHandler(logging.Handler):
             self._publisher.publish([cdr.encode(log)])
 
     def close(self) -> None:
-        """Publish no more records."""
+        """Remove this handler from the logger, so that it publishes no more records."""
         self._logger.removeHandler(self)
         super().close()

@@ -14,7 +14,7 @@ _TAKE_BEHIND = 8  # the same for a topic of low priority: urgent topics wait unt
 
 
 class Reader(Protocol):
-    """Received messages of one topic."""
+    """Source of the received messages of one topic."""
 
     def take(self, most: int) -> list[bytes]:
         """Take at most ``most`` received messages, the oldest first."""
@@ -36,9 +36,10 @@ class ServedTopic(NamedTuple):
 def serve(topics: Sequence[ServedTopic], ready: Iterable[ServedTopic]) -> None:
     """Call the callback of each topic in ``ready`` once, with at most one batch of messages.
 
-    Both begin with the topics of the largest priority; ``ready`` are those that may have messages. A topic with many
-    messages delays neither the other topics nor the end of the thread: before each further topic, all topics with a
-    higher priority are served again, so they wait for one small batch at most.
+    ``topics`` are all subscribed topics, and ``ready`` are those that may have messages; both begin with the largest
+    priority. A topic with many messages delays neither the other topics nor the end of the thread: before each further
+    topic, all topics with a higher priority are served again. So a topic of high priority waits for one small batch at
+    most.
     """
     took_time = False
     for topic in ready:

@@ -1,6 +1,6 @@
 """Middleware wrapper that passes a copy of every message to a listener, such as a recorder.
 
-The bridge need not know it.
+The bridge uses the wrapper like any other middleware.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ Tap = Callable[[Sequence[bytes]], None]
 
 
 class Listener(Protocol):
-    """Listener to all topics, such as a recorder or a viewer."""
+    """Listener to the messages of all topics of a middleware, such as a recorder or a viewer."""
 
-    def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:
-        """Return a function that takes the serialized messages of a topic.
+    def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap | None:
+        """Return a function that takes the serialized messages of a topic; None to leave the topic alone.
 
         The wrapper calls this once for each topic, when the topic is opened.
         """
 
 
 class TappedMiddleware:
-    """Middleware that passes every message also to a listener."""
+    """Wrapper of a middleware that also passes every published or received message to a listener."""
 
     def __init__(self, middleware: Middleware, listener: Listener) -> None:
         self._middleware, self._listener = middleware, listener
@@ -38,15 +38,17 @@ class TappedMiddleware:
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
         """Create a publisher that passes the messages it has published to the listener."""
-        return _TappedPublisher(
-            self._middleware.publisher(topic, message_type, qos), self._listener.topic(topic, message_type, qos)
-        )
+        publisher = self._middleware.publisher(topic, message_type, qos)
+        tap = self._listener.topic(topic, message_type, qos)
+        return publisher if tap is None else _TappedPublisher(publisher, tap)
 
     def subscribe(
         self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
     ) -> Subscription:
         """Subscribe to a topic. The listener gets each message before the callback gets it."""
         tap = self._listener.topic(topic, message_type, qos)
+        if tap is None:
+            return self._middleware.subscribe(topic, message_type, qos, callback, priority)
 
         def tapped(messages: Sequence[bytes]) -> None:
             tap(messages)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Mapping
+from socket import gethostname
 from typing import Any
+from uuid import uuid4
 
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Qos
@@ -19,28 +22,36 @@ QOS = Qos(depth=10)
 
 
 def publisher(
-    middleware: Middleware, topic: str = TOPIC, clock: Callable[[], int] = time.time_ns
+    middleware: Middleware, full_name: str, topic: str = TOPIC, clock: Callable[[], int] = time.time_ns
 ) -> Callable[[State], None]:
-    """Return a function that publishes a state on ``topic``. Raises `MiddlewareError` if rclpy lacks diagnostic_msgs.
+    """Return a function that publishes a bridge's state on ``topic`` as a diagnostic_msgs/DiagnosticArray.
 
-    ``clock`` returns the time in nanoseconds since 1970.
+    ``full_name`` is the name of the bridge's node with its namespace. It is published with the host, the process and a
+    random id, by which a reader tells bridges with the same name apart (containers can share host and process ids).
+    Raises `MiddlewareError` if the package diagnostic_msgs is not installed for rclpy. ``clock`` returns the time in
+    nanoseconds since 1970.
     """
     publish = middleware.publisher(topic, DiagnosticArray, QOS).publish
+    origin = {"full_name": full_name, "host": gethostname(), "pid": os.getpid(), "instance": uuid4().hex[:8]}
 
     def publish_state(state: State) -> None:
-        publish([cdr.encode(array_of(state, clock()))])  # if a queue is full: the next one follows in a second
+        publish([cdr.encode(array_of(state, clock(), origin))])  # if a queue is full: the next one follows in a second
 
     return publish_state
 
 
-def array_of(state: State, now: int) -> DiagnosticArray:
-    """Return the message for a state. Its stamp is ``now``, in nanoseconds since 1970."""
-    header = Header(Time(now // 10**9, now % 10**9))
-    return DiagnosticArray(header, [_node_status(state), *(_row_status(state.node, row) for row in state.rows)])
+def array_of(state: State, now: int, origin: Mapping[str, Any]) -> DiagnosticArray:
+    """Return the DiagnosticArray for a state. Its stamp is ``now``, in nanoseconds since 1970.
+
+    ``origin`` holds further values of the node: where the bridge runs.
+    """
+    header = Header(Time.since_1970(now))
+    return DiagnosticArray(header, [_node_status(state, origin), *(_row_status(state.node, row) for row in state.rows)])
 
 
-def _node_status(state: State) -> DiagnosticStatus:
+def _node_status(state: State, origin: Mapping[str, Any]) -> DiagnosticStatus:
     values: dict[str, Any] = {
+        **origin,
         "fingerprint": state.fingerprint,
         "received": state.received,
         "received_rate": f"{state.received_rate:.2f}",
@@ -75,6 +86,11 @@ def _row_status(node: str, row: RowState) -> DiagnosticStatus:
         **({} if row.age is None else {"age": f"{row.age:.2f}"}),
         **({} if row.expect_rate is None else {"expect_rate": f"{row.expect_rate:g}"}),
         **{f"dropped.{reason}": count for reason, count in row.dropped.items()},
+        **(
+            {}
+            if row.deadman_after is None
+            else {"deadman_after": f"{row.deadman_after:g}", "stops": row.stops, "stopping": int(row.stopping)}
+        ),
         **({"qos_mismatches": row.qos_mismatches} if row.qos_mismatches else {}),
     }
     return _status(row.level, f"{node}: {row.name}", row.message, row.peer, values)

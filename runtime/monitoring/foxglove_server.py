@@ -12,10 +12,11 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.tapping import Tap
+from roverlink.runtime.net.addresses import openable_host
 from roverlink.runtime.recording.message_definitions import definition_of
 
 PORT = 8765
-"""Default port of Foxglove."""
+"""TCP port to which Foxglove connects by default."""
 
 
 class FoxgloveServer:
@@ -34,7 +35,7 @@ class FoxgloveServer:
             import foxglove
         except ImportError as error:
             raise SetupError(
-                "--foxglove needs the foxglove-sdk package; install it with `pip install 'roverlink[foxglove]'`"
+                "--foxglove needs the foxglove-sdk package; install it with `pip install 'foxglove-sdk>=0.14'`"
             ) from error
         self._foxglove = foxglove
         self._context = foxglove.Context()
@@ -42,7 +43,8 @@ class FoxgloveServer:
             self._server = foxglove.start_server(name=name, host=address, port=port, context=self._context)
         except (RuntimeError, OSError, ValueError) as error:
             raise SetupError(f"cannot serve Foxglove on TCP port {port} of {address}: {error}") from error
-        self.port: int = self._server.port
+        self.url = f"ws://{openable_host(address)}:{self._server.port}"
+        """URL that Foxglove can open."""
 
     def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:  # noqa: ARG002  # WebSocket has no QoS
         """Offer a topic to viewers, and return a function that takes the topic's messages."""

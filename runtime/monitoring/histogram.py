@@ -17,11 +17,12 @@ BOUNDS_S = (1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e
 
 @dataclass(frozen=True, slots=True)
 class Latencies:
-    """Histogram at one moment: the number of datagrams by the time that their batch took."""
+    """Histogram at one moment: the numbers of datagrams, by the time that the bridge needed for their batch."""
 
     counts: Sequence[int]
     """Number of datagrams in each bucket of `BOUNDS_S`, and in the bucket above the last bound."""
     sum_s: float
+    """Sum of the times of all datagrams, in seconds."""
 
     @property
     def total(self) -> int:

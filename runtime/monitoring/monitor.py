@@ -1,10 +1,12 @@
 """Monitor of a bridge: reads the bridge's counters periodically.
 
-From them it computes the rate and the level of each row, and the time since the row's last message.
+From the counters it computes the rate and the level (OK, WARN, ERROR or STALE) of each row, and the time since the
+row's last message.
 """
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections import Counter, deque
@@ -19,9 +21,9 @@ from roverlink.runtime.monitoring.state import Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
 
 SAMPLE_S = 0.25
-"""Interval in seconds at which the counters are read. The age of a row's last message has this error at most."""
+"""Interval in seconds at which the counters are read. So the age of a row's last message is wrong by this at most."""
 WINDOW_S = 2.0
-"""Time window in seconds for rates, and for drops that raise a warning."""
+"""Length in seconds of the time window in which rates are averaged, and in which a drop causes a warning."""
 REPORT_S = 1.0
 """Interval in seconds at which listeners get the state."""
 
@@ -42,11 +44,17 @@ class _Sample(NamedTuple):
     """Values of a bridge's counters at one moment."""
 
     time: float
+    """Seconds of a monotonic clock."""
     crossed: Counter[str]
+    """Messages published on topics or sent to peers, by payload."""
     dropped: Counter[tuple[str, str]]
+    """Messages that were not bridged, by payload and reason."""
+    stops: Counter[str]
+    """Stops sent because a topic was silent, by payload."""
     received: int
+    """Datagrams read from the socket."""
     lost: int
-    """Sum of all losses."""
+    """Datagrams and messages lost for any reason."""
 
 
 class Monitor:
@@ -65,6 +73,8 @@ class Monitor:
         self._recording, self._clock = recording, clock
         self._samples: deque[_Sample] = deque()
         self._last: dict[str, float] = {}  # time when each row's counter was last seen to change
+        self._last_stop: dict[str, float] = {}  # the same for the counter of the row's stops
+        self._outbound = {handler.route.name for handler in registry.handlers if not handler.route.inbound}
         self._listeners: list[Callable[[State], None]] = []
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="monitor", daemon=True)
@@ -99,13 +109,17 @@ class Monitor:
         """Read the counters once and store their values. The monitor's thread calls this periodically."""
         account = self._bridge.account
         now, crossed = self._clock(), account.published + account.sent
-        dropped = Counter(account.dropped_of_row)
+        # A peer that sends a payload of an outbound row does no harm to the row, so the row must not look broken.
+        dropped = Counter({key: count for key, count in account.dropped_of_row.items() if key[0] not in self._outbound})
         dropped.update({(name, "refused"): count for name, count in account.refused.items()})
-        before = self._samples[-1].crossed if self._samples else crossed
-        self._last.update({name: now for name, count in crossed.items() if count != before[name]})
+        stops = Counter(account.stops)
+        before = self._samples[-1] if self._samples else None
+        if before is not None:
+            self._last.update({name: now for name, count in crossed.items() if count != before.crossed[name]})
+            self._last_stop.update({name: now for name, count in stops.items() if count != before.stops[name]})
         lost = account.dropped.total() + account.refused.total() + account.unsent.total()
         lost += self._bridge.socket_state().drops  # the account reads this counter only when a datagram arrives
-        self._samples.append(_Sample(now, crossed, dropped, account.received, lost))
+        self._samples.append(_Sample(now, crossed, dropped, stops, account.received, lost))
         # Keep one sample older than the window, so that rates cover the whole window.
         while len(self._samples) > 2 and self._samples[1].time <= now - WINDOW_S:
             self._samples.popleft()
@@ -155,6 +169,9 @@ class Monitor:
         mismatches = self._bridge.account.qos_mismatches.get(route.topic, ())
         fresh = {reason: count for reason, count in fresh.items() if count}
         level, message = _assess(route.expect_rate, rate, age, fresh, mismatches)
+        stopping = self._last_stop.get(name, -math.inf) > self._last.get(name, -math.inf)
+        if stopping and level in (Level.OK, Level.STALE):  # else there is a reason that matters more
+            message = f"{message or 'silent'}; the bridge sends the stop"
         return RowState(
             number=route.number,
             name=name,
@@ -166,6 +183,9 @@ class Monitor:
             age=age,
             expect_rate=route.expect_rate,
             dropped=dropped,
+            deadman_after=None if route.deadman is None else route.deadman.after_ms / 1000,
+            stops=None if route.deadman is None else last.stops[name],
+            stopping=stopping,
             qos_mismatches=len(mismatches),
             level=level,
             message=message,

@@ -19,7 +19,7 @@ try:
     from prometheus_client.utils import floatToGoString
 except ImportError as error:
     raise SetupError(
-        "--metrics needs the prometheus-client package; install it with `pip install 'roverlink[metrics]'`"
+        "--metrics needs the prometheus-client package; install it with `pip install 'prometheus-client>=0.21'`"
     ) from error
 
 # The version of the text format (prometheus.io, "Exposition formats").
@@ -83,6 +83,13 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
         (labels, row.expect_rate) for labels, row in rows if row.expect_rate is not None
     ]
     yield "level", "State of the row: 0 OK, 1 WARN, 2 ERROR, 3 STALE.", [(labels, row.level) for labels, row in rows]
+    guarded = [(labels, row) for labels, row in rows if row.stops is not None]
+    yield "stops_total", "Stops sent because the row's topic was silent (deadman).", [
+        (labels, row.stops or 0) for labels, row in guarded
+    ]
+    yield "stopping", "1 if a stop was sent after the row's last message, else 0.", [
+        (labels, row.stopping) for labels, row in guarded
+    ]
     if recording := state.recording:
         yield "recording_bytes_total", "Bytes of the recording written to disk.", [({}, recording.bytes)]
         yield "recording_waiting", "Messages waiting to be written to the recording.", [({}, recording.waiting)]
@@ -123,8 +130,5 @@ class MetricsServer(HttpServer):
                 self.send_header("Content-Length", str(len(body)))
                 self.end_headers()
                 self.wfile.write(body)
-
-            def log_message(self, *_: object) -> None:
-                """Log nothing. The base class would log every request, and Prometheus sends one every few seconds."""
 
         super().__init__(address, port, "metrics", Page)

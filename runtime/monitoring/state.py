@@ -34,13 +34,23 @@ class RowState:
     age: float | None
     """Seconds since the last message; None if there was none."""
     expect_rate: float | None
-    """Messages a second that the table expects at least."""
+    """Messages a second that the table expects at least; None for no expectation."""
     dropped: Mapping[str, int]
-    """Messages that were not bridged, by reason."""
+    """Messages that were not bridged, by reason.
+
+    A row to a peer is not charged with datagrams that came from a peer: only the node's drops count those.
+    """
+    deadman_after: float | None
+    """Silence in seconds after which the bridge tells the peer to stop; None if the row has no deadman."""
+    stops: int | None
+    """Stops sent because the topic was silent (table key ``deadman``); None if the row has no deadman."""
+    stopping: bool
+    """True if the bridge has sent a stop after the row's last message, so the peer is told to stand still."""
     qos_mismatches: int
     """Number of publishers or subscriptions of other nodes whose QoS does not match the row's."""
     level: Level
     message: str
+    """Reason for the level; empty if there is nothing to tell."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +59,13 @@ class Recording:
 
     path: str
     waiting: int
+    """Messages waiting to be written."""
     lost: int
+    """Messages that were not recorded."""
     bytes: int
+    """Bytes written to disk."""
     failure: str | None
+    """Reason why the recording failed; None while it works."""
 
 
 @dataclass(frozen=True)
@@ -62,16 +76,19 @@ class State:
     fingerprint: str
     rows: tuple[RowState, ...]
     received: int
+    """Datagrams read from the socket."""
     received_rate: float
+    """Datagrams a second, averaged over the last two seconds."""
     forwarded: Mapping[str, int]
-    """Raw datagrams forwarded, by peer."""
+    """Received datagrams that were sent on unchanged to another peer, by this peer."""
     unsent: Mapping[str, int]
     """Datagrams that the network refused, by peer."""
     dropped: Mapping[str, int]
-    """Datagrams that were not bridged, by reason, including those of no known row."""
+    """Datagrams that were not bridged, by reason, including datagrams whose row is unknown."""
     qos_mismatches: Mapping[str, int]
     """Number of publishers and subscriptions of other nodes whose QoS does not match, by topic in the table."""
     kernel_drops: int
+    """Datagrams that the kernel dropped because the socket's receive buffer was full."""
     socket_waiting: int
     """Bytes waiting in the socket's receive buffer."""
     socket_size: int
@@ -79,5 +96,6 @@ class State:
     level: Level
     """Level of the bridge as a whole."""
     message: str
+    """Reason for the level of the bridge."""
     latencies: Latencies = field(default=Latencies((), 0.0))
     recording: Recording | None = None

@@ -1,1 +1,1 @@
-"""UDP sockets, system calls for batches, and access control by sender address."""
+"""UDP sockets, system calls for batches of datagrams, access control by sender address, and an HTTP server."""

@@ -21,7 +21,7 @@ _ROUTE_LOST = frozenset({errno.ENETUNREACH, errno.EHOSTUNREACH, errno.EADDRNOTAV
 
 
 class Destination:
-    """Address of a peer, with the sockets for sending to it. Safe to use from several threads."""
+    """Address of a peer, with the UDP sockets that send datagrams to it. Safe to use from several threads."""
 
     def __init__(self, peer: str, address: tuple[str, int]) -> None:
         self.peer = peer
@@ -32,7 +32,7 @@ class Destination:
         self.direct_to(address)
 
     def direct_to(self, address: tuple[str, int]) -> None:
-        """Send to an address from now on."""
+        """Send all further datagrams to ``address``: IPv4 address and UDP port."""
         self.address = address
         self._route: tuple[socket.socket, tuple[str, int] | None] = self._connected, None
         try:
@@ -106,9 +106,10 @@ class Destination:
             sock.sendto(datagram, address)
 
     def _use_unconnected(self) -> None:
-        """Use the unconnected socket from now on; for it, the kernel looks up the route again for each datagram.
+        """Send through the unconnected socket from now on.
 
-        So sending also works after the network has changed, or if the network comes up late.
+        For this socket, the kernel looks up the route again for each datagram. So sending also works after the network
+        has changed, or if the network comes up late.
         """
         self._route = self._unconnected, self.address
 

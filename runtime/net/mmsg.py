@@ -66,7 +66,7 @@ class BatchReader:
         self._recvmmsg = ctypes.PyDLL(None, use_errno=True).recvmmsg
 
     def _length_column(self) -> memoryview:
-        """Return the ``length`` of all headers as one memoryview, which is faster to read than the attributes."""
+        """Return a view of the datagram length in every header; it is faster to read than the headers' attributes."""
         words = memoryview(self._headers).cast("B").cast("I")
         stride = ctypes.sizeof(_Mmsghdr) // words.itemsize
         return words[_Mmsghdr.length.offset // words.itemsize :: stride]

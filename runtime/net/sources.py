@@ -1,4 +1,4 @@
-"""Access control by sender address: the peers that have an address, and how many datagrams an address may send.
+"""Access control by sender address: to which peers an address belongs, and how many datagrams a second it may send.
 
 The functions get addresses as four bytes, and times in seconds of a monotonic clock. Memory is bounded: only a limited
 number of addresses of known peers is stored, and other addresses never are. So a sender that forges addresses cannot
@@ -34,13 +34,15 @@ def restricts_sources(peers: Iterable[Peer]) -> bool:
 
 @dataclass(slots=True)
 class _Source:
-    """Sender address of known peers, with a token bucket that limits its rate."""
+    """Sender address that belongs to peers, with a token bucket that limits the rate of the sender's datagrams."""
 
     peers: frozenset[str]
     rate: float
     """Datagrams a second; infinity for no limit."""
     burst: float
+    """Largest number of datagrams that may arrive at once."""
     allowance: float
+    """Number of datagrams that may arrive now, in tokens of the bucket."""
     at: float
     """Time of the last change of the allowance."""
 
@@ -58,7 +60,7 @@ class _Source:
 
 
 class SourceGate:
-    """Decides by the sender's address if a datagram is accepted. To be used from one thread."""
+    """Gate that accepts or refuses a datagram by the address of its sender. To be used from one thread."""
 
     def __init__(self, peers: Iterable[Peer]) -> None:
         self._peers = tuple(peers)
@@ -71,10 +73,11 @@ class SourceGate:
         self._known: OrderedDict[Address, _Source] = OrderedDict()
 
     def admit(self, address: Address, now: float) -> frozenset[str]:
-        """Return the names of the peers that have this address.
+        """Return the names of the peers to which a sender's address belongs.
 
-        ``now`` is in seconds of a monotonic clock. Raises `DatagramError` if no peer has the address, or if the address
-        sends more datagrams a second than the table allows.
+        They include every peer without ``sources`` in the table, because such a peer may have any address. ``now`` is
+        in seconds of a monotonic clock. Raises `DatagramError` if the address belongs to no peer, or if it sends more
+        datagrams a second than the table allows.
         """
         source = self._known.get(address)
         if source is None:

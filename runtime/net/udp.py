@@ -239,7 +239,10 @@ class Receiver(Generic[T]):
             _in_batches(datagrams, handle)
 
     def _drain(self) -> None:
-        """Handle the datagrams that have arrived, but only for half a second: the sender may continue to send."""
+        """Handle the datagrams that have arrived, but only for half a second: the sender may continue to send.
+
+        Then count the datagrams that are left in `left`, again for half a second at most.
+        """
         read, handle = self._path
         deadline = time.monotonic() + _DRAIN_S
         while time.monotonic() < deadline and (datagrams := read()):

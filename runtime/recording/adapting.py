@@ -1,4 +1,4 @@
-"""Conversion of recorded datagrams from an older schema to today's, which is the schema of the current table.
+"""Conversion of recorded datagrams to the schema of the current table ("today"), for recordings with an older schema.
 
 A row is identified by its number, as on the wire.
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Adapter:
-    """Converts datagrams with the recorded envelope to datagrams with today's envelope."""
+    """Converter of recorded datagrams to datagrams with the envelope of the current table, for a replay."""
 
     def __init__(self, recorded: type[ProtoMessage], registry: Registry) -> None:
         self._recorded, self._registry = recorded, registry
@@ -38,22 +38,22 @@ class Adapter:
         self.refused = {field.number: self._reason(field) for field in rest if field.number not in self._moved}
         """Reason why a recorded payload is not replayed, by its number in the recording."""
         self.changed = sorted(f"{field.name} ({field.number})" for field in rest if field.number in self._moved)
-        """Recorded payloads whose values are copied by name."""
+        """Recorded payloads whose field values are copied by name, because numbers or types have changed since."""
 
     @property
     def identical(self) -> bool:
-        """True if every recorded number has the same meaning today."""
+        """True if every payload number of the recording has the same meaning in the current table."""
         return not self._moved and not self.refused
 
     def number_today(self, number: int) -> int:
-        """Return the number that a recorded payload has today; a payload that is refused keeps its recorded number."""
+        """Return the number of a recorded payload in the current table; a refused payload keeps its recorded number."""
         moved = self._moved.get(number)
         return number if moved is None else int(moved.number)
 
     def adapt(self, datagram: bytes) -> bytes:
-        """Convert a recorded datagram to today's schema. Payloads whose meaning is unchanged keep their bytes.
+        """Convert a recorded datagram to the current schema. Payloads whose meaning is unchanged keep their bytes.
 
-        Raises `DatagramError` if the payload's number belongs to another payload today, or does not exist any more.
+        Raises `DatagramError` if the current table uses the payload's number for another payload, or not at all.
         """
         numbers = envelope.payload_numbers(envelope.restore(datagram))
         # The last member of the oneof wins, as in `Translator`.
@@ -85,7 +85,10 @@ def _spelled(field: Any) -> str:
 
 
 def _counterpart(field: Any, today: Any) -> Any | None:
-    """Return the field of today's envelope with a recorded field's name and message name; None if there is none."""
+    """Return the field of ``today``, the current envelope, that has the name and message name of a recorded field.
+
+    Returns None if there is no such field.
+    """
     found = today.fields_by_name.get(field.name)
     if found is None or found.message_type is None or field.message_type is None:
         return None
@@ -93,9 +96,10 @@ def _counterpart(field: Any, today: Any) -> Any | None:
 
 
 def same_meaning(then: Any, now: Any) -> bool:
-    """Return true if the bytes of a field mean the same in both schemas. Fields that were added later do not matter.
+    """Return true if the bytes of a field mean the same in both schemas.
 
-    ``then`` is the field's descriptor in the older schema, ``now`` its descriptor in the newer one.
+    Fields that were added to its message later do not matter. ``then`` is the field's descriptor in the older schema,
+    ``now`` its descriptor in the newer one.
     """
     if (then.is_repeated, then.type) != (now.is_repeated, now.type):
         return False
@@ -127,7 +131,10 @@ def _same_field(then: Any, now: Any, then_of: Any, now_of: Any, above: frozenset
 
 
 def _copy_by_name(then: Any, now: Any) -> None:
-    """Copy the fields of a recorded message to a message of today by name, if the value fits today's type."""
+    """Copy the fields of the recorded message ``then`` to the fields of ``now`` with the same names.
+
+    A value that does not fit the current type of its field is left out.
+    """
     # An empty message is still present: a payload without fields selects its oneof member.
     now.SetInParent()
     for field, value in then.ListFields():

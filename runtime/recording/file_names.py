@@ -18,9 +18,11 @@ DATAGRAMS = ".datagrams"
 
 
 def new_recording(given: Path) -> Path:
-    """Return the path of a new recording. If ``given`` is a folder, it is a file there, named after date and time.
+    """Return the path for a new recording; ``given`` is a file name or a folder.
 
-    Raises `SetupError` if the suffix is not ``.mcap``, the folder is missing, or the recording exists already.
+    If ``given`` is a folder, the recording is a file in it that is named after date and time, such as
+    ``2024-05-31_14-30-00.mcap``. Raises `SetupError` if the suffix is not ``.mcap``, the folder is missing, or the
+    recording exists already.
     """
     path = given / time.strftime(f"%Y-%m-%d_%H-%M-%S{SUFFIX}") if given.is_dir() else given
     if path.suffix != SUFFIX or path.name.endswith(DATAGRAMS + SUFFIX):
@@ -34,9 +36,9 @@ def new_recording(given: Path) -> Path:
 
 
 def part_of(path: Path, kind: str, number: int) -> Path:
-    """Return the path of one part of a recording.
+    """Return the path of one part of a recording: ``run.mcap`` -> ``run_1.datagrams.mcap``.
 
-    ``kind`` is `TOPICS` or `DATAGRAMS`. ``number`` is 0 for the first part.
+    ``kind`` is `TOPICS` or `DATAGRAMS`. ``number`` is 0 for the first part, which has no number in its name.
     """
     counted = f"_{number}" if number else ""
     return path.with_name(f"{path.stem}{counted}{kind}{SUFFIX}")

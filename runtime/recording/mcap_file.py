@@ -1,4 +1,4 @@
-"""Writer of one MCAP file (mcap.dev/spec).
+"""Writer of one MCAP file (mcap.dev/spec), the file format of recordings.
 
 The mcap package's writer needs 7 us of Python for each message, and the bridge waits for the interpreter lock
 meanwhile. This writer needs 1 us, because it packs the messages of a chunk in one loop. The mcap package writes all
@@ -6,19 +6,23 @@ other records.
 
 A file on disk consists of complete records; only if the program is killed during a write, the last record may be
 incomplete. `flush` ends a chunk and waits until the disk has stored it. `finish` writes the summary, which readers need
-to jump to a time.
+to jump to a time. `finish_anyway` ends a file on a full disk.
+
+Each message has two times. Its log time, by which readers sort, counts on steadily even if the clock of the computer is
+set during the run. Its publish time is what that clock showed.
 """
 
 from __future__ import annotations
 
+import errno
 import os
 import struct
 import zlib
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from roverlink.runtime.core.errors import SetupError
 
@@ -30,7 +34,7 @@ try:
     from mcap.exceptions import McapError
     from mcap.opcode import Opcode
 except ImportError as error:
-    raise SetupError("recordings need the mcap package; install it with `pip install 'roverlink[record]'`") from error
+    raise SetupError("recordings need the mcap package; install it with `pip install 'mcap>=1.3'`") from error
 
 # A file, from its beginning to its end (MCAP specification, File Structure):
 #
@@ -45,7 +49,9 @@ except ImportError as error:
 # of its last whole record.
 CHUNK_BYTES = 1024 * 1024
 METADATA = "roverlink"
-"""Name of the metadata record that identifies the table of the run."""
+"""Name of the MCAP metadata record with facts about the run, such as the fingerprint of its table."""
+CLOCK_JUMP = "roverlink.clock_jump"
+"""Name of the MCAP metadata records that each say when the computer's clock was set, and by how much."""
 
 MAGIC = b"\x89MCAP0\r\n"
 __all__ = ["Channel", "Entry", "McapError", "McapFile", "Opcode", "ReadDataStream", "lz4", "records", "zstandard"]
@@ -55,8 +61,13 @@ _MESSAGE = struct.Struct("<BQHIQQ")
 _MESSAGE_REST = _MESSAGE.size - 9  # the record's length without opcode, length field and data
 _ZSTD_LEVEL = 1  # the fastest; higher levels gain little on chunks of this size
 
-Entry = tuple[int, int, bytes]
-"""Message to write: nanoseconds since 1970, channel number, bytes."""
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+# A file on a full disk gives up at most this share of its bytes for a summary; a summary can be made again, messages
+# cannot.
+_SUMMARY_SHARE = 0.25
+
+Entry = tuple[int, int, int, bytes]
+"""Message to write: log time and publish time (both in nanoseconds since 1970), channel number, bytes."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +85,21 @@ class Channel:
 
 class _Record(Protocol):
     def write(self, stream: RecordBuilder) -> None: ...
+
+
+_Kind = TypeVar("_Kind", bound=_Record)
+
+
+@dataclass(frozen=True)
+class _Written:
+    """Record on disk that the summary lists: a schema, a channel, metadata, or a chunk with its message indexes."""
+
+    start: int
+    """Place in the file."""
+    record: _Record
+    """Record of the summary: the schema or channel itself, or the index of the metadata or chunk."""
+    counts: Mapping[int, int] = field(default_factory=dict)
+    """Messages of the chunk, by channel."""
 
 
 def _serialized(*several: _Record) -> bytes:
@@ -94,9 +120,9 @@ class _Chunk:
 
     def add(self, entries: Iterable[Entry]) -> None:
         parts, index, size, pack = self.parts, self.index, self.size, _MESSAGE.pack
-        for time, channel, data in entries:
+        for time, wall, channel, data in entries:
             length = len(data)
-            parts.append(pack(Opcode.MESSAGE, _MESSAGE_REST + length, channel, 0, time, time))
+            parts.append(pack(Opcode.MESSAGE, _MESSAGE_REST + length, channel, 0, time, wall))
             parts.append(data)
             index[channel] += time, size
             size += _MESSAGE.size + length
@@ -112,7 +138,10 @@ class McapFile:
     """MCAP file that is being written."""
 
     def __init__(self, path: Path, profile: str, compression: str, metadata: Mapping[str, str]) -> None:
-        """Create the file. Raises `FileExistsError` if it exists, and `OSError` if it cannot be written."""
+        """Create the file. Raises `FileExistsError` if it exists, and `OSError` if it cannot be written.
+
+        An error leaves no file behind.
+        """
         self.path = path
         self.size = 0
         """Bytes on disk, up to the end of the last complete record."""
@@ -123,17 +152,29 @@ class McapFile:
         # Exclusive creation never overwrites a recording. Unbuffered, because chunks are large already.
         self._file = path.open("xb", buffering=0)
         self._schemas: dict[tuple[str, bytes], records.Schema] = {}
-        self._channels: list[records.Channel] = []
+        self._written: list[_Written] = []
         self._chunk = _Chunk()
-        self._chunks: list[records.ChunkIndex] = []
-        self._write(MAGIC + _serialized(records.Header(profile, "roverlink")))
-        record = records.Metadata(METADATA, dict(metadata))
-        self._metadata = records.MetadataIndex(length=len(_serialized(record)), name=record.name, offset=self.size)
-        self._write(_serialized(record))
+        self._room = 0  # bytes for which the disk had room when a write failed
+        try:
+            self._write(MAGIC + _serialized(records.Header(profile, "roverlink")))
+            self.add_metadata(METADATA, metadata)
+            # A disk that has no room for an end now has none later, when `finish_anyway` needs it.
+            start = self.size
+            self._write(self._ending(summary=False))
+            self._truncate(start)
+        except OSError:
+            self.close()
+            path.unlink()
+            raise
+
+    def add_metadata(self, name: str, facts: Mapping[str, str]) -> None:
+        """Write a metadata record. Raises `OSError`."""
+        record = _serialized(records.Metadata(name, dict(facts)))
+        index = records.MetadataIndex(length=len(record), name=name, offset=self.size)
+        self._write(record, _Written(self.size, index))
 
     def add_channel(self, channel: Channel) -> None:
-        """Declare a channel; call it before the channel's first message. Raises `OSError`."""
-        made: list[_Record] = []
+        """Write the records that declare a channel; call it before the channel's first message. Raises `OSError`."""
         # 0 means that the channel has no schema; ids of schemas begin with 1 (MCAP specification, Channel and Schema).
         schema_id = 0
         if channel.schema_name:
@@ -145,11 +186,10 @@ class McapFile:
                     encoding=channel.schema_encoding,
                     data=channel.schema,
                 )
-                made.append(self._schemas[key])
+                self._write(_serialized(self._schemas[key]), _Written(self.size, self._schemas[key]))
             schema_id = self._schemas[key].id
         record = records.Channel(channel.id, channel.topic, channel.encoding, dict(channel.metadata), schema_id)
-        self._channels.append(record)
-        self._write(_serialized(*made, record))
+        self._write(_serialized(record), _Written(self.size, record))
 
     def add(self, entries: Iterable[Entry]) -> None:
         """Add messages to the chunk, and write the chunk if it is large enough. Raises `OSError`."""
@@ -168,34 +208,83 @@ class McapFile:
         """Write the chunk and the summary, and close the file. If this raises `OSError`, the file stays open."""
         if self._chunk.size:
             self._write_chunk()
-        self._write_summary()
+        self._write(self._ending(summary=True))
         self.close()
 
-    def close(self) -> None:
-        """Close the file without writing a summary.
+    def finish_anyway(self) -> int:
+        """End and close the file after an error, and return the number of messages that are lost by that.
 
-        Such a file can be read, but readers cannot jump to a time in it.
+        The messages that are not on disk yet are lost. If the disk has no room for the summary, the last chunks make
+        room for it. If that would cost too many messages, the file ends without a summary; readers then read it from
+        the beginning. Only if no end can be written at all, the file has none.
         """
+        lost = sum(len(column) // 2 for column in self._chunk.index.values())
+        self._chunk = _Chunk()
+        before = self.counts.total()
+        for summary, least in ((True, self.size * (1 - _SUMMARY_SHARE)), (False, 0)):
+            if self._ended_within(summary, least):
+                break
+        self.close()
+        return lost + before - self.counts.total()
+
+    def _ended_within(self, summary: bool, least: float) -> bool:
+        """Write the end, and cut off the last records as long as the disk is full; return false if that is no help.
+
+        At least ``least`` bytes of the file are kept.
+        """
+        while True:
+            ending = self._ending(summary)
+            try:
+                self._write(ending)
+            except OSError as error:
+                # Another program may use the room that cutting gives, so one cut may be too little.
+                target = self.size - (len(ending) - self._room)
+                if error.errno not in _FULL or target < least or not self._cut(target):
+                    return False
+            else:
+                return True
+
+    def _cut(self, target: int) -> bool:
+        """Cut off the last records so that at most ``target`` bytes remain. Return false if there are none to cut.
+
+        The metadata about the run, the first record, always remains.
+        """
+        removed = False
+        while self.size > target and len(self._written) > 1:
+            last = self._written.pop()
+            self.size = last.start
+            self.counts.subtract(last.counts)
+            removed = True
+        self._truncate(self.size)
+        return removed
+
+    def _truncate(self, size: int) -> None:
+        self.size = size
+        self._file.truncate(size)
+        self._file.seek(size)
+
+    def close(self) -> None:
+        """Close the file without writing an end."""
         self._file.close()
 
-    def drop_chunk(self) -> int:
-        """Forget the messages that are not on disk yet, because the disk is full; return how many they were."""
-        dropped = sum(len(column) // 2 for column in self._chunk.index.values())
-        self._chunk = _Chunk()
-        return dropped
+    def _write(self, data: bytes, written: _Written | None = None) -> None:
+        """Write complete records; the summary will list the record ``written``.
 
-    def _write(self, data: bytes) -> None:
-        """Write complete records. If this fails, restore the file and raise `OSError`."""
+        If this fails, cut off the incomplete record and raise `OSError`.
+        """
         rest = memoryview(data)
         try:
             while rest:
                 rest = rest[self._file.write(rest) :]
         except OSError:
+            self._room = len(data) - len(rest)
             # A record that was written in part would make the rest of the file unreadable.
-            self._file.truncate(self.size)
-            self._file.seek(self.size)
+            self._truncate(self.size)
             raise
         self.size += len(data)
+        if written is not None:
+            self._written.append(written)
+            self.counts.update(written.counts)
 
     def _write_chunk(self) -> None:
         """Write the Chunk record and, after it, the Message Index records of its channels."""
@@ -222,9 +311,8 @@ class McapFile:
             compressed_size=len(packed),
             uncompressed_size=len(plain),
         )
-        self._write(b"".join(parts))
-        self._chunks.append(index)
-        self.counts.update({channel: len(column) // 2 for channel, column in chunk.index.items()})
+        counts = {channel: len(column) // 2 for channel, column in chunk.index.items()}
+        self._write(b"".join(parts), _Written(self.size, index, counts))
         self._chunk = _Chunk()
 
     def _compressed(self, data: bytes) -> bytes:
@@ -235,43 +323,50 @@ class McapFile:
             return packed
         return data
 
-    def _write_summary(self) -> None:
+    def _ending(self, summary: bool) -> bytes:
+        """Return the records after the last chunk: Data End, the summary unless it is left out, Footer and magic."""
         # 0: there is no checksum of the whole data section. Each chunk has its own, and a checksum of everything would
         # need a pass over a file of gigabytes.
         data_end = _serialized(records.DataEnd(0))
+        if not summary:
+            return data_end + _serialized(records.Footer(0, 0, 0)) + MAGIC
         start = self.size + len(data_end)
         # The summary groups its records by opcode, and a Summary Offset record leads to each group (MCAP specification,
         # Summary Section). A reader gets topics and counts from the end of the file, without its data.
-        groups: list[tuple[Opcode, list[_Record]]] = [
-            (Opcode.SCHEMA, list(self._schemas.values())),
-            (Opcode.CHANNEL, list(self._channels)),
+        groups: list[tuple[Opcode, Sequence[_Record]]] = [
+            (Opcode.SCHEMA, self._listed(records.Schema)),
+            (Opcode.CHANNEL, self._listed(records.Channel)),
             (Opcode.STATISTICS, [self._statistics()]),
-            (Opcode.CHUNK_INDEX, list(self._chunks)),
-            (Opcode.METADATA_INDEX, [self._metadata]),
+            (Opcode.CHUNK_INDEX, self._listed(records.ChunkIndex)),
+            (Opcode.METADATA_INDEX, self._listed(records.MetadataIndex)),
         ]
-        summary, offsets = b"", []
+        grouped, offsets = b"", []
         for opcode, group in groups:
             if group:
                 written = _serialized(*group)
-                offsets.append(records.SummaryOffset(opcode, start + len(summary), len(written)))
-                summary += written
-        offsets_start = start + len(summary)
-        summary += _serialized(*offsets)
+                offsets.append(records.SummaryOffset(opcode, start + len(grouped), len(written)))
+                grouped += written
+        offsets_start = start + len(grouped)
+        grouped += _serialized(*offsets)
         # The checksum covers the summary and the footer's first fields: opcode, length and two offsets.
-        crc = zlib.crc32(summary + struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offsets_start))
-        self._write(data_end + summary + _serialized(records.Footer(start, offsets_start, crc)) + MAGIC)
+        crc = zlib.crc32(grouped + struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offsets_start))
+        return data_end + grouped + _serialized(records.Footer(start, offsets_start, crc)) + MAGIC
+
+    def _listed(self, kind: type[_Kind]) -> list[_Kind]:
+        return [written.record for written in self._written if isinstance(written.record, kind)]
 
     def _statistics(self) -> records.Statistics:
+        chunks = self._listed(records.ChunkIndex)
         return records.Statistics(
             attachment_count=0,
-            channel_count=len(self._channels),
-            channel_message_counts=dict(self.counts),
-            chunk_count=len(self._chunks),
+            channel_count=len(self._listed(records.Channel)),
+            channel_message_counts=dict(+self.counts),
+            chunk_count=len(chunks),
             message_count=self.counts.total(),
-            message_end_time=max((chunk.message_end_time for chunk in self._chunks), default=0),
-            message_start_time=min((chunk.message_start_time for chunk in self._chunks), default=0),
-            metadata_count=1,
-            schema_count=len(self._schemas),
+            message_end_time=max((chunk.message_end_time for chunk in chunks), default=0),
+            message_start_time=min((chunk.message_start_time for chunk in chunks), default=0),
+            metadata_count=len(self._listed(records.MetadataIndex)),
+            schema_count=len(self._listed(records.Schema)),
         )
 
 

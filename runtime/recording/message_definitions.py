@@ -70,7 +70,7 @@ def message_type_from(name: str, definition: str) -> type[Message]:
 
 
 class _Reader:
-    """Makes message classes from a definition, one for each message in it."""
+    """Reader that makes message classes from a definition, one class for each message in it."""
 
     def __init__(self, texts: dict[str, str]) -> None:
         self._texts = texts

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import time
 from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +10,8 @@ from typing import Any
 
 from roverlink.runtime.middleware.tapping import Tap
 from roverlink.runtime.recording import file_names
-from roverlink.runtime.recording.mcap_file import Channel, Entry, McapFile
+from roverlink.runtime.recording.clocks import ClockJump, RunClock
+from roverlink.runtime.recording.mcap_file import CLOCK_JUMP, Channel, Entry, McapFile
 
 QUEUE = 65_536
 """Default number of messages that may wait for each file; at 10,000 a second, more than six seconds."""
@@ -43,13 +42,17 @@ class QueuedFile:
         kind: str,
         settings: Settings,
         metadata: Mapping[str, str],
+        clock: RunClock,
         sort: Callable[[Entry], Entry] | None = None,
     ) -> None:
-        """Create the first part; ``kind`` is `TOPICS` or `DATAGRAMS`.
+        """Create the first part; ``kind`` is `file_names.TOPICS` or `file_names.DATAGRAMS`.
 
-        ``sort`` returns a message with the channel to which it belongs. It is called on the recorder's thread.
+        ``sort`` may move a message to another channel: it returns the message with its right channel number. It is
+        called on the recorder's thread.
         """
         self._path, self._kind, self._settings, self._metadata, self._sort = path, kind, settings, metadata, sort
+        self._clock = clock
+        self._jumps: list[ClockJump] = []
         self.limit = settings.queue
         self.waiting: deque[Entry] = deque()
         self.lost: Counter[int] = Counter()  # by channel, each written by one thread; 0 counts `give_up`
@@ -65,33 +68,41 @@ class QueuedFile:
         """Add a channel, and return the function that the bridge's threads call with the messages of the channel."""
         channel = Channel(len(self.channels) + 1, topic, encoding, **schema)
         self.channels.append(channel)
-        number, waiting, now = channel.id, self.waiting, time.time_ns
+        number, waiting, start, monotonic, wall = channel.id, self.waiting, self._clock.start, *self._clock.clocks
 
         def tap(messages: Sequence[bytes]) -> None:
             # Checked once for each batch, so the queue may exceed the limit by one batch.
             if len(waiting) >= self.limit:
                 self.lost[number] += len(messages)
                 return
-            arrived = now()
+            arrived, shown = start + monotonic(), wall()
             for message in messages:
-                waiting.append((arrived, number, message))
+                waiting.append((arrived, shown, number, message))
 
         return tap
 
     def take(self) -> None:
         """Write the waiting messages to the file. If the file is then large enough, begin the next part."""
         # Only as many as wait now: a fast producer must not keep this loop going forever.
-        entries = [self.waiting.popleft() for _ in range(len(self.waiting))]
-        if not entries:
+        count = len(self.waiting)
+        if not count:
             return
+        # Before the messages leave the queue: if the disk is full, `give_up` counts those that are in it.
         while self._declared < len(self.channels):
             self.file.add_channel(self.channels[self._declared])
             self._declared += 1
+        entries = [self.waiting.popleft() for _ in range(count)]
         self.file.add(entries if self._sort is None else map(self._sort, entries))
         if self._settings.rotate_bytes is not None and self.file.size >= self._settings.rotate_bytes:
             self.finish()
-            self._bytes_before += self.file.size
+            ended = self.file.size
             self.file, self._ended = self._next_file(), False
+            self._bytes_before += ended
+
+    def jumped(self, jump: ClockJump) -> None:
+        """Write down that the computer's clock was set; later parts of the recording say it, too. Raises `OSError`."""
+        self._jumps.append(jump)
+        self.file.add_metadata(CLOCK_JUMP, jump.facts())
 
     def finish(self) -> None:
         """Write the summary and close the file. A second call does nothing."""
@@ -102,13 +113,16 @@ class QueuedFile:
     def give_up(self) -> None:
         """Close the file after an error, such as a full disk. The waiting messages are lost, and later ones too."""
         self.limit = 0  # from now on every message is dropped and counted
-        self.lost[0] += len(self.waiting) + self.file.drop_chunk()
+        self.lost[0] += len(self.waiting)
         self.waiting.clear()
-        with contextlib.suppress(OSError):
-            self.finish()
         if not self._ended:
-            self.file.close()
+            self.lost[0] += self.file.finish_anyway()
             self._end()
+
+    def delete(self) -> None:
+        """Close the current part and delete it."""
+        self.file.close()
+        self.file.path.unlink()
 
     def _end(self) -> None:
         self._ended = True
@@ -125,4 +139,7 @@ class QueuedFile:
         self._declared = 0
         # The profile tells rosbag2 that all channels are ROS 2's; the datagrams' file has none.
         profile = "ros2" if self._kind == file_names.TOPICS else ""
-        return McapFile(path, profile, self._settings.compression, self._metadata)
+        file = McapFile(path, profile, self._settings.compression, self._metadata)
+        for jump in self._jumps:
+            file.add_metadata(CLOCK_JUMP, jump.facts())
+        return file

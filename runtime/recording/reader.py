@@ -22,19 +22,23 @@ from typing import IO, NamedTuple
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.recording import file_names, mcap_file
+from roverlink.runtime.recording.clocks import ClockJump
 from roverlink.runtime.recording.mcap_file import Channel, McapError, ReadDataStream, lz4, records, zstandard
 from roverlink.runtime.recording.mcap_file import Opcode as Op
 
 # A record is an opcode, a length and its content; all integers are little endian (MCAP specification, Serialization).
 _RECORD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")
+_CHUNK_TIMES = struct.Struct("<QQ")
 
 
 class Recorded(NamedTuple):
-    """Message in a recording, with its time and its channel."""
+    """Message in a recording, with its times and its channel."""
 
     time: int
-    """Nanoseconds since 1970."""
+    """Steady time in nanoseconds since 1970, for order and pace; see `clocks`."""
+    wall: int
+    """Time that the computer's clock showed, in nanoseconds since 1970."""
     channel: Channel
     data: bytes
 
@@ -49,17 +53,21 @@ class Contents:
     channels: dict[int, Channel] = field(default_factory=dict)
     counts: Counter[int] = field(default_factory=Counter)
     """Number of messages by channel."""
+    jumps: set[ClockJump] = field(default_factory=set)
+    """Changes of the computer's clock during the recording."""
     start: int = 0
+    """Time of the first message in nanoseconds since 1970; 0 if there is no message."""
     end: int = 0
+    """Time of the last message in nanoseconds since 1970; 0 if there is no message."""
     complete: bool = False
-    """False if the file has no summary: its program was killed or is still writing."""
+    """False if the file has no summary: the program that writes it was killed or is still writing."""
 
 
 class RecordingFile:
     """One MCAP file of a recording."""
 
     def __init__(self, path: Path) -> None:
-        """Check that the file begins like an MCAP file. Raises `SetupError` if it does not, or if it cannot be read."""
+        """Check that the file begins like an MCAP file. Raises `SetupError` if not, or if the file is not readable."""
         self.path = path
         try:
             with path.open("rb") as file:
@@ -75,7 +83,7 @@ class RecordingFile:
         try:
             with self.path.open("rb") as file:
                 yield file
-        except (McapError, struct.error, UnicodeError) as error:
+        except (McapError, struct.error, ValueError) as error:
             raise SetupError(f"{self.path}: the file is damaged: {error or type(error).__name__}") from error
         except OSError as error:
             raise SetupError(f"{self.path}: cannot read the file: {error.strerror}") from error
@@ -86,9 +94,9 @@ class RecordingFile:
 
     @cached_property
     def contents(self) -> Contents:
-        """Channels, numbers of messages, and times.
+        """Summary of the file: its channels, the numbers of messages, and the times of the first and last message.
 
-        They come from the file's summary, or else from reading all messages.
+        If the file has no summary record, all its messages are read to make the summary.
         """
         contents = Contents()
         with self._open() as file:
@@ -101,16 +109,20 @@ class RecordingFile:
                 contents.end = max(contents.end, message.time)
         return contents
 
-    def messages(self) -> Iterator[Recorded]:
-        """Yield every message; the messages of one chunk are in order of time.
+    def messages(self, since: int = 0) -> Iterator[Recorded]:
+        """Yield every message from the time ``since``; the messages of one chunk are in order of time.
 
         Raises `SetupError` if the file is damaged.
         """
-        return self._scan(Contents())
+        if not since:
+            return self._scan(Contents())
+        # The chunks that are skipped may declare channels for later ones, so all channels are read first.
+        found = self._scan(Contents(channels=dict(self.contents.channels)), since)
+        return (message for message in found if message.time >= since)
 
-    def _scan(self, contents: Contents) -> Iterator[Recorded]:
+    def _scan(self, contents: Contents, since: int = 0) -> Iterator[Recorded]:
         with self._open() as file:
-            for opcode, body in _records(file, self._size):
+            for opcode, body in _records(file, self._size, since=since):
                 if opcode == Op.CHUNK:
                     yield from self._chunk(records.Chunk.read(_stream(body)), contents)
                 elif opcode == Op.MESSAGE:
@@ -143,10 +155,10 @@ class RecordingFile:
         return plain
 
     def _message(self, body: bytes, contents: Contents) -> Recorded:
-        channel, _, time, _ = _MESSAGE.unpack_from(body)
+        channel, _, time, wall = _MESSAGE.unpack_from(body)
         if channel not in contents.channels:
             raise SetupError(f"{self.path}: the file is damaged: a message has the unknown channel {channel}")
-        return Recorded(time, contents.channels[channel], body[_MESSAGE.size :])
+        return Recorded(time, wall, contents.channels[channel], body[_MESSAGE.size :])
 
     def _note(self, opcode: int, body: bytes, contents: Contents) -> None:
         """Store the information of a record that is not a message in ``contents``."""
@@ -162,6 +174,8 @@ class RecordingFile:
             metadata = records.Metadata.read(_stream(body))
             if metadata.name == mcap_file.METADATA:
                 contents.metadata = metadata.metadata
+            elif metadata.name == mcap_file.CLOCK_JUMP:
+                contents.jumps.add(ClockJump.from_facts(metadata.metadata))
         elif opcode == Op.STATISTICS:
             statistics = records.Statistics.read(_stream(body))
             contents.counts = Counter(statistics.channel_message_counts)
@@ -190,8 +204,11 @@ def _channel(channel: records.Channel, schemas: Mapping[int, records.Schema]) ->
     return Channel(channel.id, channel.topic, channel.message_encoding, name, encoding, data, channel.metadata)
 
 
-def _records(file: IO[bytes], size: int, skip: tuple[int, ...] = ()) -> Iterator[tuple[int, bytes]]:
-    """Yield opcode and body of the complete records in the first ``size`` bytes, except opcodes in ``skip``."""
+def _records(file: IO[bytes], size: int, skip: tuple[int, ...] = (), since: int = 0) -> Iterator[tuple[int, bytes]]:
+    """Yield opcode and body of the complete records in the first ``size`` bytes.
+
+    Opcodes in ``skip`` are left out, and chunks that end before the time ``since``.
+    """
     if file.tell() == 0 and file.read(len(mcap_file.MAGIC)) != mcap_file.MAGIC:
         file.seek(0)  # these are the bytes of a chunk, which have no magic
     while len(head := file.read(_RECORD.size)) == _RECORD.size:
@@ -199,14 +216,21 @@ def _records(file: IO[bytes], size: int, skip: tuple[int, ...] = ()) -> Iterator
         # The closing magic, or a record cut short by a kill.
         if head[:8] == mcap_file.MAGIC or length > size - file.tell():
             return
-        if opcode in skip:
+        if opcode in skip or (since and opcode == Op.CHUNK and _chunk_end(file) < since):
             file.seek(length, 1)
             continue
         yield opcode, file.read(length)
 
 
+def _chunk_end(file: IO[bytes]) -> int:
+    """Return the time of the last message of the chunk whose content follows, without moving in the file."""
+    _, end = _CHUNK_TIMES.unpack(times := file.read(_CHUNK_TIMES.size))
+    file.seek(-len(times), 1)
+    return int(end)
+
+
 class Recording:
-    """Recording with all its files."""
+    """Recording with all its files: topics and datagrams, in all parts."""
 
     def __init__(self, path: Path) -> None:
         """Open a recording from the path of any of its files. Raises `SetupError` if the path is not an MCAP file."""
@@ -232,6 +256,15 @@ class Recording:
         """True if every file has its summary, which the recorder writes at its end."""
         return all(file.contents.complete for file in self.files)
 
+    @property
+    def jumps(self) -> list[ClockJump]:
+        """Changes of the computer's clock during the recording, in order of time."""
+        return sorted(set[ClockJump]().union(*(file.contents.jumps for file in self.files)))
+
+    def wall_at(self, time: int) -> int:
+        """Return what the computer's clock showed at a steady time; both are nanoseconds since 1970."""
+        return time + sum(jump.by for jump in self.jumps if jump.time <= time)
+
     def channels(self) -> dict[str, tuple[Channel, int]]:
         """Return, by topic, the channel and the number of its messages in all files."""
         found: dict[str, tuple[Channel, int]] = {}
@@ -241,9 +274,9 @@ class Recording:
                 found[channel.topic] = known, count + file.contents.counts[channel.id]
         return found
 
-    def messages(self) -> Iterator[Recorded]:
-        """Yield the messages of all files in order of time."""
+    def messages(self, since: int = 0) -> Iterator[Recorded]:
+        """Yield the messages of all files in order of time, from the time ``since`` (nanoseconds since 1970)."""
         halves = itertools.groupby(self.files, key=lambda file: file_names.is_datagrams(file.path))
         # The parts of a kind follow each other in time; merging reads messages only as they are needed.
-        streams = [itertools.chain.from_iterable(map(RecordingFile.messages, list(parts))) for _, parts in halves]
+        streams = [itertools.chain.from_iterable(file.messages(since) for file in list(parts)) for _, parts in halves]
         return heapq.merge(*streams, key=itemgetter(0))

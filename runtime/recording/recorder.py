@@ -20,6 +20,7 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.middleware.tapping import Tap
 from roverlink.runtime.recording import file_names
+from roverlink.runtime.recording.clocks import RunClock
 from roverlink.runtime.recording.mcap_file import Entry
 from roverlink.runtime.recording.message_definitions import definition_of
 from roverlink.runtime.recording.queued_file import QueuedFile, Settings
@@ -32,7 +33,7 @@ _NEARLY_FULL_S = 300.0  # time until the disk is full, at the current rate, belo
 
 
 class Recorder:
-    """Recorder of a run of the bridge.
+    """Recorder of a run of the bridge: a thread writes the messages and datagrams to MCAP files.
 
     A context manager: on exit it writes the waiting messages and closes the files.
     """
@@ -46,7 +47,7 @@ class Recorder:
         settings: Settings | None = None,
         about: Mapping[str, str] | None = None,
     ) -> None:
-        """Create the files.
+        """Create the two files of the recording, one for topics and one for datagrams.
 
         ``topics`` maps fully qualified topics to the names of their rows. ``about`` is additional metadata for the
         files. Raises `SetupError` for a file name that is not allowed, and `OSError` if a file cannot be created.
@@ -55,8 +56,15 @@ class Recorder:
         self._registry, self._rows, self._logger = registry, topics, logger
         settings = settings or Settings()
         metadata = {"fingerprint": registry.fingerprint, "package": registry.package, **(about or {})}
-        self._topics = QueuedFile(self.path, file_names.TOPICS, settings, metadata)
-        self._datagrams = QueuedFile(self.path, file_names.DATAGRAMS, settings, metadata, self._plain_or_raw)
+        self._clock = RunClock()
+        self._topics = QueuedFile(self.path, file_names.TOPICS, settings, metadata, self._clock)
+        try:
+            self._datagrams = QueuedFile(
+                self.path, file_names.DATAGRAMS, settings, metadata, self._clock, self._plain_or_raw
+            )
+        except OSError:
+            self._topics.delete()
+            raise
         self._files = (self._topics, self._datagrams)
         # MCAP's schema encoding `protobuf` is a FileDescriptorSet with all imports, so any reader can decode the
         # datagrams.
@@ -89,9 +97,9 @@ class Recorder:
             )
 
     def datagrams(self, name: str) -> Tap:
-        """Add a kind of datagrams, and return the function that takes them.
+        """Add a channel for datagrams to the recording, and return the function that takes the datagrams.
 
-        ``name`` is the kind: ``received``, or ``sent/<peer>``.
+        ``name`` tells which datagrams the channel has: ``received``, or ``sent/<peer>``.
 
         A datagram that protobuf cannot parse, because zeros were stripped or appended or because it is damaged, goes to
         the channel ``<name>/raw``. That channel has no schema, because programs that use the schema could not read the
@@ -109,11 +117,11 @@ class Recorder:
         return plain
 
     def _plain_or_raw(self, entry: Entry) -> Entry:
-        arrived, channel, datagram = entry
+        arrived, shown, channel, datagram = entry
         try:
             self._registry.envelope.FromString(datagram)
         except DecodeError:
-            return arrived, channel + 1, datagram
+            return arrived, shown, channel + 1, datagram
         return entry
 
     # --- counters ---
@@ -153,8 +161,8 @@ class Recorder:
         try:
             while not self._ending.wait(_WAKE_S):
                 self._write_waiting()
+            self._take()
             for queued in self._files:
-                queued.take()
                 queued.finish()
             if not any(queued.counts for queued in self._files):
                 self._delete_files()
@@ -167,12 +175,22 @@ class Recorder:
     def _delete_files(self) -> None:
         """Delete the files, because they contain no message; otherwise the next run could not use the same name."""
         for queued in self._files:
-            queued.file.path.unlink()
+            queued.delete()
         self._logger.info("nothing was recorded, so %s was not kept", self.path)
 
-    def _write_waiting(self) -> None:
+    def _take(self) -> None:
+        """Write the messages that wait; before, write down if the computer's clock was set."""
+        if jump := self._clock.jump():
+            self._logger.warning(
+                "the computer's clock %s; the recording keeps the order and the pace of its messages", jump
+            )
+            for queued in self._files:
+                queued.jumped(jump)
         for queued in self._files:
             queued.take()
+
+    def _write_waiting(self) -> None:
+        self._take()
         now = time.monotonic()
         if now >= self._next_flush:
             self._next_flush = now + _FLUSH_S
@@ -203,7 +221,7 @@ class Recorder:
     def _fail(self, error: Exception) -> None:
         """End the recording because of an error.
 
-        The files on disk stay; they get a summary if the disk has room for it.
+        The files on disk stay, and get an end. If the disk is full, their last messages make room for it.
         """
         reason = error.strerror if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
         for queued in self._files:

@@ -1,11 +1,9 @@
-"""Replay of a recording: selects messages, and converts them to today's schema (the schema of the current table)."""
+"""Replay of a recording: selects messages, and converts them to the schema of the current table ("today")."""
 
 from __future__ import annotations
 
-import itertools
-import time
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 from roverlink.runtime.core import envelope
@@ -28,7 +26,7 @@ SENT = "/datagrams/sent/"
 
 
 class Timed(NamedTuple):
-    """Message to replay: time in nanoseconds, topic (empty for the bridge's UDP port), bytes."""
+    """Message to replay: steady time in nanoseconds since 1970, topic (empty for the bridge's UDP port), bytes."""
 
     time: int
     topic: str
@@ -42,26 +40,8 @@ class Endpoint(NamedTuple):
     qos: Qos
 
 
-def paced(
-    messages: Iterable[Timed],
-    speed: float,
-    clock: Callable[[], float] = time.monotonic,
-    sleep: Callable[[float], None] = time.sleep,
-) -> Iterator[Timed]:
-    """Yield messages in the same intervals as in the recording, divided by ``speed``."""
-    messages = iter(messages)
-    first = next(messages, None)
-    if first is None:
-        return
-    start = clock()
-    for message in itertools.chain([first], messages):
-        # Each message is due relative to the start, so that the error of a sleep does not add up.
-        sleep(max(0.0, start + (message.time - first.time) / 1e9 / speed - clock()))
-        yield message
-
-
 class _Replay:
-    """Base class of both kinds of replay. It counts the messages that cannot be replayed."""
+    """Base class of `BoardReplay` and `RosReplay`. It counts the messages that cannot be replayed."""
 
     def __init__(self, recording: Recording, registry: Registry) -> None:
         self._recording, self._registry = recording, registry
@@ -83,11 +63,14 @@ def _envelope(channels: Iterable[Channel]) -> type[ProtoMessage] | None:
 
 
 class BoardReplay(_Replay):
-    """Replay of the datagrams that the bridge received; they are meant to be sent to a bridge again."""
+    """Replay in the role of the boards: the datagrams that the bridge received are sent to a bridge again."""
 
-    def messages(self) -> Iterator[Timed]:
-        """Yield the datagrams, converted to today's schema. If the schema is unchanged, the bytes are unchanged."""
-        for recorded in self._recording.messages():
+    def messages(self, since: int = 0) -> Iterator[Timed]:
+        """Yield the received datagrams, converted to the current schema. If it has not changed, the bytes are kept.
+
+        ``since`` is the time of the first one, in nanoseconds since 1970.
+        """
+        for recorded in self._recording.messages(since):
             if not recorded.channel.topic.startswith(RECEIVED):
                 continue
             try:
@@ -97,10 +80,10 @@ class BoardReplay(_Replay):
 
 
 class RosReplay(_Replay):
-    """Replay of the topics of a recording, with today's message types.
+    """Replay in the role of ROS 2 nodes: the recorded messages are published on their topics.
 
-    If the definition of a topic's message is unchanged, the recorded messages are published. If it has changed, today's
-    handlers make the messages again from the recorded datagrams.
+    If the definition of a topic's message is unchanged, the recorded messages are published. If it has changed, the
+    current handlers make the messages again from the recorded datagrams.
     """
 
     def __init__(
@@ -149,7 +132,7 @@ class RosReplay(_Replay):
             self.endpoints[topic] = Endpoint(handler.message_type, handler.route.qos)
 
     def _handler(self, number: int) -> AnyHandler | None:
-        """Return the handler that a recorded number has today; None if today's table has no row for it."""
+        """Return the current handler for a payload number in the recording; None if the table has no such row today."""
         if number in self.adapter.refused:
             return None
         return self._registry.by_number.get(self.adapter.number_today(number))
@@ -160,9 +143,9 @@ class RosReplay(_Replay):
         made = sorted(self._reconverted.values())
         return [*super().notes, *([f"made again from the recorded datagrams: {', '.join(made)}"] if made else [])]
 
-    def messages(self) -> Iterator[Timed]:
-        """Yield the messages to publish, each with its topic."""
-        for recorded in self._recording.messages():
+    def messages(self, since: int = 0) -> Iterator[Timed]:
+        """Yield the messages to publish, each with its topic, from the time ``since`` (nanoseconds since 1970)."""
+        for recorded in self._recording.messages(since):
             topic = recorded.channel.topic
             if recorded.channel.encoding == "cdr":
                 if topic in self.endpoints and topic not in self._reconverted.values():

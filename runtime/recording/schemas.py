@@ -1,4 +1,4 @@
-"""Protobuf schema of a recording: serializes the descriptors of the envelope, and makes message classes from them."""
+"""Protobuf schema of a recording: stores the descriptors of the envelope, and makes message classes from them again."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
 
 def descriptor_set_of(message_type: type[ProtoMessage]) -> bytes:
-    """Return the serialized ``FileDescriptorSet`` of a message class. A file stands after all files that it imports."""
+    """Return the serialized ``FileDescriptorSet`` with the .proto file of a message class and all imported files.
+
+    A file stands after all files that it imports.
+    """
     files: dict[str, descriptor_pb2.FileDescriptorProto] = {}
     _add(message_type.DESCRIPTOR.file, files)
     return descriptor_pb2.FileDescriptorSet(file=files.values()).SerializeToString(deterministic=True)

@@ -1,4 +1,4 @@
-"""Conversion of a recorded topic to a table for spreadsheets and notebooks: one row for each message."""
+"""Export of a recorded topic as a CSV or Parquet file, for spreadsheets and notebooks: one line for each message."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ _BATCH = 50_000  # rows of a Parquet row group, held in memory
 
 
 def rows_of(recording: Recording, topic: str) -> Iterator[Row]:
-    """Yield one table row for each message of a topic.
+    """Yield one line of the exported file for each message of a topic: a dict with the values by column.
 
-    The column ``time_ns`` is the time in nanoseconds since 1970. Each field is a column; a field of a nested message is
-    a column with a dotted name. Messages are parsed with the definition in the recording. Raises `SetupError` if the
-    topic does not exist or is not a ROS 2 topic.
+    The columns ``time_ns`` (steady time) and ``wall_ns`` (the computer's clock) are nanoseconds since 1970; see
+    `clocks`. Each field is a column; a field of a nested message is a column with a dotted name. Messages are parsed
+    with the definition in the recording. Raises `SetupError` if the topic does not exist or is not a ROS 2 topic.
     """
     channel = _channel(recording, topic)
     message_type = message_type_from(channel.schema_name, channel.schema.decode())
     for message in recording.messages():
         if message.channel.topic == channel.topic:
             values = message_to_values(cdr.decode(message_type, message.data))
-            yield {"time_ns": message.time, **_flat(values)}
+            yield {"time_ns": message.time, "wall_ns": message.wall, **_flat(values)}
 
 
 def _channel(recording: Recording, topic: str) -> Channel:
@@ -55,7 +55,10 @@ def _flat(values: Mapping[str, Any], prefix: str = "") -> Row:
 
 
 def write_csv(rows: Iterator[Row], path: Path) -> int:
-    """Write rows to a CSV file; lists are written as JSON. Return the number of rows. Raises `OSError`."""
+    """Write the lines from `rows_of` to a CSV file; lists are written as JSON.
+
+    Return the number of lines. Raises `OSError`.
+    """
     with path.open("w", encoding="utf-8", newline="") as file:
         written = 0
         writer = csv.writer(file, lineterminator="\n")
@@ -68,7 +71,7 @@ def write_csv(rows: Iterator[Row], path: Path) -> int:
 
 
 def write_parquet(rows: Iterator[Row], path: Path) -> int:
-    """Write rows to a Parquet file and return their number.
+    """Write the lines from `rows_of` to a Parquet file, and return their number.
 
     Raises `OSError`, and `SetupError` if pyarrow is missing.
     """
@@ -76,9 +79,7 @@ def write_parquet(rows: Iterator[Row], path: Path) -> int:
         import pyarrow
         import pyarrow.parquet
     except ImportError as error:
-        raise SetupError(
-            "Parquet needs the pyarrow package; install it with `pip install 'roverlink[parquet]'`"
-        ) from error
+        raise SetupError("Parquet needs the pyarrow package; install it with `pip install 'pyarrow>=17'`") from error
     written, writer = 0, None
     try:
         # range first: zip would otherwise take a row from the iterator and drop it at the end of a batch.

@@ -1,6 +1,7 @@
-"""Parameters of a running node: ROS 2 reads them, and changes those that are not read-only.
+"""Parameters of a running node: ROS 2 tools can read them, and change those that are not read-only.
 
-A change is checked as a whole and then applied as a whole. The middlewares offer it to ROS 2 (`NodeParameters`).
+If a tool changes several parameters at once, either all changes are applied or none. The middlewares offer the
+parameters to ROS 2 through the interface `NodeParameters`.
 """
 
 from __future__ import annotations
@@ -26,21 +27,24 @@ class LiveParameters:
         self.descriptors: Mapping[str, ParameterDescriptor] = {
             name: _descriptor(name, declaration) for name, declaration in declared.items()
         }
-        """Declaration of each parameter, as ROS 2 describes it."""
+        """Declaration of each parameter by its name, as a ROS 2 message."""
         self._lock = threading.Lock()
         self._apply: Callable[[Parameters], None] = _refuse_at_start
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """Value of each parameter."""
+        """Value of each parameter by its name."""
         return self._current.values
 
     def on_change(self, apply: Callable[[Parameters], None]) -> None:
-        """Call a function with the changed parameters from now on. It raises `SetupError` if it cannot apply them."""
+        """Set the function that applies changed parameters. Before this, every change is refused.
+
+        ``apply`` gets all parameters with their new values; it must raise `SetupError` if it cannot apply them.
+        """
         self._apply = apply
 
     def change(self, changes: Mapping[str, Any]) -> None:
-        """Change parameters.
+        """Change parameters to the values in ``changes``, and apply them.
 
         Raises `SetupError` with the reason if one of them cannot change; then none has changed.
         """

@@ -14,12 +14,14 @@ from roverlink.runtime.text import strict_yaml
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """Declaration of a parameter that the node has."""
+    """Declaration of one ROS 2 parameter of the node: its default, its description, and its allowed values."""
 
     default: int | str
     description: str
     unit: str = ""
+    """Unit of a parameter that is a number, such as ``bytes``."""
     minimum: int = 0
+    """Smallest number, for a parameter that is a number."""
     maximum: int = 0
     """Largest number, for a parameter that is a number."""
     limits: str = ""
@@ -43,7 +45,7 @@ _FILE = Path(__file__).with_name("node_parameters.yaml")
 DECLARED: Mapping[str, Declaration] = {
     name: Declaration(**said) for name, said in strict_yaml.load(_FILE.read_text(encoding="utf-8")).items()
 }
-"""Declarations of parameters, by the name of the parameter."""
+"""Declarations of the parameters in `node_parameters.yaml`, by the name of the parameter."""
 LISTEN_PORT = DECLARED["listen_port"].default
 
 
@@ -61,11 +63,14 @@ class Parameters:
     peer_ports: Mapping[str, int]
     """UDP port of each peer, by the peer's name."""
     values: Mapping[str, Any]
-    """Every parameter by its ROS 2 name."""
+    """Value of every parameter, by its ROS 2 name."""
 
 
 def declarations(registry: Registry) -> dict[str, Declaration]:
-    """Return the declaration of every parameter by name. The table names the parameters of the peers' ports."""
+    """Return the declaration of every parameter of the node, by the parameter's name.
+
+    These are the parameters in `DECLARED`, and a parameter for the UDP port of each peer, which the table names.
+    """
     port = replace(DECLARED["listen_port"], minimum=1, read_only=False)
     ports = {
         peer.port_parameter: replace(port, default=peer.port, description=f"UDP port of the peer {peer.name}")
@@ -89,7 +94,7 @@ def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
 
 
 def changed(registry: Registry, parameters: Parameters, changes: Mapping[str, Any]) -> Parameters:
-    """Return parameters with some values changed while the node runs.
+    """Return a copy of ``parameters`` with the new values in ``changes``, for a node that is running.
 
     Raises `SetupError` if one of the parameters is unknown or read-only, or if a value is wrong.
     """

@@ -36,7 +36,7 @@ class _Remap:
 
 @dataclass(slots=True)
 class RosArguments:
-    """ROS 2 arguments that concern one node."""
+    """Contents of the arguments after ``--ros-args``, as far as they are meant for one node."""
 
     node: NodeIdentity
     parameters: dict[str, Any] = field(default_factory=dict)
@@ -70,7 +70,7 @@ def split(arguments: list[str]) -> tuple[list[str], list[str]]:
 
 
 def parse(arguments: list[str], default_name: str) -> RosArguments:
-    """Read the arguments after ``--ros-args``. Raises `SetupError` that quotes the wrong argument.
+    """Read the arguments after ``--ros-args``. Raises `SetupError` that quotes a wrong argument.
 
     ``default_name`` is the node's name if no argument sets it.
     """
@@ -133,7 +133,7 @@ def _options(arguments: list[str]) -> Iterator[tuple[str, str]]:
 
 
 def _assignment(text: str, what: str) -> tuple[str, str, str]:
-    """Split ``[node:]name:=value`` into node (or empty), name and value; ``what`` says in errors what the text is."""
+    """Split ``[node:]name:=value`` into node (or empty), name and value; ``what`` is ``the remap``, for errors."""
     left, separator, value = text.partition(":=")
     found = _LEFT_SIDE.fullmatch(left)
     if not separator or found is None:
@@ -208,7 +208,10 @@ def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
 
 
 def _sections(content: Mapping[Any, Any], prefix: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:
-    """Yield the key and content of each node's section in a parameter file, also inside namespaces."""
+    """Yield key and content of each node's section in a parameter file, also of sections inside namespaces.
+
+    The key is the node's name or a wildcard pattern, with the namespaces before it: ``/rover/udp_forwarder``.
+    """
     for key, value in content.items():
         name = f"{prefix.rstrip('/')}/{str(key).strip('/')}" if prefix else str(key)
         if isinstance(value, Mapping) and "ros__parameters" not in value and value:

@@ -1,4 +1,4 @@
-"""Making of a payload from assignments such as ``imu.accel_x=1``, as ``roverlink send`` takes them."""
+"""Construction of a payload from assignments such as ``imu.accel_x=1``, as ``roverlink send`` takes them."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ _INTEGERS = {
 
 
 def payload_from_assignments(payload_type: type[P], assignments: Mapping[str, Any]) -> P:
-    """Build a payload from values; the keys of ``assignments`` are dotted paths of fields.
+    """Build a payload from values; the keys of ``assignments`` are dotted paths of fields, such as ``imu.accel_x``.
 
-    A value that is a text is read by the type of its field: an enum value by name or number, bytes in hexadecimal, a
+    A value that is a string is read by the type of its field: an enum value by name or number, bytes in hexadecimal, a
     string unchanged, and numbers, lists and nested messages as YAML. Raises `ConversionError` for an unknown path or a
     value that does not fit.
     """
@@ -71,7 +71,7 @@ def _field_value(field: Any, value: Any, path: str) -> Any:
     """Return a value in the form that the protobuf class of the payload accepts for a field."""
     # A path has no way to write a map's keys.
     if field.message_type is not None and field.message_type.GetOptions().map_entry:
-        raise ConversionError("it is a map, which cannot be assigned here", path)
+        raise ConversionError("the field is a map, which an assignment cannot set", path)
     if not field.is_repeated:
         return _item_value(field, value, path)
     values = _yaml(value, path) if isinstance(value, str) else value
@@ -127,7 +127,7 @@ def _number_value(field: Any, value: Any, path: str) -> Any:
 
 
 def _scalar(text: str) -> Any:
-    """Parse a YAML scalar.
+    """Parse a YAML scalar; a text that is not valid YAML is returned unchanged.
 
     Numbers such as 1e-3 are accepted too, although YAML 1.1 requires a decimal point in them.
     """

@@ -27,7 +27,7 @@ class YamlTextError(ValueError):
         self._place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
 
     def in_file(self, path: Path) -> str:
-        """Return the error message with the path of the file, the line and the column before it."""
+        """Return the error message with file, line and column in front: ``params.yaml:3:5: not valid YAML: ...``."""
         return f"{path}{self._place}: {self}"
 
 
@@ -67,7 +67,7 @@ def compose(text: str) -> yaml.Node:
 
 
 def construct(node: yaml.Node) -> Any:
-    """Convert a YAML node to a plain Python value. Raises `YamlTextError` if that is impossible, as for February 30."""
+    """Convert a YAML node to a plain Python value. Raises `YamlTextError` if that is impossible, as for 2024-02-30."""
     try:
         value = yaml.constructor.SafeConstructor().construct_document(node)
     # PyYAML's constructors look up, match and convert without catching the errors of these operations.

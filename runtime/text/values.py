@@ -50,9 +50,10 @@ def _to_value(value: Any) -> Any:
 
 
 def message_from_values(message_type: type[M], values: object, path: str = "") -> M:
-    """Build a ROS 2 message from plain values; missing fields are zero. ``path`` is the message's path, for errors.
+    """Build a ROS 2 message from a mapping of field names to plain values; missing fields are zero or empty.
 
-    Raises `ConversionError` for an unknown field or a value of the wrong type.
+    ``path`` is the dotted path of the message inside another message, for errors. Raises `ConversionError` for an
+    unknown field or a value of the wrong type.
     """
     if not isinstance(values, Mapping):
         raise ConversionError(f"{values!r} is not a mapping of field names to values", path)

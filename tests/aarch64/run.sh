@@ -32,7 +32,7 @@ rules=/proc/sys/fs/binfmt_misc
 [ -e $rules/qemu-aarch64 ] || cat /usr/lib/binfmt.d/qemu-aarch64.conf >$rules/register
 
 if [ "$(cat .aarch64/packages 2>/dev/null)" != "$packages" ]; then
-  echo "== installing Debian 12 for arm64 in .aarch64/root"
+  echo "== installing Debian 12 for arm64 in .aarch64/root; this downloads packages and can take half an hour (log: .aarch64/log)"
   rm -rf .aarch64
   mkdir .aarch64
   if ! debootstrap --arch=arm64 --variant=minbase --include="$packages" bookworm "$root" >.aarch64/log 2>&1; then

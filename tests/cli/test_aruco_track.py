@@ -142,7 +142,7 @@ def test_another_image_size_is_refused_or_scaled(
     frames = _resized(field, tmp_path / "small", (480, 360))
     words = [word.replace(str(field.folder / "frames"), str(frames)) for word in field.words("--json")]
     assert main(words) == 2
-    assert "for images of 640x480 pixels, but these have 480x360; calibrate at this size" in capsys.readouterr().err
+    assert "for images of 640x480 pixels, but the images have 480x360; calibrate at this" in capsys.readouterr().err
     assert main([*words, "--rescale"]) == 0
     told = capsys.readouterr()
     assert "were scaled from images of 640x480 pixels to 480x360" in told.err

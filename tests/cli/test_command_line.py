@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import logging
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from roverlink.__main__ import COMMANDS, main
+from roverlink.__main__ import main
+from roverlink.command_line import COMMANDS, command_line
 from roverlink.console import NoProjectError, node_logger, project_folder
 
 _SUBCOMMANDS = ["aruco track", "aruco calibrate", "aruco board"]
@@ -59,7 +62,6 @@ def test_the_example_of_each_help_is_understood(
     """What a help shows is a line that the command takes."""
     import shlex
 
-    from roverlink.__main__ import command_line
     from roverlink.runtime.ros_arguments import ros_args
 
     monkeypatch.chdir(_ROOT / "generated" / "ros" / "comms" / "config")  # where udp.yaml is
@@ -76,9 +78,16 @@ def test_the_example_of_each_help_is_understood(
     ("arguments", "expected"),
     [
         ([], "required: command"),
-        (["frobnicate"], "invalid choice: 'frobnicate'"),
-        (["run", "--frobnicate"], "unrecognized arguments: --frobnicate"),
-        (["run", "--middleware", "zenoh"], "invalid choice: 'zenoh'"),
+        (["frobnicate"], "unknown command 'frobnicate'; known: init, generate"),
+        (["lnit"], "unknown command 'lnit'; did you mean 'lint'?"),
+        (["aruco", "bord"], "unknown command 'bord'; did you mean 'board'?"),
+        (["--verison"], "unknown option '--verison'; did you mean '--version'?"),
+        (["lint", "--agianst", "main"], "unknown option '--agianst'; did you mean '--against'?"),
+        (["export", "--topc=imu_data"], "unknown option '--topc'; did you mean '--topic'?"),
+        (["run", "--middleware", "ddss"], "unknown value 'ddss'; did you mean 'dds'?"),
+        (["run", "--frobnicate"], "unknown option '--frobnicate'; did you mean '--rotate'?"),
+        (["run", "--zzz"], "unknown option '--zzz'; known: --help, --record, --project, --middleware"),
+        (["run", "--middleware", "zenoh"], "unknown value 'zenoh'; known: auto, dds, rclpy, memory"),
         (["listen"], "required: --port"),
         (["listen", "--port", "x"], "'x' is not a port number from 0 to 65535"),
         (["listen", "--port", "65536"], "'65536' is not a port number from 0 to 65535"),
@@ -103,7 +112,7 @@ def test_the_example_of_each_help_is_understood(
         (["pub", "a", "--rate=-1"], "'-1' is not a frequency above 0"),
         (["pub", "a", "--wait", "nan"], "'nan' is not a duration in seconds"),
         (["demo", "--seconds", "soon"], "'soon' is not a duration in seconds"),
-        (["demo", "--middleware", "auto"], "invalid choice: 'auto'"),
+        (["demo", "--middleware", "auto"], "unknown value 'auto'; known: dds, rclpy, memory"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
@@ -116,6 +125,70 @@ def test_a_line_that_is_not_understood_is_told(
     assert output == ""
     assert errors.startswith("usage: roverlink")
     assert expected in errors
+
+
+def test_an_option_may_be_shortened_and_what_follows_two_dashes_is_a_value() -> None:
+    """Only options that no command knows are refused: not their beginnings, and not values."""
+    arguments = ["pub", "--cou", "2", "imu_data", "--", "--x"]
+    options = command_line(arguments).parse_args(arguments)
+    assert (options.count, options.topic, options.values) == (2, "imu_data", "--x")
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("roverlink re", {"retire", "record", "replay"}),
+        ("roverlink lint --ag", {"--against"}),
+        ("roverlink lint --format ", {"text", "json", "github", "sarif", "junit"}),
+        ("roverlink aruco bo", {"board"}),
+        ("roverlink frobnicate --x", set()),
+    ],
+)
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shells_complete_commands_options_and_choices(
+    shell: str, line: str, expected: set[str], tmp_path: Path, environment: dict[str, str]
+) -> None:
+    """The shells' completion, which sets these variables, gets the words that fit the line so far."""
+    answer = tmp_path / "answer"
+    asked = {"COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE": "1", "_ARGCOMPLETE_SHELL": shell}
+    output = {"_ARGCOMPLETE_STDOUT_FILENAME": str(answer), "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_SUPPRESS_SPACE": "1"}
+    command = [sys.executable, "-m", "roverlink"]
+    done = subprocess.run(command, env={**environment, **asked, **output}, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    words = re.split(r"\n", answer.read_text()) if answer.exists() else []
+    assert {re.split(r"[:\t]", word)[0].strip() for word in words} - {""} == expected
+
+
+def test_bash_completes_after_the_line_of_the_readme(tmp_path: Path, environment: dict[str, str]) -> None:
+    """In a real bash, the registration makes the tab key complete a command."""
+    program = tmp_path / "roverlink"
+    program.write_text(f'#!/bin/sh\nexec {sys.executable} -m roverlink "$@"\n')
+    program.chmod(0o755)
+    script = f"""
+        eval "$({sys.executable} -m argcomplete.scripts.register_python_argcomplete roverlink)"
+        COMP_LINE='roverlink gene' COMP_POINT=14 COMP_TYPE=9 COMP_KEY=9 COMP_WORDS=(roverlink gene) COMP_CWORD=1
+        "$(complete -p roverlink | sed 's/.*-F \\([^ ]*\\).*/\\1/')" roverlink gene roverlink
+        echo "${{COMPREPLY[@]}}"
+    """
+    path = f"{tmp_path}:{environment['PATH']}"
+    done = subprocess.run(["bash", "-c", script], env={**environment, "PATH": path}, capture_output=True, text=True)
+    assert (done.stdout.split(), done.stderr) == (["generate"], "")
+
+
+def test_the_version_and_an_unknown_command_import_no_command(environment: dict[str, str]) -> None:
+    """Both end without the commands, the generator and the bridge, whose imports take most of a start."""
+    for arguments in (["--version"], ["--hlp"]):
+        script = f"""
+import sys
+from roverlink.__main__ import main
+try:
+    main({arguments})
+finally:
+    slow = ("roverlink.commands", "roverlink.generator", "roverlink.runtime.bridge", "yaml", "rich")
+    print([name for name in sys.modules if name.startswith(slow)], file=sys.stderr)
+"""
+        done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True)
+        assert "\n[]\n" in f"\n{done.stderr}", arguments
 
 
 @pytest.mark.parametrize("command", ["send", "listen", "echo", "pub", "run", "demo"])

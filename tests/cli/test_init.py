@@ -144,16 +144,47 @@ def _lint_of_the_workflow(folder: Path) -> tuple[int, str]:
     workflow = yaml.safe_load((folder / ".github" / "workflows" / "roverlink.yml").read_text())
     step = workflow["jobs"]["lint"]["steps"][-1]
     assert step["env"] == {"BASE": "origin/${{ github.base_ref || github.ref_name }}"}
-    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    home = folder.parent / f"home of {folder.name}"
+    if not home.exists():
+        (home / "roverlink").mkdir(parents=True)
+        (home / "roverlink" / "bin").symlink_to(Path(sys.executable).parent)
     done = subprocess.run(
         ["bash", "-e", "-c", step["run"]],
         cwd=folder,
-        env={**os.environ, "BASE": "origin/main", "PATH": path},
+        env={**os.environ, "BASE": "origin/main", "HOME": str(home)},
         capture_output=True,
         text=True,
         check=False,
     )
     return done.returncode, done.stdout
+
+
+@pytest.mark.parametrize(
+    ("url", "source"),
+    [
+        ("https://example.com/rover.git", "git+https://example.com/rover.git@4c1f09ab"),
+        ("file:///somewhere/rover", ""),  # GitHub cannot reach it
+    ],
+)
+def test_the_workflow_installs_from_the_repository_that_roverlink_came_from(
+    url: str, source: str, tmp_path: Path, done: Start
+) -> None:
+    """What pip wrote about the installation is put into the workflow; what only this computer has is asked for."""
+    installed = tmp_path / "site" / "roverlink-0.1.0.dist-info"
+    plant(
+        installed,
+        {
+            "METADATA": "Metadata-Version: 2.1\nName: roverlink\nVersion: 0.1.0\n",
+            "direct_url.json": json.dumps({"url": url, "vcs_info": {"vcs": "git", "commit_id": "4c1f09ab"}}),
+        },
+    )
+    (tmp_path / "rover").mkdir()
+    path = os.pathsep.join([str(installed.parent), os.environ.get("PYTHONPATH", "")])
+    code, said, _ = done("init", folder=tmp_path / "rover", PYTHONPATH=path)
+    assert code == 0
+    workflow = yaml.safe_load((tmp_path / "rover" / ".github" / "workflows" / "roverlink.yml").read_text())
+    assert workflow["env"] == {"ROVERLINK": source}
+    assert ("set ROVERLINK in .github/workflows/roverlink.yml" in said) == (not source)
 
 
 def test_below_the_top_of_a_repository_the_way_of_two_files_is_told(tmp_path: Path, done: Start) -> None:

@@ -102,7 +102,7 @@ def test_the_list_names_every_payload_and_field(capsys: pytest.CaptureFixture[st
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["send"], "no payload given; `roverlink send --list` lists them"),
+        (["send"], "no payload is given; `roverlink send --list` lists all payloads"),
         (["send", "imu_inf"], "unknown payload 'imu_inf'; did you mean 'imu_info'?"),
         (["send", "zzz"], "unknown payload 'zzz'; known: ph_info, arm_ctrl"),
         (["send", "imu_info", "accel_q=1"], "SensorBoardIMUInfo has no field 'accel_q'; did you mean 'accel_z'?"),
@@ -110,7 +110,7 @@ def test_the_list_names_every_payload_and_field(capsys: pytest.CaptureFixture[st
         (["send", "imu_info", "=1"], "'=1' is not of the form field=value"),
         (["send", "imu_info", "accel_x=fast"], "accel_x: 'fast' is not a valid float"),
         (["send", "imu_info", "accel_x=1e39"], "accel_x: '1e39' is not a valid float"),
-        (["send", "imu_info", "accel_x=1", "accel_x=2"], "accel_x is assigned more than once"),
+        (["send", "imu_info", "accel_x=1", "accel_x=2"], "the field 'accel_x' is assigned more than once"),
         (["send", "imu_info", "error_code=IMU_SENSOR_FALT"], "did you mean 'IMU_SENSOR_FAULT'?"),
         (["send", "imu_info", "accel_x.y=1"], "SensorBoardIMUInfo.accel_x is not a message"),
         (["send", "detected_object", "bbox=3"], "bbox: '3' is not a mapping"),

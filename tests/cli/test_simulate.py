@@ -138,7 +138,7 @@ def test_the_account_is_told_in_words(done: Start) -> None:
     code, output, _ = done("simulate", "--bridge", "memory", "--seconds", 0.5)
     assert code == 0
     assert " datagrams were sent to the bridge" in output
-    assert output.splitlines()[-1] == "all sums agree"
+    assert output.splitlines()[-1] == "No problems found: all counts add up."
 
 
 def test_a_bridge_of_somebody_elses_gets_the_stream(done: Start) -> None:

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import fcntl
 import json
 import os
+import pty
 import re
+import resource
+import select
 import socket
 import struct
+import subprocess
+import sys
+import termios
 import threading
 import urllib.request
 from collections.abc import Callable, Iterator
@@ -26,11 +34,14 @@ from roverlink.__main__ import main
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.net.http_server import BoundedServer
 from roverlink.runtime.recording.message_definitions import definition_of
 
 Start = Callable[..., Any]
 
 _FREE_PORT = ("--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
+
+_EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # on request
 
 
 class _Board:
@@ -87,7 +98,7 @@ def test_top_shows_the_bridge(start: Start, done: Start) -> None:
     with _Board(program):
         live = start("top", "--middleware", "dds", "--json", "--timeout", 60)
         code, output, _ = done("top", "--once", "--middleware", "dds", "--timeout", 60)
-        assert (code, output.splitlines()[0]) == (0, "udp_forwarder  OK  nothing lost")
+        assert (code, output.splitlines()[0]) == (0, "/udp_forwarder  OK  nothing lost")
         assert re.search(r"13 +imu_info +hardware→ros +OK", output)
         code, output, _ = done("top", "--once", "--json", "--middleware", "dds", "--timeout", 60)
         page = json.loads(output)
@@ -120,10 +131,116 @@ def test_a_node_whose_qos_does_not_match_is_shown(
     assert program.interrupt() == 0
 
 
+class _Terminal:
+    """`roverlink top` on a terminal of some size, and what it has written."""
+
+    def __init__(self, environment: dict[str, str], columns: int, lines: int) -> None:
+        self._file, theirs = pty.openpty()
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", lines, columns, 0, 0))
+        self.before = termios.tcgetattr(theirs)
+        self.theirs = theirs
+        kept = {name: value for name, value in environment.items() if name not in ("COLUMNS", "LINES")}
+
+        def own_the_terminal() -> None:
+            os.setsid()
+            fcntl.ioctl(theirs, termios.TIOCSCTTY, 0)
+
+        self.program = subprocess.Popen(
+            [sys.executable, "-m", "roverlink", "top", "--middleware", "dds", "--timeout", "60"],
+            stdin=theirs,
+            stdout=theirs,
+            stderr=theirs,
+            env={**kept, "TERM": "xterm-256color"},
+            preexec_fn=own_the_terminal,
+        )
+        self._text = ""
+
+    def wait_for(self, pattern: str) -> str:
+        """What is written from now on, up to a match."""
+        self._text = ""
+
+        def read() -> bool:
+            if select.select([self._file], [], [], 0.1)[0]:
+                self._text += os.read(self._file, 65536).decode(errors="replace")
+            plain = re.sub(r"\x1b\[[0-9;]*m", "", self._text)  # without colours
+            return re.search(pattern, plain) is not None
+
+        wait_until(read, f"{pattern!r} on the terminal")
+        return self._text
+
+    def press(self, keys: str) -> None:
+        os.write(self._file, keys.encode())
+
+    def close(self) -> None:
+        self.program.kill()
+        self.program.wait()
+        os.close(self._file)
+        os.close(self.theirs)
+
+
+@needs_dds
+def test_top_obeys_keys_on_a_small_terminal(start: Start, environment: dict[str, str]) -> None:
+    """Arrows scroll to the last row, letters sort and filter, `q` ends it, and the terminal is as it was before."""
+    program = start("run", "--middleware", "dds", *_FREE_PORT)
+    with _Board(program):
+        terminal = _Terminal(environment, 70, 20)
+        try:
+            terminal.wait_for("datagrams dropped: 0; by the kernel: 0")
+            assert terminal.wait_for("row 1 of 21")
+            terminal.press("\x1b[F")
+            assert "rover_localization" in terminal.wait_for("row 21 of 21")
+            terminal.press("s")
+            terminal.wait_for("sort: name")
+            terminal.press("/imu_")
+            terminal.wait_for("row 1 of 1 (?s:.*)filter: imu__")
+            terminal.press("\r")
+            terminal.wait_for("/ filter: imu_")
+            terminal.press("q")
+            terminal.wait_for(re.escape("\x1b[?1049l"))
+            assert terminal.program.wait(60) == 0
+            assert termios.tcgetattr(terminal.theirs) == terminal.before
+        finally:
+            terminal.close()
+    assert program.interrupt() == 0
+
+
+@needs_dds
+def test_top_warns_of_two_bridges_with_one_name(start: Start, done: Start) -> None:
+    """With both processes; exit code 1; of two names, each bridge is shown, and `--node` selects one."""
+    programs = [start("run", "--middleware", "dds", *_FREE_PORT, *more) for more in ((), (), ("-r", "__node:=another"))]
+    for program in programs:
+        program.wait_for("on UDP port ")
+    heard: dict[str, int] = {}
+
+    def all_heard() -> bool:
+        nonlocal heard
+        code, output, errors = done("top", "--once", "--middleware", "dds", "--timeout", 60)
+        titles = [line for line in output.splitlines() if line.startswith("/")]
+        heard = {"code": code, "titles": len(titles), "warned": "warning: 2 bridges are named '/udp_fo" in errors}
+        return heard == {"code": 1, "titles": 3, "warned": True}
+
+    # A command that has just started may hear one bridge later than the others.
+    wait_until(all_heard, "all three bridges in one answer")
+    code, output, errors = done("top", "--once", "--middleware", "dds", "--timeout", 60, "--node", "another")
+    assert (code, output.splitlines()[0], errors) == (0, "/another  OK  nothing lost", "")
+    for program in programs:
+        assert program.interrupt() == 0
+
+
+def test_top_needs_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    """Without one it says which options print the state; exit code 2."""
+    assert main(["top", "--middleware", "memory"]) == 2
+    assert "`roverlink top --once` or `--json`" in capsys.readouterr().err
+
+
 def test_top_without_a_bridge_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    """By the name of its node and the topic; exit code 1."""
+    """By the names that were asked for and the topic; exit code 1."""
     assert main(["top", "--once", "--middleware", "memory", "--timeout", "0.1"]) == 1
-    assert capsys.readouterr() == ("", "no messages of a bridge named 'udp_forwarder' on /diagnostics within 0.1 s\n")
+    output, errors = capsys.readouterr()
+    assert output == ""
+    assert errors.startswith("no messages of a bridge on /diagnostics within 0.1 s; check that")
+    assert main(["top", "--once", "--middleware", "memory", "--timeout", "0.1", "--node", "a", "--node", "b"]) == 1
+    assert "no messages of a bridge named 'a' or named 'b' on /diagnostics" in capsys.readouterr().err
 
 
 def _families(page: str) -> dict[str, Any]:
@@ -147,19 +264,52 @@ def test_metrics_of_a_running_bridge(start: Start) -> None:
     assert program.interrupt() == 0
 
 
+def _threads(program: Any) -> int:
+    status = Path(f"/proc/{program.pid}/status").read_text(encoding="utf-8")
+    return int(re.search(r"^Threads:\s*(\d+)", status, re.MULTILINE)[1])  # type: ignore[index]  # always there
+
+
+def test_slow_clients_do_not_stop_a_scrape(start: Start) -> None:
+    """Not 1,000 that send half a request and wait: threads stay few, and nothing is said about half a request."""
+    program = start("run", "--middleware", "memory", "--no-diagnostics", "--metrics", 0, *_FREE_PORT)
+    page = program.wait_for("metrics: ").rpartition(" ")[2]
+    port = int(page.split(":")[2].partition("/")[0])
+    before = _threads(program)
+    limit = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(limit[0], min(4096, limit[1])), limit[1]))
+    with contextlib.ExitStack() as clients:
+        clients.callback(resource.setrlimit, resource.RLIMIT_NOFILE, limit)
+        for _ in range(1000):
+            client = clients.enter_context(socket.create_connection(("127.0.0.1", port), 60))
+            client.sendall(b"GET /metrics HTTP/1.1\r\nHost: x")
+        for _ in range(10):
+            assert "roverlink_received" in _families(page)
+            assert _threads(program) <= before + BoundedServer.connections + 1
+        # A client that resets its connection in the middle of its request.
+        client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    with socket.create_connection(("127.0.0.1", port), 60) as client:
+        client.sendall(b"GET /met")
+    assert "roverlink_received" in _families(page)
+    assert program.interrupt() == 0
+    assert program.errors[-1].count("received 0, published 0") == 1
+    assert not [line for line in program.errors if "xception" in line or not line.startswith("[")]
+
+
 def test_metrics_without_their_package_are_told(done: Start, tmp_path: Path) -> None:
     """The command that installs it is named."""
     (tmp_path / "prometheus_client.py").write_text("raise ImportError('hidden')\n")
     hidden = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
     code, _, errors = done("run", "--middleware", "memory", "--metrics", 0, *_FREE_PORT, PYTHONPATH=hidden)
     assert code == 2
-    assert "install it with `pip install 'roverlink[metrics]'`" in errors
+    assert "install it with `pip install 'prometheus-client>=0.21'`" in errors
 
 
 def test_foxglove_sees_the_topics(start: Start) -> None:
     """A client of its WebSocket protocol is told of every topic with its schema, and gets the messages it asks for."""
-    program = start("run", "--middleware", "memory", "--no-diagnostics", "--foxglove", 0, *_FREE_PORT)
+    everywhere = ("--ros-args", "-p", "listen_port:=0")  # the bridge is on all addresses, Foxglove is not
+    program = start("run", "--middleware", "memory", "--no-diagnostics", "--foxglove", 0, *everywhere)
     address = program.wait_for("connect Foxglove to ").rpartition(" ")[2]
+    assert address.startswith("ws://127.0.0.1:")
     with _Board(program):
         channels, message = asyncio.run(asyncio.wait_for(_foxglove(address), 60))
     assert {channel["topic"] for channel in channels} == {f"/{topic}" for topic in REGISTRY.by_topic}
@@ -168,6 +318,18 @@ def test_foxglove_sees_the_topics(start: Start) -> None:
     assert imu["schemaName"] == "comms/msg/ImuSensorInformation"
     assert imu["schema"] == definition_of(ImuSensorInformation)
     assert cdr.decode(ImuSensorInformation, message) == ImuSensorInformation(accel_x=1.5)
+    assert program.interrupt() == 0
+
+
+def test_foxglove_is_offered_to_others_on_request(start: Start) -> None:
+    """On all addresses, the address in the log is one that can be opened."""
+    options = ("--no-diagnostics", "--foxglove", 0, "--foxglove-address", _EVERY_ADDRESS)
+    program = start("run", "--middleware", "memory", *options, *_FREE_PORT)
+    address = program.wait_for("connect Foxglove to ").rpartition(" ")[2]
+    assert _EVERY_ADDRESS not in address
+    with _Board(program):
+        channels, _ = asyncio.run(asyncio.wait_for(_foxglove(address), 60))
+    assert channels
     assert program.interrupt() == 0
 
 
@@ -248,3 +410,49 @@ def test_a_foxglove_port_in_use_is_told(capsys: pytest.CaptureFixture[str]) -> N
         arguments = ["run", "--middleware", "memory", "--no-diagnostics", "--foxglove", str(port), *_FREE_PORT]
         assert main(arguments) == 2
     assert f"cannot serve Foxglove on TCP port {port} of 127.0.0.1" in capsys.readouterr().err
+
+
+@needs_dds
+def test_top_serves_the_page(start: Start) -> None:
+    """`top --web` shows the rows of a bridge in another process, and the log that it publishes."""
+    program = start("run", "--middleware", "dds", *_FREE_PORT)
+    with _Board(program):
+        top = start("top", "--middleware", "dds", "--web", "127.0.0.1:0", "--timeout", 60)
+        url = top.wait_for("page: ").rpartition(" ")[2]
+        seen: dict[str, dict[str, Any]] = {}
+        with urllib.request.urlopen(f"{url}events", timeout=60) as events:
+            while not (seen.get("state") and seen.get("log", {}).get("lines")):
+                name = events.readline().decode().strip()
+                if name.startswith("event: "):
+                    seen[name.removeprefix("event: ")] = json.loads(events.readline().decode().removeprefix("data: "))
+        row = next(row for row in seen["state"]["rows"] if row["name"] == "imu_info")
+        assert row["count"] > 0
+        assert not seen["state"]["has_values"]
+        assert any("bridges" in line["text"] for line in seen["log"]["lines"])
+        assert top.interrupt() == 0
+    assert program.interrupt() == 0
+
+
+@needs_dds
+def test_the_page_of_top_shows_one_of_several_bridges(start: Start) -> None:
+    """The first by name, and the user is told so; with `--node`, the one with this name."""
+    for more in ((), ("-r", "__node:=another")):
+        start("run", "--middleware", "dds", *_FREE_PORT, *more).wait_for("on UDP port ")
+    for name, options in (("another", ()), ("udp_forwarder", ("--node", "udp_forwarder"))):
+        top = start("top", "--middleware", "dds", "--web", "127.0.0.1:0", "--timeout", 60, *options)
+        if not options:
+            top.wait_for("the page shows the bridge '/another'; select another one with --node")
+        url = top.wait_for("page: ").rpartition(" ")[2]
+        with urllib.request.urlopen(f"{url}events", timeout=60) as events:
+            while events.readline() != b"event: state\n":
+                pass
+            state = json.loads(events.readline().decode().removeprefix("data: "))
+        assert state["node"]["name"] == name
+        assert top.interrupt() == 0
+
+
+def test_top_serves_a_page_or_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    """`--web` with `--once` or `--json` is refused, with exit code 2."""
+    for other in ("--once", "--json"):
+        assert main(["top", "--web", "0", other, "--middleware", "memory"]) == 2
+        assert "--web cannot be combined with --once or --json" in capsys.readouterr().err

@@ -36,36 +36,103 @@ def _hooks() -> list[dict[str, Any]]:
 def test_the_hooks_run_and_are_named_on_the_page(hook: dict[str, Any]) -> None:
     """What pre-commit would call passes on this repository; its pattern takes the files that matter."""
     assert f"`{hook['id']}`" in _PAGE.read_text(encoding="utf-8")
-    done = subprocess.run(shlex.split(hook["entry"]), cwd=ROOT, env=_environment(), capture_output=True, text=True)
+    command = [*shlex.split(hook["entry"]), *hook.get("args", [])]
+    done = subprocess.run(command, cwd=ROOT, env=_environment(), capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     pattern = re.compile(hook["files"])
     assert all(pattern.search(path) for path in ("proto/a/b.proto", "mapping.yaml", "mapping.lock"))
     assert not pattern.search("README.md")
 
 
+def _git(folder: Path, *arguments: str) -> None:
+    subprocess.run(["git", "-C", str(folder), *arguments], check=True, env=_environment(), capture_output=True)
+
+
+def _start(repository: Path, protos: Path) -> None:
+    """A repository of protos without a table, whose past gave the number 12 to two payloads."""
+    shutil.copytree(ROOT / "proto", protos)
+    _git(repository, "init", "--initial-branch", "main")
+    envelope = protos / "components" / "common" / "envelope.proto"
+    text = envelope.read_text()
+    gone = re.sub(r"^.* = 12;\n", "", text, flags=re.MULTILINE)
+    for subject, content in (
+        ("Add the protos", text),
+        ("Drop the GPS", gone),
+        (
+            "Measure twice",
+            gone.replace("oneof payload {\n", "oneof payload {\n    SensorBoardLoadCellInfo twice = 12;\n"),
+        ),
+    ):
+        envelope.write_text(content)
+        _git(repository, "add", "--all")
+        _git(repository, "commit", "--message", subject)
+
+
+@pytest.mark.slow
+def test_the_hook_with_arguments_lints_a_repository_without_a_table(tmp_path: Path) -> None:
+    """The second configuration on the page passes where only the past is wrong, and finds what a commit would break."""
+    shown = re.findall(r"^```yaml\n(repos:.*?)^```", _PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    (hook,) = yaml.safe_load(shown[1])["repos"][0]["hooks"]
+    (known,) = (each for each in _hooks() if each["id"] == hook["id"])
+    repository = tmp_path / "protos of a team"
+    repository.mkdir()
+    _start(repository, repository / "protos")
+    command = shlex.join([*shlex.split(known["entry"]), *hook["args"]])
+    assert "--history" in hook["args"]
+    said = _run(command, repository, {})
+    assert said.returncode == 0, said.stdout + said.stderr
+    imu = repository / "protos" / "components" / "sensor_board" / "imu_sensor.proto"
+    imu.write_text(imu.read_text().replace("float accel_x", "double accel_x"))
+    said = _run(command, repository, {})
+    assert said.returncode == 1
+    assert "error[WIR101]" in said.stdout
+    _git(tmp_path, "clone", "--depth", "1", f"file://{repository}", "shallow")
+    said = _run(command, tmp_path / "shallow", {})
+    assert said.returncode == 1
+    assert "git fetch --unshallow" in said.stdout
+
+
 @pytest.mark.slow
 def test_the_workflow_to_copy_lints_a_pull_request(tmp_path: Path) -> None:
-    """Its step, run in a clone of a repository of protos, finds what a branch breaks against the base branch."""
+    """Its step, run in a clone of a repository of protos, finds what a branch breaks; the base branch's past passes."""
     workflow = yaml.safe_load((ROOT / "docs" / "workflows" / "lint-protos.yml").read_text(encoding="utf-8"))
     step = next(step for step in workflow["jobs"]["lint"]["steps"] if step.get("name") == "Lint")
-    origin, clone = tmp_path / "origin", tmp_path / "clone"
-    shutil.copytree(ROOT / "proto", origin)
-
-    def git(folder: Path, *arguments: str) -> None:
-        subprocess.run(["git", "-C", str(folder), *arguments], check=True, env=_environment(), capture_output=True)
-
-    git(origin, "init", "--initial-branch", "main")
-    git(origin, "add", "--all")
-    git(origin, "commit", "--message", "Add the protos")
-    git(tmp_path, "clone", str(origin), str(clone))
-    command = step["run"].replace("${{ github.base_ref }}", "main")
-    said = _run(command, clone, workflow["env"])
-    assert (said.returncode, said.stdout) == (0, "")
-    imu = clone / "components" / "sensor_board" / "imu_sensor.proto"
-    imu.write_text(imu.read_text().replace("float accel_x", "double accel_x"))
-    said = _run(command, clone, workflow["env"])
+    assert step["env"] == {"BASE": "origin/${{ github.base_ref }}"}
+    origin, clone, home = tmp_path / "origin", tmp_path / "clone", tmp_path / "home"
+    origin.mkdir()
+    _start(origin, origin / "protos")
+    _git(tmp_path, "clone", str(origin), str(clone))
+    (home / "roverlink").mkdir(parents=True)
+    (home / "roverlink" / "bin").symlink_to(Path(sys.executable).parent)
+    env = {**workflow["env"], "PROTOS": "protos", "BASE": "origin/main", "HOME": str(home)}
+    said = _run(step["run"], clone, env)
+    assert said.returncode == 0, said.stdout + said.stderr
+    assert all(line.startswith("::notice") for line in said.stdout.splitlines())
+    envelope = clone / "protos" / "components" / "common" / "envelope.proto"
+    text = envelope.read_text()
+    for subject, content in (
+        ("Drop the pressure", re.sub(r"^.* = 15;\n", "", text, flags=re.MULTILINE)),
+        (
+            "Weigh thrice",
+            re.sub(r"^.* = 15;\n", "    SensorBoardLoadCellInfo thrice = 15;\n", text, flags=re.MULTILINE),
+        ),
+    ):
+        envelope.write_text(content)
+        _git(clone, "commit", "--all", "--message", subject)
+    said = _run(step["run"], clone, env)
     assert said.returncode == 1
-    assert said.stdout.startswith("::error file=components/sensor_board/imu_sensor.proto,line=")
+    assert "::error file=protos/components/common/envelope.proto,line=" in said.stdout
+    assert "HIS101" in said.stdout
+
+
+def test_a_workflow_without_a_source_of_roverlink_says_so(tmp_path: Path) -> None:
+    """The empty ROVERLINK fails in the step that installs, before pip could be asked for anything."""
+    workflow = yaml.safe_load((ROOT / "docs" / "workflows" / "lint-protos.yml").read_text(encoding="utf-8"))
+    step = next(step for step in workflow["jobs"]["lint"]["steps"] if step.get("name") == "Install")
+    said = _run(step["run"], tmp_path, {**workflow["env"], "HOME": str(tmp_path)})
+    assert said.returncode != 0
+    assert "ROVERLINK: is empty" in said.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 def _run(command: str, folder: Path, env: dict[str, str]) -> subprocess.CompletedProcess[str]:

@@ -10,7 +10,7 @@ import pytest
 from needs import NO_DDS
 from page import ROOT, Reader, blocks
 
-from roverlink.__main__ import COMMANDS
+from roverlink.command_line import COMMANDS
 
 _README = ROOT / "README.md"
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from page import ROOT
 
-from roverlink.__main__ import COMMANDS
+from roverlink.command_line import COMMANDS
 from roverlink.generator.ir import interfaces, model
 from roverlink.generator.rule_catalogue import rules
 

@@ -69,7 +69,7 @@ def plain(value: Any, store: Typestore) -> Any:
 def check(table: Path) -> None:
     """Raise `AssertionError` where a handler does something else than the IR and rosbags."""
     compiled = compile_table(table)
-    write(table.parent, compare(table.parent, compiled.files, compiled.folders))
+    write(table.parent, compare(table.parent, compiled.files, compiled.folders), overwrite=True)
     registry = load_registry(table.parent, compiled.bridge.python_package)
     store, walker = typestore(table.parent / compiled.bridge.folder, registry.package), Walker(compiled.bridge)
     in_any = sorted({member.proto for conversion in compiled.bridge.anys for member in conversion.members})

@@ -6,13 +6,14 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
-from golden import ROOT, case, generate, snapshot
+from golden import ROOT, case, generate, inside, snapshot
+
+from roverlink.__main__ import main
 
 _HEADER = "# Regenerate with: roverlink generate\n"
 
@@ -40,11 +41,11 @@ def _roverlink(
 def test_output_depends_on_nothing_but_the_input(tmp_path: Path) -> None:
     """Two runs over this repository's table, with other hash seeds, from other folders, write the same bytes."""
     results = []
-    for seed, inside in ((1, ""), (2, "proto")):
+    for seed, below in ((1, ""), (2, "proto")):
         project = tmp_path / f"at_{seed}" / ("deeper" * seed)
         shutil.copytree(ROOT / "proto", project / "proto")
         shutil.copy(ROOT / "mapping.yaml", project)
-        done = _roverlink("generate", "--table", str(project / "mapping.yaml"), cwd=project / inside, hash_seed=seed)
+        done = _roverlink("generate", "--table", str(project / "mapping.yaml"), cwd=project / below, hash_seed=seed)
         assert (done.returncode, done.stderr) == (0, "")
         results.append(snapshot(project))
     assert results[0] == results[1]
@@ -171,6 +172,116 @@ def test_files_of_the_user_stay(project: Path) -> None:
     assert generate(project, "--check").code == 0
 
 
+def test_overwriting_is_asked_for(project: Path) -> None:
+    """A user's file in the place of a generated one stays until the user says `--overwrite`."""
+    theirs = project / "docs" / "messages.md"
+    theirs.write_text("# Our own page\n")
+    before = snapshot(project)
+    outcome = generate(project)
+    assert outcome.code == 2
+    assert "docs/messages.md: fatal[OUT108] the file exists and was not generated\n" in outcome.stderr
+    assert "`roverlink generate --overwrite`" in outcome.stderr
+    assert snapshot(project) == before
+    assert generate(project, "--overwrite").code == 0
+    assert "Our own page" not in theirs.read_text()
+    assert generate(project, "--check").code == 0
+
+
+def test_an_edited_table_does_not_replace_a_foreign_envelope(project: Path) -> None:
+    """`retire` writes the envelope too; neither it nor mapping.yaml changes if the envelope is the user's."""
+    envelope = project / "proto" / "envelope.proto"
+    envelope.write_text("".join(envelope.read_text().splitlines(keepends=True)[2:]))
+    before = snapshot(project)
+    with inside(project):
+        assert main(["retire", "1"]) == 2
+    assert snapshot(project) == before
+
+
+def test_files_without_a_header_are_known_from_the_ledger(tmp_path: Path) -> None:
+    """What a user's template makes needs no header: mapping.lock lists it, so the next run replaces it."""
+    project = case("own_templates").write_inputs(tmp_path)
+    assert generate(project).code == 0
+    assert "\n  file generated/include/Probe.csv\n" in (project / "mapping.lock").read_text()
+    template = project / "firmware" / "include" / "{message}.csv.j2"
+    template.write_text("name,type\n" + template.read_text())
+    assert generate(project).code == 0
+    assert (project / "generated" / "include" / "Probe.csv").read_text() == "name,type\ndepth_m,float32\n"
+    ledger = project / "mapping.lock"
+    ledger.unlink()
+    assert generate(project).code == 0  # nothing changes, so nothing is replaced
+    ledger.unlink()
+    template.write_text("type,name\n")
+    outcome = generate(project)
+    assert "generated/include/Probe.csv: fatal[OUT108]" in outcome.stderr
+    assert not ledger.exists()
+
+
+def test_an_envelope_outside_the_project_is_not_written(tmp_path: Path) -> None:
+    """With `root: ..` the envelope is another project's: it is neither replaced, nor removed, nor shown by --check."""
+    outside = tmp_path / "envelope.proto"
+    project = case("nested").write_inputs(tmp_path / "project")
+    for file in (project / "proto").iterdir():
+        file.rename(tmp_path / file.name)
+    outside.write_text(f"//{_HEADER[1:]}// the neighbour's secret\n")
+    table = project / "mapping.yaml"
+    table.write_text(table.read_text().replace("root: proto", "root: .."))
+    before = snapshot(tmp_path)
+    for options in ((), ("--check",), ("--overwrite",)):
+        outcome = generate(project, *options)
+        assert outcome.code == 1
+        assert "../envelope.proto: error[OUT109] cannot write '../envelope.proto'" in outcome.stderr
+        assert "secret" not in outcome.stdout + outcome.stderr
+    assert snapshot(tmp_path) == before
+
+
+@pytest.mark.parametrize("link", ["docs", "docs/messages.md", "generated", "generated/registry.py"])
+@pytest.mark.parametrize("target", ["../outside", ".git/hooks"])
+def test_no_file_is_written_through_a_link(project: Path, link: str, target: str) -> None:
+    """A link out of the project, or into git's own folder, is refused, even with `--overwrite`."""
+    for folder in (project.parent / "outside", project / ".git" / "hooks"):
+        folder.mkdir(parents=True)
+    path = project / link
+    shutil.rmtree(path) if path.is_dir() else path.unlink()
+    path.symlink_to((project / target / "registry.py") if path.suffix else (project / target))
+    before = snapshot(project.parent)
+    outcome = generate(project, "--overwrite")
+    assert (outcome.code, "error[OUT109]" in outcome.stderr) == (1, True)
+    assert snapshot(project.parent) == before
+
+
+def test_a_link_inside_the_project_stays_a_link(project: Path) -> None:
+    """A generated file that the user keeps elsewhere in the project, behind a link, is replaced there."""
+    elsewhere = project / "site.md"
+    page = project / "docs" / "messages.md"
+    page.rename(elsewhere)
+    page.symlink_to(elsewhere)
+    assert generate(_changed(project)).code == 0
+    assert page.is_symlink()
+    assert "left_arm" in elsewhere.read_text()
+
+
+def test_the_files_of_a_project_inside_the_project_stay(project: Path) -> None:
+    """Generated files below another mapping.yaml, or in another repository, belong to that one."""
+    theirs = ["proto/other/mapping.yaml", "proto/other/generated/arm.py", "proto/clone/.git/HEAD", "proto/clone/arm.py"]
+    for path in theirs:
+        (project / path).parent.mkdir(parents=True, exist_ok=True)
+        (project / path).write_text(f"{_HEADER}x = 1\n")
+    assert generate(project).code == 0
+    assert set(theirs) <= set(snapshot(project))
+
+
+def test_a_pipe_in_the_place_of_a_file_is_a_finding(project: Path) -> None:
+    """A pipe is not read, which would never end, and not replaced."""
+    page = project / "docs" / "messages.md"
+    page.unlink()
+    os.mkfifo(page)
+    outcome = generate(project, "--overwrite")
+    assert outcome.code == 2
+    why = "it is not a regular file, but a folder, a pipe or a device"
+    assert f"docs/messages.md: fatal[OUT101] cannot read the file: {why}\n" in outcome.stderr
+    assert page.is_fifo()
+
+
 # --- the check --------------------------------------------------------------------------------------------------
 
 
@@ -267,7 +378,7 @@ def test_a_read_only_folder_is_a_finding(project: Path) -> None:
 def test_a_full_disk_is_a_finding(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where there is no space for the second file, the first is not written either, and nothing is left behind."""
     before = snapshot(_changed(project))
-    _fail_at_the_second(monkeypatch, tempfile, "mkstemp", OSError(28, "No space left on device"))
+    _fail_at(2, monkeypatch, Path, "write_bytes", OSError(28, "No space left on device"), within=project)
     outcome = generate(project)
     assert outcome.code == 2
     assert (
@@ -277,28 +388,26 @@ def test_a_full_disk_is_a_finding(project: Path, monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_file_that_cannot_be_replaced_is_a_finding(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every file is whole, the old or the new one, and no other is left behind."""
+    """The files that were replaced before it get their old content back, and no other is left behind."""
     before = snapshot(_changed(project))
-    _fail_at_the_second(monkeypatch, Path, "replace", OSError(1, "Operation not permitted"))
+    _fail_at(4, monkeypatch, Path, "replace", OSError(1, "Operation not permitted"))
     outcome = generate(project)
-    monkeypatch.undo()
-    interrupted = snapshot(project)
-    assert generate(project).code == 0
-    after = snapshot(project)
     assert outcome.code == 2
-    assert "fatal[OUT101] cannot write the file: Operation not permitted\n" in outcome.stderr
-    assert set(interrupted) == set(before)
-    assert all(data in (before[path], after[path]) for path, data in interrupted.items())
+    assert "generated/registry.py: fatal[OUT101] cannot write the file: Operation not permitted\n" in outcome.stderr
+    assert snapshot(project) == before
 
 
-def _fail_at_the_second(monkeypatch: pytest.MonkeyPatch, owner: Any, name: str, error: OSError) -> None:
-    """Let the second call of a function fail."""
+def _fail_at(
+    call: int, monkeypatch: pytest.MonkeyPatch, owner: Any, name: str, error: OSError, within: Path | str = ""
+) -> None:
+    """Let the call of a method of `Path` with this number fail; only calls for paths within a folder count."""
     original, calls = getattr(owner, name), []
 
     def failing(*args: Any, **kwargs: Any) -> Any:
-        calls.append(args)
-        if len(calls) == 2:
-            raise error
+        if str(args[0]).startswith(str(within)):
+            calls.append(args)
+            if len(calls) == call:
+                raise error
         return original(*args, **kwargs)
 
     monkeypatch.setattr(owner, name, failing)

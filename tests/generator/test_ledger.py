@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from golden import ROOT, case, generate
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from roverlink.__main__ import main
 from roverlink.generator import lock
 from roverlink.generator.diagnostics import Diagnostic, Severity
 from roverlink.generator.lint.rules import modules
@@ -90,7 +92,7 @@ def test_a_deleted_ledger_is_noticed(project: Path) -> None:
         subprocess.run([*git, *command], check=True)
     lock.unlink()
     assert _read(lock)[1] == ["LED104"]
-    assert "mapping.lock: error[LED104] was deleted" in generate(project).stderr
+    assert "mapping.lock: error[LED104] the ledger was deleted" in generate(project).stderr
     assert not lock.exists()
     for command in (["rm", "--quiet", "mapping.lock"], ["commit", "--quiet", "--message", "Begin again"]):
         subprocess.run([*git, *command], check=True)
@@ -110,6 +112,108 @@ def test_what_is_written_is_read_back() -> None:
     ]
     assert imu.reserved == ((10, 12),)
     assert schema.messages["PBEnvelope"].fields[0].oneof == "payload"
+
+
+_ARM = (
+    "  - {number: 2, name: arm, proto: Arm, topic: arm, direction: ros_to_board, deadman: {after: 1s, send: {SENT}}}\n"
+)
+_COMMANDS = """\
+version: 1
+proto: {root: proto}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload}
+ros: {package: rover}
+peers: {board: {}, base: {}}
+messages:
+  - {number: 1, name: sensor, proto: Sensor, topic: sensor, direction: board_to_ros}
+"""
+
+
+def _commands(folder: Path, sent: str) -> Path:
+    """A project with a sensor and an arm, whose deadman sends the fields ``sent``; generated."""
+    (folder / "proto").mkdir()
+    shutil.copy(ROOT / "tests" / "shared" / "commands.proto", folder / "proto")
+    (folder / "mapping.yaml").write_text(_COMMANDS + _ARM.replace("SENT", sent), encoding="utf-8")
+    run = generate(folder)
+    assert run.code == 0, run.stderr
+    return folder
+
+
+@pytest.fixture
+def rover(tmp_path: Path) -> Path:
+    """A copy of the sample rover's table, ledger and protos."""
+    for name in ("mapping.yaml", "mapping.lock"):
+        shutil.copy(ROOT / name, tmp_path)
+    shutil.copytree(ROOT / "proto", tmp_path / "proto")
+    return tmp_path
+
+
+def test_a_direction_that_is_turned_around_is_refused(rover: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Both `lint` and `generate` report it, and the ledger stays as it was however often generate runs."""
+    before = (rover / "mapping.lock").read_text()
+    _edit(rover / "mapping.yaml", "direction: basestation_to_ros", "direction: ros_to_basestation")
+    assert main(["lint", "--table", str(rover / "mapping.yaml")]) == 1
+    assert "error[TAB109] 'control_mode' has the opposite direction" in capsys.readouterr().out
+    for _ in range(2):
+        run = generate(rover)
+        assert run.code == 1
+        assert "error[TAB109] 'control_mode' has the opposite direction" in run.stderr
+        assert (rover / "mapping.lock").read_text() == before
+
+
+def test_a_direction_changes_on_purpose_once(rover: Path) -> None:
+    """With a reason in the row, generate takes the new direction; afterwards the old one is the change."""
+    table = rover / "mapping.yaml"
+    text = table.read_text()
+    _edit(table, "direction: basestation_to_ros", "direction: ros_to_basestation")
+    flipped = table.read_text()
+    _allow(rover, "TAB109")
+    assert generate(rover).code == 0
+    assert "16 BasestationControlMode direction: ros_to_basestation\n" in (rover / "mapping.lock").read_text()
+    table.write_text(flipped)
+    assert generate(rover).stderr == ""
+    table.write_text(text)
+    assert "error[TAB109]" in generate(rover).stderr
+
+
+def test_a_retired_row_does_not_come_back_with_another_peer(tmp_path: Path) -> None:
+    """The ledger keeps the settings of a retired row: where its number may be freed, only the same row comes back."""
+    project = _commands(tmp_path, "text: a")
+    table = project / "mapping.yaml"
+    text = table.read_text()
+    assert main(["retire", "2", "--table", str(table)]) == 0
+    assert "  2: arm Arm retired\n" in (project / "mapping.lock").read_text()
+    text += 'lint:\n  WIR106: {severity: "off", reason: the arm is back}\n'
+    table.write_text(text.replace("ros_to_board", "ros_to_base"))
+    assert "error[TAB109] 'arm' has another peer" in generate(project).stderr
+    table.write_text(text.replace(", deadman: {after: 1s, send: {text: a}}", ""))
+    assert "error[TAB110] the deadman of 'arm' was removed" in generate(project).stderr
+    table.write_text(text)
+    assert generate(project).code == 0
+
+
+@pytest.mark.parametrize(
+    "sent", ['text: "a\\nb"', 'text: "a: b\\u2028\\u00e9 retired"', "mode: HOLD, grip.force: -1.5"]
+)
+def test_any_stop_payload_is_read_back(tmp_path: Path, sent: str) -> None:
+    """Line breaks and marks of the ledger within a text are no lines of the ledger, and nothing changes with them."""
+    project = _commands(tmp_path, sent)
+    read, findings = _read(project / "mapping.lock")
+    assert findings == []
+    assert read.settings[2, "Arm"]["deadman send"].text.count(":") >= 1
+    before = (project / "mapping.lock").read_bytes()
+    run = generate(project)
+    assert (run.code, run.stderr) == (0, "")
+    assert (project / "mapping.lock").read_bytes() == before
+
+
+def test_a_conflict_keeps_the_settings_that_both_sides_have(tmp_path: Path) -> None:
+    """A setting of one side is for the merged table to decide; one of both sides, or outside, was published."""
+    rows = "\nrows:\n  1 Old direction: a_to_ros\n"
+    file = tmp_path / "mapping.lock"
+    file.write_text(_merged([rows, "  1 Old max_rate: 5\n"], [rows, "  1 Old max_rate: 7\n"]))
+    read, findings = _read(file)
+    assert findings == []
+    assert {key: setting.text for key, setting in read.settings[1, "Old"].items()} == {"direction": "a_to_ros"}
 
 
 def _merged(ours: list[str], theirs: list[str]) -> str:

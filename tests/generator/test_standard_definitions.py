@@ -93,7 +93,7 @@ def test_the_outermost_message_knows_the_unit() -> None:
 
 def _of_the_runtime() -> dict[str, type[Message]]:
     """Return the classes of `roverlink.runtime.interfaces` that are not of the node itself or of `vision`, by name."""
-    others = {"builtin_interfaces", "rcl_interfaces", "vision_msgs"}
+    others = {"builtin_interfaces", "rcl_interfaces", "rosgraph_msgs", "vision_msgs"}
     packages = {module.name for module in pkgutil.iter_modules(interfaces.__path__)} - others
     modules = [importlib.import_module(f"roverlink.runtime.interfaces.{package}") for package in packages]
     return {

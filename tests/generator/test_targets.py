@@ -83,7 +83,7 @@ def test_a_target_of_another_package_stays_in_the_folder(project: Path, install:
     before = snapshot(project)
     outcome = generate(project, "--target", "numbers")
     assert outcome.code == 1
-    assert f"error[OUT104] cannot write '{path}': it is not below generated/" in outcome.stderr
+    assert f"error[OUT104] cannot write '{path}': the path is not below generated/" in outcome.stderr
     assert snapshot(project) == before
 
 

@@ -92,7 +92,7 @@ def test_nothing_leads_from_the_bridge_to_pythons_internals(project: Path, expre
     ("text", "reason"),
     [
         ("{% for i in range(10**7) %}{% endfor %}", "Range too big"),
-        ("{{ 2 ** (10 ** 9) }}", "a power of more than 4096 bits"),
+        ("{{ 2 ** (10 ** 9) }}", "the result of '**' would have more than 4096 bits"),
         ("{% for i in range(9999) %}{% for j in range(9999) %}{% endfor %}{% endfor %}", "the time limit is exceeded"),
         ("{% macro m() %}{{ m() }}{% endmacro %}{{ m() }}", "maximum recursion depth exceeded"),
         ("{% include 'a.txt.j2' %}", "maximum recursion depth exceeded"),
@@ -145,14 +145,16 @@ def test_a_template_that_is_a_link_out_of_the_folder_is_refused(project: Path, t
     """The file that a link leads to is not even read."""
     _plant(project, {".hidden/one": "the secret"})
     (project / "own" / "users.txt.j2").symlink_to(target)
-    assert _refused(project) == "own/users.txt.j2: error[OUT107] the file is not inside own"
+    said = "own/users.txt.j2: error[OUT107] the link does not lead to a visible file inside the folder 'own'"
+    assert _refused(project) == said
 
 
 def test_a_folder_that_is_a_link_out_of_the_project_is_refused(project: Path) -> None:
     """The table names folders of the project, whatever links there are in it."""
     (project / "own").rmdir()
     (project / "own").symlink_to(project.parent)
-    assert _refused(project) == "mapping.yaml:9:13: error[OUT107] own is a link that leads out of the project"
+    said = "mapping.yaml:9:13: error[OUT107] the folder 'own' is a symbolic link that leads out of the project"
+    assert _refused(project) == said
 
 
 @pytest.mark.parametrize("folder", ["..", "../..", "../other", "own/../..", "/etc"])
@@ -169,7 +171,8 @@ def test_nothing_is_written_through_a_link_out_of_the_project(project: Path) -> 
     outside.mkdir()
     (project / "generated").mkdir()
     (project / "generated" / "own").symlink_to(outside)
-    assert "a link in its path leads outside the project" in _refused(project)
+    said = "error[OUT109] cannot write 'generated/own/authorized_keys': a symbolic link in its path leads outside"
+    assert said in _refused(project)
     assert not list(outside.iterdir())
 
 

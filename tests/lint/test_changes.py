@@ -168,11 +168,15 @@ def test_case(name: str, found_in_cases: list[Diagnostic]) -> None:
 def test_what_is_said_of_units(found_in_cases: list[Diagnostic]) -> None:
     """Where the factor is known, the message says by how much a receiver is off."""
     said = {finding.type.split(".")[0]: finding.message for finding in found_in_cases if finding.rule.id == "WIR115"}
-    assert said["unit"] == "`reach_mm = 1` is now called 'reach_m': mm is read as m, 1000 times too large"
+    assert said["unit"] == "`reach_mm = 1` is now called 'reach_m': old values (mm) are read as m, 1000 times too large"
     assert (
-        said["scale"] == "`angle_x100 = 1` is now called 'angle_x10': times 100 is read as times 10, 10 times too large"
+        said["scale"]
+        == "`angle_x100 = 1` is now called 'angle_x10': old values (times 100) are read as times 10, 10 times too large"
     )
-    assert said["relative"] == "`position = 1` is now called 'delta_position': the plain value is read as relative"
+    assert (
+        said["relative"]
+        == "`position = 1` is now called 'delta_position': old values (the plain value) are read as relative"
+    )
 
 
 # --- the ledger ---

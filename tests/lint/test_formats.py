@@ -58,7 +58,7 @@ def test_text_shows_the_line_with_a_caret(project: Path, capsys: pytest.CaptureF
         "8 |   - {number: 1, name: gps, proto: Gps, topic: gps, direction: board_to_ros}\n"
         "  |              ^\n"
         "  mapping.yaml:7:14: first used here\n"
-        "  help: the next number that was never used is 2\n"
+        "  help: use 2, the next number that was never used\n"
     ) in said
     assert "\x1b" not in said
     assert said.splitlines()[-1].endswith(("error", "errors", "warning", "warnings", "hint", "hints"))
@@ -78,7 +78,7 @@ def test_json_has_what_scripts_ask_for(project: Path, capsys: pytest.CaptureFixt
             "line": 8,
             "column": 14,
             "message": "field 1 is already taken by 'imu' (Imu)",
-            "help": "the next number that was never used is 2",
+            "help": "use 2, the next number that was never used",
             "history": [],
             "also": [{"path": "mapping.yaml", "line": 7, "column": 14, "text": "first used here", "commit": None}],
         }
@@ -91,7 +91,7 @@ def test_github_is_one_escaped_command_a_finding(project: Path, capsys: pytest.C
     assert (
         "::error file=mapping.yaml,line=8,col=14,title=ENV101 field-number-taken::"
         "field 1 is already taken by 'imu' (Imu)%0Amapping.yaml:7:14: first used here%0A"
-        "help: the next number that was never used is 2\n"
+        "help: use 2, the next number that was never used\n"
     ) in said
     assert all(line.startswith(("::error ", "::warning ", "::notice ")) for line in said.splitlines())
 

@@ -88,7 +88,7 @@ def test_a_number_that_was_reused_is_found_with_its_whole_life(repository: Repos
     ]
     assert "one after the other on one branch; today it is 'wind'" in found["message"]
     _, text, _ = run("lint", "--history", root, *_TREE)
-    assert f"'gps' (Gps) was added with {commits['Begin'][:10]} 2026-02-03 Begin, was removed with" in text
+    assert f"'gps' (Gps) was added with {commits['Begin'][:10]} 2026-02-03 Begin, and was removed with" in text
 
 
 def test_a_merged_side_branch_is_not_overlooked(repository: RepositoryBuilder, run: Run) -> None:
@@ -151,7 +151,7 @@ def test_states_with_errors_are_read_and_said_to_be_doubtful(repository: Reposit
     repository.commit("Mend it", {_FILE: _envelope("Imu imu = 1;", "Gps gps = 2;")})
     code, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
     assert code == 1
-    assert ["files have syntax errors" in one["message"] for one in _found(out)] == [True]
+    assert ["have syntax errors" in one["message"] for one in _found(out)] == [True]
 
 
 def test_what_a_terminal_would_obey_is_not_repeated(repository: RepositoryBuilder, run: Run) -> None:
@@ -177,6 +177,33 @@ def test_a_history_without_reuse_gives_nothing(
         text = envelope(*(f"P{number} p_{number} = {number};" for number in sorted(numbers[:3])))
         repository.commit("Change", {_FILE: text.replace("\n\n", f"\n\n{imports}\n", 1), **payloads})
     assert main(["lint", "--history", str(_written(repository)), *_TREE]) == 0
+
+
+def test_against_a_branch_makes_its_own_old_cases_hints(repository: RepositoryBuilder, run: Run) -> None:
+    """A tree without a table, whose past nobody can accept, passes; a case that the change adds is an error."""
+    repository.commit("Drop the GPS", {_FILE: _envelope("Imu imu = 1;")})
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    repository.branch("base")
+    root = _written(repository)
+    assert run("lint", "--history", root, *_TREE)[0] == 1
+    code, out, _ = run("lint", "--history", root, *_TREE, "--against", "base", "--format", "json")
+    assert (code, [(one["id"], one["severity"]) for one in _found(out)]) == (0, [("HIS101", "hint")])
+    # The number gets a third meaning.
+    repository.commit("Drop the wind", {_FILE: _envelope("Imu imu = 1;")})
+    repository.commit("Find the place", {_FILE: _envelope("Imu imu = 1;", "Imu second = 2;")})
+    root = _written(repository)
+    code, out, _ = run("lint", "--history", root, *_TREE, "--against", "base", "--format", "json")
+    assert code == 1
+    assert ("HIS101", "error") in [(one["id"], one["severity"]) for one in _found(out)]
+
+
+def test_content_replaced_since_the_branch_is_an_error(repository: RepositoryBuilder, run: Run) -> None:
+    """A message that keeps its name has one meaning by name; its new content counts as new all the same."""
+    repository.branch("base")
+    repository.commit("Replace it", {"components/gps.proto": message("Gps", "string a", "bytes b", "bool c")})
+    code, out, _ = run("lint", "--history", _written(repository), *_TREE, "--against", "base", "--format", "json")
+    assert code == 1
+    assert ("HIS103", "error") in [(one["id"], one["severity"]) for one in _found(out)]
 
 
 # --- what limits how deep one can look ---------------------------------------------------------------------------
@@ -249,8 +276,11 @@ def test_branches_that_took_one_number(repository: RepositoryBuilder, run: Run) 
     assert code == 1
     (found,) = _found(out)
     assert (found["id"], found["number"]) == ("HIS104", 3)
-    assert "'spare' (Imu) on imu and 'wind' (Wind) on wind" in found["message"]
-    assert found["help"] == "keep the number for one payload, and give the other payload 4, which no branch has"
+    assert "'spare' (Imu) on the branch 'imu' and 'wind' (Wind) on the branch 'wind'" in found["message"]
+    assert (
+        found["help"]
+        == "keep the number for one payload, and give the other payload the number 4, which no branch uses"
+    )
     assert run("lint", root, *_TREE)[0] == 0
 
 
@@ -263,7 +293,7 @@ def test_branches_that_gave_one_number_to_one_type(repository: RepositoryBuilder
     code, out, _ = run("lint", _written(repository), "--branches", *_TREE, "--format", "json")
     assert code == 1
     assert [(one["number"], one["message"]) for one in _found(out)] == [
-        (3, "number 3 of 'PBEnvelope' is 'front' (Imu) on front and 'rear' (Imu) on rear")
+        (3, "number 3 of 'PBEnvelope' is 'front' (Imu) on the branch 'front' and 'rear' (Imu) on the branch 'rear'")
     ]
 
 
@@ -293,9 +323,10 @@ def test_pins_that_disagree(repository: RepositoryBuilder, tmp_path: Path, run: 
     code, out, _ = run("lint", root, *_TREE, "--format", "json", "--pins", *sources)
     assert code == 1
     said = {one["message"] for one in _found(out)}
+    of_board = "'wind' (Wind) in the project 'board/protos'"
     assert said == {
-        "number 2 of 'PBEnvelope' is 'wind' (Wind) to 'board/protos' and 'gps' (Gps) to 'rover/protos'",
-        "number 2 of 'PBEnvelope' is 'gps' (Gps) to 'basestation' and 'wind' (Wind) to 'board/protos'",
+        f"number 2 of 'PBEnvelope' is {of_board}, but 'gps' (Gps) in the project 'rover/protos'",
+        f"number 2 of 'PBEnvelope' is 'gps' (Gps) in the project 'basestation', but {of_board}",
     }
     assert [Path(one["path"]).name for one in _found(out)] == ["CMakeLists.txt", "pins.txt"]
     _, text, _ = run("lint", root, *_TREE, "--pins", *sources)
@@ -313,8 +344,12 @@ def test_pins_of_a_renamed_package(repository: RepositoryBuilder, tmp_path: Path
     root = _written(repository)
     (tmp_path / "pins.txt").write_text("rover main~1\nbasestation main\n")
     _, out, _ = run("lint", "--history", root, "--message", "PBEnvelope", "--pins", tmp_path / "pins.txt")
-    assert "number 2 of 'PBEnvelope' is 'wind' (.rover.Wind) to 'basestation' and 'gps' (Gps) to 'rover'" in out
-    assert "number 3 of 'PBEnvelope' is 'temperature' (uint32) to 'basestation' and 'timeout' (uint32) to" in out
+    for number, today, before in (
+        (2, "'wind' (.rover.Wind)", "'gps' (Gps)"),
+        (3, "'temperature' (uint32)", "'timeout' (uint32)"),
+    ):
+        today, before = f"{today} in the project 'basestation'", f"{before} in the project 'rover'"
+        assert f"number {number} of 'PBEnvelope' is {today}, but {before}" in out
     assert "number 1 of 'PBEnvelope' is" not in out
 
 
@@ -328,7 +363,10 @@ def test_pins_in_variables(repository: RepositoryBuilder, tmp_path: Path, run: R
     (tmp_path / "pins.txt").write_text("rover main~1\n")
     code, out, _ = run("lint", root, *_TREE, "--pins", board, tmp_path / "pins.txt")
     assert code == 1
-    assert "number 2 of 'PBEnvelope' is 'gps' (Gps) to 'rover' and 'wind' (Wind) to 'board/protos'" in out
+    assert (
+        "number 2 of 'PBEnvelope' is 'gps' (Gps) in the project 'rover', "
+        "but 'wind' (Wind) in the project 'board/protos'" in out
+    )
 
 
 @pytest.mark.parametrize(
@@ -338,7 +376,7 @@ def test_pins_in_variables(repository: RepositoryBuilder, tmp_path: Path, run: R
             "https://example.com/team/protos.git",
             "the project 'board/x' is pinned to '0123abc', which this repository does not have",
         ),
-        ("https://example.com/json.git", "none of its pins is a commit of this repository: board/x (0123abc)"),
+        ("https://example.com/json.git", "none of the pins here is a commit of this repository: board/x (0123abc)"),
     ],
 )
 def test_consumers_of_which_nothing_is_known(
@@ -359,9 +397,9 @@ def test_consumers_of_which_nothing_is_known(
             "rover 0123456789abcdef\n",
             "the project 'rover' is pinned to '0123456789abcdef', which this repository does not have",
         ),
-        ("one two three four\n", "the line 'one two three four' is not a name and a commit (`name commit`)"),
-        ("# nothing\n", "contains no pin"),
-        ("rover \0\n", "is a binary file, not a list of pins"),
+        ("one two three four\n", "the line 'one two three four' is not a name and a commit, such as `rover 4f1c2ab`"),
+        ("# nothing\n", "the file or folder contains no pin"),
+        ("rover \0\n", "the file is binary, and not a list of pins"),
         ("rover empty\n", "the project 'rover' is pinned to 'empty', which has no message 'PBEnvelope'"),
     ],
 )
@@ -503,7 +541,7 @@ def test_a_burned_number_is_given_to_nobody(project: Path, run: Run) -> None:
     [
         (["lint", "--message", "PBEnvelope"], "need PROTO_ROOT"),
         (["next-number", "--envelope", "e.proto"], "need PROTO_ROOT"),
-        (["lint", "one", "--history", "other"], "two trees are given, one and other"),
+        (["lint", "one", "--history", "other"], "two folders of .proto files are given, 'one' and 'other'"),
     ],
 )
 def test_words_without_effect(run: Run, arguments: list[str], said: str) -> None:

@@ -129,7 +129,7 @@ def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
     earlier = [entry for file in ("mapping.lock", "mapping.yaml", "e.proto") for entry in _published(*gone, file=file)]
     context = Context(table, None, Ledger(_published(*gone)), earlier_entries=tuple(earlier))
     assert _said(context, "ENV102", "ENV103") == [
-        "mapping.yaml:8:14 field 2 was published for 'gps' (Gps), not for Wind",
+        "mapping.yaml:8:14 field 2 was published for 'gps' (Gps), but is given to Wind here",
         "mapping.lock:6:3 field 3 was published as 'heat' (Heat), but is missing in mapping.yaml",
     ]
 

@@ -205,7 +205,8 @@ def test_an_option_is_no_ref(tree: Path, lint: Lint) -> None:
 
 
 @pytest.mark.parametrize(
-    ("data", "said"), [(b"", "is a descriptor set without any file"), (b"\xff\xff\xff", "is not a descriptor set")]
+    ("data", "said"),
+    [(b"", "the descriptor set contains no .proto file"), (b"\xff\xff\xff", "the file is not a descriptor set")],
 )
 def test_no_descriptor_set(tree: Path, lint: Lint, data: bytes, said: str) -> None:
     """A file that is not a descriptor set, or an empty one, is no state: nothing passes in silence."""
@@ -219,9 +220,9 @@ def test_a_folder_without_protos(tree: Path, lint: Lint) -> None:
     """A folder with nothing to look at is no clean state, be it this one or the other."""
     Path("empty").mkdir()
     code, out, _ = lint("protos", "--against", "empty", *_TREE)
-    assert (code, "empty: fatal[STA102] contains no .proto file" in out) == (2, True)
+    assert (code, "empty: fatal[STA102] the earlier state contains no .proto file" in out) == (2, True)
     code, _, err = lint("empty", *_TREE)
-    assert (code, "fatal[STA103] contains no .proto file" in err) == (2, True)
+    assert (code, "fatal[STA103] the folder contains no .proto file" in err) == (2, True)
 
 
 def test_a_folder_that_is_not_there(lint: Lint, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -337,10 +338,11 @@ def test_this_state_does_not_compile(tree: Path, lint: Lint) -> None:
 def test_binary_and_enormous_files(tree: Path, lint: Lint) -> None:
     """A file that nobody wrote is named with exit code 2, and not read to its end."""
     (tree / "binary.proto").write_bytes(b"\x00\x01\x02" * 1000)
-    (tree / "enormous.proto").write_text("// " + "x" * 5_000_000)
+    (tree / "enormous.proto").write_text("// " + "x" * 9_000_000)
     expected = {
-        "binary.proto": "is a binary file, not the text of a .proto file",
-        "enormous.proto": "has 5000003 bytes; files of more than 4194304 bytes are not read",
+        "binary.proto": "the file is binary, and not the text of a .proto file",
+        "enormous.proto": "the file cannot be read: "
+        "it has 9000003 bytes; files of more than 8388608 bytes are not read",
     }
     code, out, _ = lint("protos", *_TREE, "--format", "json")
     assert (code, {finding["path"]: finding["message"] for finding in _found(out)}) == (2, expected)
@@ -361,12 +363,15 @@ def test_what_is_no_file(tree: Path, lint: Lint) -> None:
     _replace(tree / "imu.proto", "float accel_y = 2;", "")
     code, out, _ = lint("protos", "--against", "main", *_TREE, "--format", "json")
     assert code == 2
-    assert [(found["id"], found["path"], found["message"][:14]) for found in _found(out)] == [
-        ("PRO102", "dangling.proto", "cannot be read"),
-        ("PRO102", "device.proto", "is not a regul"),
-        ("WIR102", "imu.proto", "`accel_y = 2` "),
-        ("PRO102", "l\\xe4tin.proto", "has a name tha"),
-        ("PRO102", "pipe.proto", "is not a regul"),
+    assert [
+        (found["id"], found["path"], found["message"].removeprefix("the file cannot be read: "))
+        for found in _found(out)
+    ] == [
+        ("PRO102", "dangling.proto", "No such file or directory"),
+        ("PRO102", "device.proto", "it is a link that leads out of the repository, or of the folder if there is none"),
+        ("WIR102", "imu.proto", "`accel_y = 2` was deleted from 'Imu', but its number is not reserved"),
+        ("PRO102", "l\\xe4tin.proto", "the name of the file is not UTF-8"),
+        ("PRO102", "pipe.proto", "it is not a regular file, but a folder, a pipe or a device"),
     ]
 
 

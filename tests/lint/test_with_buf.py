@@ -374,7 +374,7 @@ def test_a_payload_of_the_envelope_is_said_once(project: Lint, tmp_path: Path) -
 def test_another_state_is_needed(lint: Lint, capsys: pytest.CaptureFixture[str]) -> None:
     """Without --against there is nothing for buf to compare."""
     assert main(["lint", "after", "--with-buf"]) == 2
-    assert "--with-buf compares two states; name the baseline with --against" in capsys.readouterr().err
+    assert "--with-buf compares two states; name the earlier state with --against" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("format", ["text", "json", "sarif"])

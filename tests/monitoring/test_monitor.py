@@ -6,6 +6,7 @@ import dataclasses
 import io
 import json
 import logging
+import re
 import threading
 import urllib.request
 from pathlib import Path
@@ -18,11 +19,12 @@ from rich.console import Console
 from generated.registry import REGISTRY
 from roverlink import top_screen
 from roverlink.console import LOG_FORMATS
+from roverlink.heard_bridges import HeardBridge, HeardBridges, has_problems, page_of
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces import from_rosbags
-from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
+from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, KeyValue
 from roverlink.runtime.monitoring import diagnostic_array, prometheus
 from roverlink.runtime.monitoring.histogram import BOUNDS_S, LatencyProbe
 from roverlink.runtime.monitoring.monitor import Monitor
@@ -136,6 +138,39 @@ def test_what_is_dropped_is_a_warning_for_two_seconds_and_an_error_where_nothing
     assert bridge.monitor.state().level == Level.OK
 
 
+def test_a_row_to_a_peer_is_not_blamed_for_what_a_stranger_sends() -> None:
+    """The bridge counts the datagrams; the row, which has lost nothing, is as it was."""
+    bridge = _Bridge()
+    bridge.let(3, imu_info=40)
+    bridge.account.dropped["wrong_direction"] += 3
+    bridge.account.dropped_of_row["drive_motor", "wrong_direction"] += 3
+    bridge.let(0.5, imu_info=40)
+    row = bridge.row("drive_motor")
+    assert (row.level, row.dropped, row.message) == (Level.OK, {}, "no message yet")
+    state = bridge.monitor.state()
+    assert (state.dropped, state.level) == ({"wrong_direction": 3}, Level.WARN)
+
+
+def test_stops_of_the_deadman() -> None:
+    """Their number, and that the peer stands still until the next message; rows without a deadman have neither."""
+    bridge = _Bridge()
+    assert (bridge.row("imu_info").stops, bridge.row("drive_motor").stops) == (None, 0)
+    bridge.account.stops["drive_motor"] += 1
+    bridge.let(0.5)
+    row = bridge.row("drive_motor")
+    assert (row.stops, row.stopping, row.message) == (1, True, "no message yet; the bridge sends the stop")
+    bridge.let(10)
+    assert bridge.row("drive_motor").stopping
+    bridge.account.sent["drive_motor"] += 1
+    bridge.let(0.5)
+    row = bridge.row("drive_motor")
+    assert (row.stops, row.stopping, row.message) == (1, False, "")
+    bridge.account.stops["drive_motor"] += 2
+    bridge.let(0.25)
+    row = bridge.row("drive_motor")
+    assert (row.stops, row.stopping, row.message) == (3, True, "silent; the bridge sends the stop")
+
+
 def test_a_node_whose_qos_does_not_match_is_a_warning() -> None:
     """The row says why; on an extra topic, only the status of the node says it."""
     bridge = _Bridge(imu_info=40)
@@ -187,12 +222,13 @@ def _busy() -> State:
     bridge.account.forwarded["basestation"] = 180
     bridge.account.unsent["basestation"] = 2
     bridge.kernel_drops = 11
-    bridge.account.dropped.update({"malformed": 4, "wrong_direction": 5})
-    bridge.account.dropped_of_row["arm_ctrl", "wrong_direction"] = 5
+    bridge.account.dropped.update({"malformed": 4, "wrong_direction": 5, "conversion": 3})
+    bridge.account.dropped_of_row.update({("arm_ctrl", "wrong_direction"): 5, ("imu_info", "conversion"): 3})
     bridge.account.qos_mismatches = {"gps_data": ["a subscription of /viz gets no messages (durability: ...)"]}
     bridge.let(3, imu_info=40, gps_info=4)
     bridge.let(2.5, imu_info=20)
     bridge.account.sent["drive_motor"] += 3
+    bridge.account.stops["arm_ctrl"] += 7
     bridge.monitor.sample()
     bridge.recording = Recording("run.mcap", 12, 0, 5_000_000, None)
     state = bridge.monitor.state()
@@ -202,27 +238,175 @@ def _busy() -> State:
 
 def test_the_page_of_top(request: pytest.FixtureRequest) -> None:
     """The screen, as an operator sees it; `--update-cases` writes it anew."""
-    page = top_screen.page_of(diagnostic_array.array_of(_busy(), _STAMP), "udp_forwarder")
+    page = page_of(diagnostic_array.array_of(_busy(), _STAMP, {}))
     assert page is not None
     console = Console(width=120, record=True, file=io.StringIO())
-    console.print(top_screen.render(page))
+    console.print(top_screen.printed([HeardBridge(page, 0, 0)], 120))
     shown = "\n".join(line.rstrip() for line in console.export_text().splitlines()) + "\n"
     if request.config.getoption("--update-cases"):
         _SCREEN.write_text(shown, encoding="utf-8")
     assert shown == _SCREEN.read_text(encoding="utf-8")
-    assert top_screen.has_problems(page)
+    assert has_problems(page)
 
 
-def test_only_the_bridge_that_is_meant_makes_the_page() -> None:
-    """Other nodes speak on /diagnostics, too."""
-    array = diagnostic_array.array_of(_busy(), _STAMP)
-    assert top_screen.page_of(array, "another") is None
-    assert top_screen.page_of(DiagnosticArray(), "udp_forwarder") is None
+def _array(name: str, **origin: Any) -> DiagnosticArray:
+    """The message of a bridge with a node name."""
+    state = dataclasses.replace(_busy(), node=name)
+    return diagnostic_array.array_of(state, _STAMP, {"full_name": f"/{name}", "instance": name, **origin})
+
+
+class _Heard(HeardBridges):
+    """What `top` hears, with a clock."""
+
+    def __init__(self, *nodes: str) -> None:
+        self.now = 100.0
+        super().__init__(nodes, lambda: self.now)
+
+    def hear(self, name: str = "udp_forwarder", after: float = 0.5, **origin: Any) -> None:
+        self.now += after
+        self.take(cdr.encode(_array(name, **origin)))
+
+    def screen(self, width: int, height: int, view: top_screen.View, *keys: str) -> list[str]:
+        """The lines of the screen after some keys."""
+        bridges = self.bridges
+        top_screen.live(bridges, self, view, width, height)
+        for key in keys:
+            assert view.press(key, [bridge.page for bridge in bridges])
+        console = Console(width=width, record=True, file=io.StringIO())
+        console.print(top_screen.live(bridges, self, view, width, height))
+        return console.export_text().splitlines()
+
+
+def _without(array: DiagnosticArray, status: int, key: str, value: str | None = None) -> bytes:
+    """The message, with a value of a status left out or replaced."""
+    pairs = array.status[status].values
+    kept = [pair for pair in pairs if pair.key != key]
+    array.status[status].values = kept if value is None else [*kept, KeyValue(key, value)]
+    return cdr.encode(array)
+
+
+def test_only_bridges_are_heard() -> None:
+    """Other nodes speak on /diagnostics, too; of bridges, those that are asked for, with or without a namespace."""
+    heard = _Heard()
+    assert heard.take(cdr.encode(DiagnosticArray())) is None
+    assert heard.take(b"\x00\x01") is None
+    assert heard.take(_without(_array("rover"), 0, "received")) is None
+    assert heard.take(_without(_array("rover"), 3, "rate", "fast")) is None
+    assert heard.take(_without(_array("rover"), 3, "rate", "inf")) is None
+    assert heard.bridges == []
+    for wanted, found in (("rover", 1), ("/rover", 1), ("rove", 0)):
+        heard = _Heard(wanted)
+        heard.hear("rover")
+        heard.hear("udp_forwarder")
+        assert len(heard.bridges) == found
+
+
+def test_two_bridges_with_one_name_are_told_from_one_that_was_started_again() -> None:
+    """They alternate, and both have their places; one that was started again replaces the old one."""
+    heard = _Heard()
+    for _ in range(2):
+        heard.hear(instance="a", pid=12, host="jetson")
+    for _ in range(8):
+        heard.hear(instance="b", pid=34, host="laptop")
+        assert heard.warnings() == []
+    assert [bridge.page["node"]["instance"] for bridge in heard.bridges] == ["b"]
+    heard.hear(instance="c", pid=56, host="jetson")
+    assert heard.warnings() == []
+    heard.hear(instance="b", pid=34, host="laptop")
+    heard.hear(instance="c", pid=56, host="jetson")
+    (warning,) = heard.warnings()
+    assert warning.startswith("2 bridges are named '/udp_forwarder'; start one with --ros-args -r __node:=NAME (")
+    assert "process 34 on laptop" in warning
+    assert "process 56 on jetson" in warning
+    assert warning[:60] in heard.screen(80, 24, top_screen.View())[0]
+
+
+@pytest.mark.parametrize(("width", "height"), [(80, 24), (70, 20), (200, 60), (30, 8), (1, 1)])
+def test_the_screen_fits_the_terminal(width: int, height: int) -> None:
+    """No line is longer and there are no more lines, with one bridge and with three."""
+    heard = _Heard()
+    for name in ("one", "two", "three"):
+        heard.hear(name)
+        lines = heard.screen(width, height, top_screen.View())
+        assert len(lines) == height
+        assert max(map(len, lines)) <= width
+
+
+@pytest.mark.parametrize(("width", "height", "shown"), [(80, 24, 12), (70, 20, 11)])
+def test_a_small_terminal_shows_the_drops_and_reaches_every_row(width: int, height: int, shown: int) -> None:
+    """The drops of the bridge and of the row, the stops, and with the arrow keys each of the rows with its message."""
+    heard, view = _Heard(), top_screen.View()
+    heard.hear()
+    lines = heard.screen(width, height, view)
+    assert "datagrams dropped: 12; by the kernel: 11; reasons: " in lines[1]
+    assert "because the topic is silent: arm_ctrl" in lines[2]
+    seen = set()
+    for number in range(21):
+        lines = heard.screen(width, height, view, *["down"] * bool(number))
+        (title,) = [line for line in lines if line.startswith("no.")]
+        rows = lines[lines.index(title) + 1 : -3]
+        assert len(rows) == shown
+        seen |= {row[:3] for row in rows}
+        assert lines[-3].startswith(f"row {number + 1} of 21")
+        if number == 12:
+            (imu,) = [row for row in rows if " imu_info " in row]
+            assert imu[: title.index("dropped") + len("dropped")].endswith(" 3")
+            assert lines[-2].startswith("dropped: conversion 3; ")
+    assert len(seen) == 21
+
+
+def test_rows_are_sorted_and_filtered() -> None:
+    """By keys; the selected row stays selected, and Esc shows everything again."""
+    heard, view = _Heard(), top_screen.View()
+    heard.hear()
+
+    def names(*keys: str) -> list[str]:
+        heard.screen(120, 60, view, *keys)
+        return [row["name"] for row in view.rows(heard.bridges[0].page)]
+
+    everything = names()
+    assert names("s") == sorted(everything)
+    assert names("s")[:3] == ["ph_info", "gps_info", "imu_info"]
+    assert names("s")[0] == "imu_info"
+    assert names("s")[0] == "ph_info"
+    assert names("s")[0] == "imu_info"
+    assert names("s") == everything
+    assert names("S")[0] == "imu_info"
+    assert names("s") == everything
+    assert names("p") == ["ph_info", "arm_ctrl", "gps_info", "imu_info"]
+    assert names("down", "/", *"IMUx", "backspace", "enter") == ["imu_info"]
+    assert names("/", *"q", "enter") == []
+    assert names("escape") == everything
+    assert view.row == "arm_ctrl"
+    assert not view.press("q", [])
+
+
+def test_bridges_stand_side_by_side_where_there_is_room() -> None:
+    """Else one after the other, with Tab; all of them are listed above."""
+    heard, view = _Heard(), top_screen.View()
+    for name in ("one", "two"):
+        heard.hear(name)
+    wide = heard.screen(150, 24, view)
+    assert re.search(r"^/one  WARN.* \| /two  WARN", wide[1])
+    narrow = heard.screen(100, 24, view)
+    assert narrow[0].startswith("bridges: 2 WARN  /one WARN dropped 23  /two WARN")
+    assert narrow[1].startswith("/one  WARN")
+    assert heard.screen(100, 24, view, "tab")[1].startswith("/two  WARN")
+    assert heard.screen(100, 24, view, "tab")[1].startswith("/one  WARN")
+    heard.now += 5
+    assert "no longer publishes its state" in heard.screen(100, 24, view)[1]
+
+
+def test_names_cannot_command_the_terminal() -> None:
+    """Whatever a node is called: neither by characters nor by the markup of the library that draws the screen."""
+    heard = _Heard()
+    heard.hear("a\x1b[2J[/red]")
+    assert "a?[2J[/red]" in heard.screen(100, 24, top_screen.View())[0]
 
 
 def test_diagnostics_are_those_of_ros2() -> None:
     """The bytes are what the definition of diagnostic_msgs, as rosbags has it, reads."""
-    array = diagnostic_array.array_of(_busy(), _STAMP)
+    array = diagnostic_array.array_of(_busy(), _STAMP, {})
     theirs = cdr.decode(from_rosbags.message_type("diagnostic_msgs/msg/DiagnosticArray"), cdr.encode(array))
     assert message_to_values(theirs) == message_to_values(array)
     values = message_to_values(theirs)
@@ -249,7 +433,10 @@ def test_prometheus_reads_the_metrics() -> None:
     (mismatch,) = families["roverlink_qos_mismatches"].samples
     assert (mismatch.labels, mismatch.value) == ({"topic": "gps_data"}, 1)
     (drop,) = families["roverlink_row_dropped"].samples
-    assert (drop.labels["row"], drop.labels["reason"], drop.value) == ("arm_ctrl", "wrong_direction", 5)
+    assert (drop.labels["row"], drop.labels["reason"], drop.value) == ("imu_info", "conversion", 3)
+    stops = {sample.labels["row"]: sample.value for sample in families["roverlink_stops"].samples}
+    stopping = {sample.labels["row"]: sample.value for sample in families["roverlink_stopping"].samples}
+    assert (stops, stopping) == ({"arm_ctrl": 7, "drive_motor": 0}, {"arm_ctrl": 1, "drive_motor": 0})
     buckets = [
         (sample.labels["le"], sample.value)
         for sample in families["roverlink_handling_seconds"].samples

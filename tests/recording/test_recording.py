@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -24,6 +25,7 @@ from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Qos, SetupError
 from roverlink.runtime.core.messages import fields_of
+from roverlink.runtime.recording.mcap_file import Channel, McapFile
 from roverlink.runtime.recording.reader import Recording
 from roverlink.runtime.recording.recorder import Recorder
 from roverlink.runtime.text.values import message_to_values
@@ -198,10 +200,10 @@ def test_in_a_folder_it_is_named_by_the_time(tmp_path: Path) -> None:
 # --- when it goes wrong -----------------------------------------------------------------------------------------
 
 
-def _run_of(what: str, path: Path) -> subprocess.Popen[str]:
+def _run_of(what: str, path: Path, **options: Any) -> subprocess.Popen[str]:
     command = [sys.executable, str(Path(__file__).with_name("runs.py")), what, str(path)]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(_ROOT), os.environ.get("PYTHONPATH", "")])}
-    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment, **options)
 
 
 def test_a_kill_costs_at_most_the_last_second(tmp_path: Path) -> None:
@@ -236,11 +238,11 @@ def _until_it_ends(reader: StreamReader) -> Iterator[Any]:
 
 
 @pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A disk of 3 MB."""
+def small_disk(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Path]:
+    """A disk of 3 MB, or of the size that the test gives."""
     place = tmp_path / "disk"
     place.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", str(place)]
+    mount = ["mount", "-t", "tmpfs", "-o", f"size={getattr(request, 'param', '3m')}", "tmpfs", str(place)]
     if os.geteuid() or subprocess.run(mount, capture_output=True).returncode:
         pytest.skip("need to mount a disk (as root)")
     yield place
@@ -260,6 +262,96 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(small_disk: Path) -> No
     messages = list(Recording(path).messages())
     assert len(messages) > 1000
     assert {len(message.data) for message in messages} == {1400}
+
+
+def _read_to_the_end(path: Path) -> int:
+    """Read both files of a recording by other programs' readers, and by ours; return the number of messages."""
+    topics, datagrams = path, path.with_suffix(".datagrams.mcap")
+    found = _read_by_mcap(topics, datagrams)
+    for file in (topics, datagrams):
+        assert file.read_bytes().endswith(b"\x89MCAP0\r\n")
+        list(StreamReader(file.open("rb"), validate_crcs=True, emit_chunks=False).records)
+    if any(topic in ROWS for topic in found):
+        with AnyReader([topics]) as bag:
+            read_by_rosbags = sum(1 for _ in bag.messages())
+        assert read_by_rosbags == sum(len(messages) for topic, messages in found.items() if topic in ROWS)
+    assert _read(path) == found
+    counts = {topic: count for topic, (_, count) in Recording(path).channels().items() if count}
+    assert counts == {topic: len(messages) for topic, messages in found.items()}
+    return sum(map(len, found.values()))
+
+
+# From a disk that has no room for the schemas to one where a summary makes the last messages go.
+@pytest.mark.parametrize("small_disk", [f"{kilobytes}k" for kilobytes in (8, 16, 32, 48, 64, 96, 256)], indirect=True)
+def test_a_tiny_disk_that_fills_leaves_files_with_an_end(small_disk: Path) -> None:
+    """Other readers read both files to their end, whatever fits; every message is either there or counted as lost."""
+    path = small_disk / "run.mcap"
+    with _run_of("everything", path) as child:
+        output, _ = child.communicate(timeout=60)
+    failure, handed, lost = output.rsplit(maxsplit=2)
+    assert failure == "No space left on device"
+    assert _read_to_the_end(path) == int(handed) - int(lost)
+
+
+def _limit_files() -> None:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+
+def test_a_limit_of_the_file_size_leaves_files_with_a_summary(tmp_path: Path) -> None:
+    """The last chunks make room for a summary, so that readers need not read the file from the beginning."""
+    path = tmp_path / "run.mcap"
+    with _run_of("everything", path, preexec_fn=_limit_files) as child:
+        output, _ = child.communicate(timeout=60)
+    failure, handed, lost = output.rsplit(maxsplit=2)
+    assert failure == "File too large"
+    kept = _read_to_the_end(path)
+    assert kept == int(handed) - int(lost)
+    assert kept > 100
+    assert Recording(path).complete
+
+
+def test_any_limit_leaves_a_file_with_an_end_or_none(tmp_path: Path) -> None:
+    """Wherever in a file the room ends: it has an end and holds what it counts, or it could not be made at all."""
+    none, empty, some = 0, 0, 0
+    channel = Channel(1, "/x", "", "x", "text", b"a schema that takes some room" * 10)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    for limit in range(60, 6000, 17):
+        path = tmp_path / f"{limit}.mcap"
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, before[1]))
+        try:
+            file = McapFile(path, "", "none", {"some": "facts"})
+        except OSError:
+            none += 1
+            assert not path.exists()
+            continue
+        else:
+            lost = _fill(file, channel)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        found = sum(map(len, _read_by_mcap(path).values()))
+        assert (found, found + lost) == (file.counts.total(), 20 * 5)
+        empty, some = empty + (not found), some + bool(found)
+    assert min(none, empty, some) >= 3
+
+
+def _fill(file: McapFile, channel: Channel) -> int:
+    """Write 20 chunks of 5 messages, as far as there is room, and end the file; return how many are lost."""
+    written = 0
+    with contextlib.suppress(OSError):
+        file.add_channel(channel)
+        for _ in range(20):
+            written += 5
+            file.add([(time.time_ns(), time.time_ns(), 1, bytes(50))] * 5)
+            file.flush()
+    return 100 - written + file.finish_anyway()
+
+
+@pytest.mark.parametrize("small_disk", ["4k"], indirect=True)
+def test_a_disk_without_room_for_two_files_is_told(small_disk: Path) -> None:
+    """The bridge does not start, and the file that could be made is not left behind."""
+    with pytest.raises(OSError, match="No space left on device"):
+        recorder(small_disk / "run.mcap")
+    assert list(small_disk.iterdir()) == []
 
 
 def test_what_the_disk_does_not_keep_up_with_is_counted(tmp_path: Path) -> None:

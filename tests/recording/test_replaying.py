@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,10 @@ from roverlink.runtime.core.messages import Float32, Message
 from roverlink.runtime.recording import schemas
 from roverlink.runtime.recording.adapting import Adapter
 from roverlink.runtime.recording.message_definitions import definition_of, message_type_from
+from roverlink.runtime.recording.playback import Playback
 from roverlink.runtime.recording.reader import Recording
 from roverlink.runtime.recording.recorder import Recorder
-from roverlink.runtime.recording.replaying import BoardReplay, RosReplay, Timed, paced
+from roverlink.runtime.recording.replaying import BoardReplay, RosReplay, Timed
 
 _IMU = REGISTRY.by_name["imu_info"]
 
@@ -85,18 +87,78 @@ def test_only_the_topics_that_are_named(tmp_path: Path) -> None:
     assert [message.topic for message in replay.messages()] == ["/imu_data"] * 2
 
 
+class _Player:
+    """Plays messages at these seconds of a recording, with a clock that only a wait moves."""
+
+    def __init__(self, times: tuple[float, ...], speed: float = 1.0, start: float = 0.0) -> None:
+        self._now = 100.0
+        self._messages = [Timed(int(at * 1e9), "", b"") for at in times]
+        bounds = self._messages[0].time, self._messages[-1].time
+        self.playback = Playback(self._since, bounds, int(start * 1e9), speed, lambda: self._now)
+
+    def _since(self, time: int) -> Iterator[Timed]:
+        return (message for message in self._messages if message.time >= time)
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass without taking a message."""
+        self._now += seconds
+
+    def rest(self) -> list[tuple[float, float]]:
+        """Play to the end: how long each message was waited for, and its time."""
+        played = []
+        while (due := self.playback.due()) is not None:
+            self.wait(max(0.0, due))
+            played.append((round(max(0.0, due), 6), self.playback.take().time / 1e9))
+        return played
+
+
 def test_it_keeps_the_timing_of_the_run() -> None:
-    """Each message waits for its time, twice as fast where that is asked for; so does a run of nothing."""
-    now, slept = [100.0], []
+    """Each message waits for its time, twice as fast where that is asked for; the first one for nothing."""
+    assert _Player((7.0, 7.5, 7.5, 9.0), speed=2.0).rest() == [(0.0, 7.0), (0.25, 7.5), (0.0, 7.5), (0.75, 9.0)]
 
-    def sleep(seconds: float) -> None:
-        slept.append(round(seconds, 6))
-        now[0] += seconds
 
-    messages = [Timed(int(at * 1e9), "", b"") for at in (7.0, 7.5, 7.5, 9.0)]
-    assert list(paced(messages, 2.0, lambda: now[0], sleep)) == messages
-    assert slept == [0.0, 0.25, 0.0, 0.75]
-    assert list(paced([], 1.0)) == []
+def test_a_late_replay_catches_up() -> None:
+    """A wait that was too long does not move the messages after it."""
+    player = _Player((0.0, 1.0, 2.0))
+    player.wait(1.5)
+    assert player.rest() == [(0.0, 0.0), (0.0, 1.0), (0.5, 2.0)]
+
+
+def test_a_pause_moves_all_that_follows() -> None:
+    """While it pauses nothing is due and the position stands still; then it goes on where it was."""
+    player = _Player((0.0, 1.0))
+    player.playback.take()
+    player.wait(0.25)
+    player.playback.toggle_pause()
+    player.wait(60)
+    assert (player.playback.due(), player.playback.position) == (math.inf, 250_000_000)
+    player.playback.toggle_pause()
+    assert player.rest() == [(0.75, 1.0)]
+
+
+def test_it_seeks_forward_and_back() -> None:
+    """What is skipped is not played, what is sought is played again; no seek leaves the recording."""
+    player = _Player((0.0, 20.0, 40.0))
+    player.playback.seek(15)
+    assert player.playback.due() == 5.0
+    player.playback.seek(-100)
+    assert player.playback.position == 0
+    player.playback.seek(100)
+    player.playback.toggle_pause()
+    player.playback.seek(-5)
+    assert player.playback.position == 35_000_000_000
+    player.playback.toggle_pause()
+    assert player.rest() == [(5.0, 40.0)]
+
+
+def test_it_begins_where_it_was_told_and_begins_again_there() -> None:
+    """A start in the middle leaves out what was before, also in the next round; seeking back may go there."""
+    player = _Player((0.0, 20.0, 40.0), start=5.0)
+    for _ in range(2):
+        assert player.rest() == [(0.0, 20.0), (20.0, 40.0)]
+        player.playback.restart()
+    player.playback.seek(-100)
+    assert [time for _, time in player.rest()] == [0.0, 20.0, 40.0]
 
 
 # --- an older schema --------------------------------------------------------------------------------------------

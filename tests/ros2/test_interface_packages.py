@@ -64,7 +64,7 @@ def test_doctor_finds_a_stale_package(changed: tuple[Path, str], done: Start) ->
 def test_doctor_accepts_the_package_that_was_built(done: Start) -> None:
     """`roverlink doctor` finds no difference right after the build."""
     _, output, _ = done("doctor", "--ros-args", "-p", "listen_port:=0")
-    assert "interfaces: comms is the one that was generated" in output, output
+    assert "interfaces: the installed ROS 2 package comms has the generated messages" in output, output
 
 
 def test_a_missing_standard_package_is_told(done: Start) -> None:

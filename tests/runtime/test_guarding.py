@@ -237,7 +237,7 @@ def test_silence_is_warned_of_once(guarded: _Rig, caplog: pytest.LogCaptureFixtu
     guarded.publisher().publish([_command(1)])
     wait_until(lambda: guarded.board.datagrams.count(_STOP) >= 5, "three more stops")
     assert [message for message in caplog.messages if "silent" in message] == [
-        "drive_motor: the topic is silent, so the bridge sends the peer the payload that stops it (deadman)"
+        "drive_motor: the topic is silent, so the bridge sends the stop payload (table key deadman) to the peer"
     ]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import socket
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pytest
@@ -14,6 +14,7 @@ from tables import changed, of_peers, unguarded
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Bridge, Registry, SetupError
+from roverlink.runtime.bridge.bridge import Handle, Observer, Send
 from roverlink.runtime.middleware.memory import MemoryMiddleware
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
@@ -26,10 +27,10 @@ _IMU = REGISTRY.envelope(imu_info=payload_at(REGISTRY.by_name["imu_info"].payloa
 class _Running:
     """A bridge, a board that sends to it, and its parameters."""
 
-    def __init__(self, registry: Registry = _QUIET, **given: Any) -> None:
+    def __init__(self, registry: Registry = _QUIET, observers: Sequence[Observer] = (), **given: Any) -> None:
         settings = parameters.read(registry, {"listen_port": 0, "listen_address": "127.0.0.1", **given})
         self.live = LiveParameters(registry, settings, _LOGGER)
-        self.bridge = Bridge(registry, settings, MemoryMiddleware(), lambda topic: f"/{topic}", _LOGGER)
+        self.bridge = Bridge(registry, settings, MemoryMiddleware(), lambda topic: f"/{topic}", _LOGGER, observers)
         self.live.on_change(self.bridge.change)
         self._board = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
@@ -86,6 +87,30 @@ def test_the_policy_of_forwards_changes_while_the_bridge_runs(listener: socket.s
         forwarded = running.bridge.account.forwarded.total()
         running.bridge_one()
     assert running.bridge.account.forwarded.total() == forwarded
+
+
+class _Wrappings:
+    """Observer that counts how often it is asked to wrap the handler of datagrams."""
+
+    count = 0
+
+    def receiving(self, handle: Handle) -> Handle:
+        self.count += 1
+        return handle
+
+    def sending(self, peer: str, send: Send) -> Send:  # part of the Observer interface
+        return send
+
+
+def test_a_change_wraps_no_observer_again(listener: socket.socket) -> None:
+    """An observer is asked at the start; changes of parameters do not ask it once more."""
+    observer = _Wrappings()
+    with _Running(observers=[observer], source_policy="any") as running:
+        asked = observer.count
+        for change in ({"dst_a_port": listener.getsockname()[1]}, {"source_policy": "mapping"}):
+            running.live.change(change)
+            running.bridge_one()
+        assert observer.count == asked
 
 
 def test_the_policy_of_sources_changes_while_the_bridge_runs() -> None:

@@ -152,7 +152,7 @@ def test_without_rosbags_standard_types_say_what_to_install(monkeypatch: pytest.
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "rosbags", None)
     try:
-        with pytest.raises(SetupError, match=r"pip install 'roverlink\[standard\]'"):
+        with pytest.raises(SetupError, match=r"pip install 'rosbags>=0.11'"):
             from_rosbags.message_type("std_msgs/msg/String")
     finally:
         from_rosbags._store.cache_clear()

@@ -127,7 +127,7 @@ def test_a_camera_without_distortion_is_written_as_zeros(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("camera_matrix:", "camera_matrx:", r"missing key camera_matrix; did you mean 'camera_matrx'\?"),
+        ("camera_matrix:", "camera_matrx:", r"missing key 'camera_matrix'; did you mean 'camera_matrx'\?"),
         ("   rows: 3\n", "", r"yml:3:16: camera_matrix is not a matrix"),
         ("rows: 3", "rows: 2", r"yml:7:10: camera_matrix is 2x3, but has 9 numbers"),
         ("rows: 3", "rows: three", r"yml:4:10: rows is three"),
@@ -141,7 +141,7 @@ def test_a_camera_without_distortion_is_written_as_zeros(tmp_path: Path) -> None
         (
             "camera_matrix:",
             "2: x\non: x\ncamera_matrx:",
-            r"camera.yml: missing key camera_matrix; did you mean 'camera_matrx'",
+            r"camera.yml: missing key 'camera_matrix'; did you mean 'camera_matrx'",
         ),
         (
             "distortion_coef",
@@ -155,7 +155,11 @@ def test_a_camera_without_distortion_is_written_as_zeros(tmp_path: Path) -> None
         ),
         ("   dt: d\n", "   dt: d\n   dt: f\n", r"yml:7:4: the key dt occurs twice"),
         ("distortion_coef", "distortion_model: fishy\ndistortion_coef", r"yml:9:19: unknown distortion model 'fishy'"),
-        ("distortion_coef", "distortion_model: equidistant\ndistortion_coef", r"equidistant needs 4 coefficients"),
+        (
+            "distortion_coef",
+            "distortion_model: equidistant\ndistortion_coef",
+            r"'equidistant' needs 4 coefficients, but the file has 5",
+        ),
     ],
 )
 def test_mistakes_are_told_with_their_place(tmp_path: Path, old: str, new: str, words: str) -> None:

@@ -99,7 +99,7 @@ def test_what_was_calibrated_is_said() -> None:
     assert rows["Board"] == "11 x 8 squares of 24 mm, DICT_4X4_50"
     assert rows["Model"] == "plumb_bob"
     assert rows["Views"] == "18 used, 2 dropped"
-    assert rows["RMS"] == f"{calibration().rms:.3f} px"
+    assert rows["Reprojection error (RMS)"] == f"{calibration().rms:.3f} px"
     assert rows["Made with"] == "roverlink 1.2.3, OpenCV 5.0.0"
 
 

@@ -1,7 +1,8 @@
 """Bundle adjustment: fits the camera's parameters and the board's pose in each view to the observed corners.
 
-Each view has its own pose. The poses are eliminated by the Schur complement before the camera's parameters are solved
-for (Triggs et al., "Bundle adjustment - a modern synthesis", 2000). P is the number of the camera's parameters.
+A view is the set of board corners found in one image. Each view has its own pose of the board. The poses are eliminated
+by the Schur complement before the camera's parameters are solved for (Triggs et al., "Bundle adjustment - a modern
+synthesis", 2000). In the shapes of arrays, P is the number of the camera's parameters and N the number of corners.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ _LEAST_DAMPED, _MOST_DAMPED = 1e-9, 1e9  # range of Levenberg and Marquardt's da
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """Corners of one view: points (N, 3) on the board in metres, pixels (N, 2), and weights (N,)."""
+    """Observed corners of one image: points (N, 3) on the board in metres, their pixels (N, 2), and weights (N,)."""
 
     points: Floats
     pixels: Floats
@@ -38,7 +39,7 @@ class Observation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
-    """Estimated camera parameters, with the estimated pose of the board in each view (board to camera)."""
+    """Estimated camera parameters, with the estimated pose of the board in each image (board to camera)."""
 
     camera: CameraParameters
     poses: tuple[Pose, ...]
@@ -46,13 +47,17 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Linearization:
-    """Residuals (2N,) of one view with their derivatives; all are multiplied by the square roots of the weights."""
+    """Residuals of one view at an estimate, with the derivatives of the predicted pixels.
+
+    All rows are multiplied by the square roots of the corners' weights. Corners of weight 0 are left out.
+    """
 
     residuals: Floats
+    """Observed minus predicted pixels (2N,): x and y of the first corner, then of the second, and so on."""
     by_camera: Floats
-    """Derivative (2N, P) by the camera's parameters."""
+    """Derivative (2N, P) of the predicted pixels with respect to the camera's parameters."""
     by_pose: Floats
-    """Derivative (2N, 6) by the view's pose."""
+    """Derivative (2N, 6) of the predicted pixels with respect to the board's pose in this view."""
 
 
 def adjust(
@@ -82,7 +87,10 @@ def adjust(
 
 
 def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[Linearization]:
-    """Return the residuals of each view, and their derivatives by the camera's parameters and by the view's pose."""
+    """Return, for each view, the residuals at an estimate and the derivatives of the predicted pixels.
+
+    The derivatives are with respect to the camera's parameters and to the board's pose in the view.
+    """
     predicted = [predict(pose, one.points) for one, pose in zip(observations, estimate.poses)]
     rays, by_pose = (np.concatenate(parts) for parts in zip(*predicted))  # one call for all views is faster
     pixels, slope = estimate.camera.distort_with_derivative(rays)
@@ -103,9 +111,9 @@ def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[L
 
 
 def information(view: Linearization) -> tuple[Floats, Floats]:
-    """Return the normal matrix (P, P) and right side (P,) of one view for the camera's parameters.
+    """Return the normal equations of one view for the camera's parameters alone: matrix (P, P) and right side (P,).
 
-    The view's pose is eliminated from them.
+    The board's pose in the view, which is unknown too, is eliminated from the equations.
     """
     # A least squares solution of the derivatives themselves. The Schur complement of the normal matrices is the same on
     # paper, but squares the condition number, and the result is inverted.
@@ -114,9 +122,9 @@ def information(view: Linearization) -> tuple[Floats, Floats]:
 
 
 def by_parameters(camera: CameraParameters, rays: Floats) -> Floats:
-    """Return the derivative (N, 2, P) of pixels by the camera's parameters fx fy cx cy and the distortion.
+    """Return the derivative (N, 2, P) of the pixels of `rays` (N, 2) with respect to the camera's parameters.
 
-    The pixels are those of the rays (N, 2).
+    The order of the parameters is fx fy cx cy, then the distortion coefficients. A ray is a point in the plane z = 1.
     """
     bent = (camera.distort(rays) - camera.centre) / camera.focal
     derivative = np.zeros((len(rays), 2, 4 + camera.distortion.size))
@@ -128,7 +136,7 @@ def by_parameters(camera: CameraParameters, rays: Floats) -> Floats:
 
 
 def moved_camera(camera: CameraParameters, change: Floats) -> CameraParameters:
-    """Return a camera whose parameters are the given ones plus `change` (P,)."""
+    """Return a camera whose parameters fx fy cx cy and distortion are those of `camera` plus `change` (P,)."""
     matrix = camera.matrix.copy()
     matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += change[:4]
     return replace(camera, matrix=matrix, distortion=camera.distortion + change[4:])
@@ -171,9 +179,9 @@ def _step(
 
 
 def _by_rational(rays: Floats, coefficients: Floats) -> Floats:
-    """Return the derivative (N, 2, C) of distorted rays by the C distortion coefficients.
+    """Return the derivative (N, 2, C) of the distorted rays with respect to the C distortion coefficients.
 
-    The order of the coefficients is k1 k2 p1 p2 k3 k4 k5 k6.
+    The model is OpenCV's rational one. The order of the coefficients is k1 k2 p1 p2 k3 k4 k5 k6.
     """
     x, y = rays.T
     r2 = x * x + y * y
@@ -191,7 +199,7 @@ def _by_rational(rays: Floats, coefficients: Floats) -> Floats:
 
 
 def _by_fisheye(rays: Floats, coefficients: Floats) -> Floats:
-    """Return the derivative (N, 2, 4) of distorted rays by the fisheye coefficients k1 k2 k3 k4."""
+    """Return the derivative (N, 2, 4) of the distorted rays with respect to the fisheye coefficients k1 k2 k3 k4."""
     # In the centre of the image, angle / r is 1 as a limit.
     r = np.maximum(np.hypot(*rays.T), 1e-12)
     angle = np.arctan(r)

@@ -13,21 +13,25 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.opencv import cv2
 
 COLUMNS, ROWS = 11, 8
-"""Number of squares; with squares of `SQUARE` the board fits on A4 in landscape."""
+"""Default numbers of columns and rows of squares; with squares of `SQUARE` the board fits on A4 in landscape."""
 SQUARE, MARKER = 0.024, 0.018
-"""Sides of a square and of a marker in metres."""
+"""Default sides of a square and of a marker in metres."""
 # Few and coarse modules: the board's markers are small, and 50 are enough for 100 squares.
 DICTIONARY = "DICT_4X4_50"
-"""Dictionary of the board's markers. It differs from that of the landmarks, which may be in the same image."""
+"""Default dictionary of the board's markers, by OpenCV's name.
+
+It differs from the default dictionary of the markers on the field, because both may be visible in the same image.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CharucoBoard:
     """ChArUco board of `columns` x `rows` squares. Raises `SetupError` for an impossible board.
 
-    `square` and `marker` are the sides of a square and of a marker in metres. Set `legacy` for a board with an even
-    number of rows that was made with OpenCV before 4.6. The board's frame has its origin at the outer corner of the
-    upper left square. x points along the rows, y down the columns, z into the board; the unit is the metre.
+    `square` and `marker` are the sides of a square and of a marker in metres. `dictionary` is OpenCV's name of the
+    dictionary of the markers, such as ``DICT_4X4_50``. Set `legacy` for a board with an even number of rows that was
+    made with OpenCV before 4.6. The board's frame has its origin at the outer corner of the upper left square. x points
+    along the rows, y down the columns, z into the board; the unit is the metre.
     """
 
     columns: int = COLUMNS
@@ -43,7 +47,8 @@ class CharucoBoard:
             raise SetupError(f"a board of {self.columns}x{self.rows} squares is too small; it needs at least 3x3")
         if not 0 < self.marker < self.square < math.inf:
             raise SetupError(
-                f"markers of {self.marker} m do not fit squares of {self.square} m: a marker must be smaller"
+                f"markers of {self.marker} m do not fit squares of {self.square} m: a marker must be smaller than a "
+                "square"
             )
         known = [name for name in dir(cv2.aruco) if name.startswith("DICT_")]
         if self.dictionary not in known:
@@ -52,7 +57,8 @@ class CharucoBoard:
         there, needed = len(bits.bytesList), self.columns * self.rows // 2
         if there < needed:
             raise SetupError(
-                f"{self.dictionary} has only {there} markers, but {self.columns}x{self.rows} squares need {needed}"
+                f"{self.dictionary} has only {there} markers, but {self.columns}x{self.rows} squares need {needed}; "
+                "use a larger dictionary or fewer squares"
             )
         board = cv2.aruco.CharucoBoard((self.columns, self.rows), self.square, self.marker, bits)
         # OpenCV 4.6 changed the pattern of boards with an even number of rows.
@@ -61,7 +67,7 @@ class CharucoBoard:
 
     @property
     def opencv(self) -> Any:
-        """The same board as an object of OpenCV."""
+        """Same board as an OpenCV object, `cv2.aruco.CharucoBoard`."""
         return self._opencv
 
     @property

@@ -1,4 +1,8 @@
-"""Collection of views while somebody moves the board: takes useful views and tells which views are missing."""
+"""Collection of views for a calibration while somebody moves the board.
+
+A view is the set of board corners found in one image. The collection takes the useful views, and tells which parts of
+the image, distances and tilts of the board still need views.
+"""
 
 from __future__ import annotations
 
@@ -15,34 +19,41 @@ from roverlink.vision.camera.camera_model import CameraParameters
 from roverlink.vision.markers.detection import Image
 
 VIEWS = 20
-"""Number of views after which a collection may be complete."""
+"""Default of the least number of views in a complete collection."""
 STILL = 0.0025
-"""Largest motion of corners between frames in a view that is taken, as a fraction of the image width.
+"""Largest motion of a corner between two frames, as a fraction of the image width, at which the board counts as still.
 
-Faster motion blurs the corners.
+Faster motion blurs the corners, so such a view is not taken.
 """
 FRAME_NS = 500_000_000
-"""Longest time between two frames that are compared to tell whether the board is still."""
+"""Longest time in nanoseconds between two frames that are compared to find out if the board is still."""
 ELSEWHERE = 0.03
-"""Smallest distance from every taken view that some corner must have, as a fraction of the image width."""
+"""Distance by which a new view must differ from each view that was taken, as a fraction of the image width.
+
+At least one corner must have moved so far. Otherwise the new view shows the same as the old one.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Offer:
-    """Result of examining one frame: the view in it, and if and why the view was taken."""
+    """Result of the examination of one frame: the view in it, and the reason why the view was taken or not."""
 
     view: View
     """Corners found in the frame, possibly none."""
     taken: bool
     reason: str
-    """Reason why the frame was taken or not, in words for the user."""
+    """Reason why the view was taken or not, in words for the user, such as ``hold the board still``."""
     adds: tuple[Need, ...] = ()
-    """Needs that the view serves, if the board's pose could be estimated."""
+    """Requirements that are not met yet and that the view helps to meet; empty for an unusable view."""
     traits: Traits | None = None
+    """Properties of the view that count for the coverage; None for an unusable view."""
 
 
 class Collection:
-    """Collection of views for a calibration. It has no input, output or clock; the caller passes frames to it."""
+    """Collection of views for a calibration. It has no input, output or clock; the caller passes frames to it.
+
+    `wanted` is the least number of views in a complete collection.
+    """
 
     def __init__(self, board: CharucoBoard, wanted: int = VIEWS) -> None:
         self.board = board
@@ -86,7 +97,7 @@ class Collection:
         return self._consider(self._detector.find(image, name, stamp_ns), force=True)
 
     def discard(self, view: View) -> None:
-        """Remove a view that was taken."""
+        """Remove a view that was taken, and compute the coverage without it."""
         self._views = [one for one in self._views if one is not view]
         self._count()
 
@@ -114,7 +125,7 @@ class Collection:
         if any(_shift(view, taken) < ELSEWHERE for taken in self._views):
             return "same as a view taken before: move or tilt the board"
         if not adds and len(self._views) >= self.wanted:
-            return "adds nothing new"
+            return "adds nothing new: the views taken before show the same parts, distances and tilts"
         return ""
 
     def _traits(self, view: View) -> Traits:
@@ -132,7 +143,7 @@ class Collection:
 
 
 def _shift(view: View, other: View) -> float:
-    """Return the largest distance, in image widths, that a corner moved between two views.
+    """Return the largest distance that a corner moved between two views, as a fraction of the image width.
 
     Returns infinity if no corner is in both views.
     """

@@ -1,4 +1,6 @@
-"""Coverage of a set of views: the parts of the image, the distances and the tilts that the views show.
+"""Coverage of a set of views: the parts of the image, the distances and the tilts of the board that the views show.
+
+A view is the set of board corners found in one image.
 
 Views of all parts of the image determine the distortion and the principal point. Views of a tilted board separate the
 focal length from the distance. Views at several distances separate effects that look the same at one distance.
@@ -19,32 +21,32 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.poses.pose import Pose
 
 CELLS = (6, 4)
-"""Columns and rows of the grid of image regions."""
+"""Number of columns and rows of the grid that divides the image into regions."""
 WANTED = 2
 """Number of views wanted for each region, distance and tilt."""
 TILTED = math.radians(18)
 """Smallest angle in radians at which a board counts as tilted."""
 NEAR, FAR = 0.6, 0.4
-"""Bounds of the distances: square root of the board's share of the image area."""
+"""Bounds between near, middle and far: square root of the share of the image area that the board fills."""
 
 DISTANCES = ("near", "middle", "far")
 TILTS = ("left edge nearer", "right edge nearer", "top edge nearer", "bottom edge nearer")
-"""Tilts, by the board's edge in the image that is nearer to the camera."""
+"""Names of the tilts. Each names the edge of the board, as seen in the image, that is nearer to the camera."""
 
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """Requirement for a part of the image, a distance or a tilt: the number of views that show it, and that should."""
+    """Requirement for a good calibration: enough views show one part of the image, one distance, or one tilt."""
 
     kind: str
     """`region`, `distance` or `tilt`."""
     name: str
-    """Region in words, or one of `DISTANCES` or `TILTS`."""
+    """Region in words, such as `upper left`, or one of `DISTANCES` or `TILTS`."""
     have: int
-    """Number of views so far."""
+    """Number of views so far that show this region, distance or tilt."""
     wanted: int = WANTED
     cell: tuple[int, int] | None = None
-    """Column and row of a region in the grid of `CELLS`."""
+    """Column and row of a region in the grid of `CELLS`; None for a distance or a tilt."""
 
     @property
     def met(self) -> bool:
@@ -57,7 +59,7 @@ class Traits:
     """Properties of one view that count for the coverage."""
 
     cells: frozenset[tuple[int, int]]
-    """Columns and rows of the regions that contain corners."""
+    """Regions that contain corners, each as (column, row) in the grid of `CELLS`."""
     distance: str
     """One of `DISTANCES`."""
     tilts: frozenset[str]
@@ -65,7 +67,7 @@ class Traits:
 
 
 class Coverage:
-    """Counter of the regions, distances and tilts that views show."""
+    """Counter of the views that show each region of the image, each distance and each tilt of the board."""
 
     def __init__(self) -> None:
         self._seen: Counter[tuple[int, int] | str] = Counter()
@@ -116,7 +118,7 @@ def region_name(cell: tuple[int, int]) -> str:
 
 
 def traits(view: View, pose: Pose, outline: Floats) -> Traits:
-    """Return the properties of a view.
+    """Return the properties of a view that count for the coverage: image regions, distance and tilts of the board.
 
     `pose` is the board's pose (board to camera). `outline` (4, 2) holds the board's outer corners in pixels.
     """
@@ -133,7 +135,7 @@ def _distance(outline: Floats, size: tuple[int, int]) -> str:
 
 
 def _tilts(pose: Pose) -> Iterator[str]:
-    """Yield the tilts of the board; they follow from the direction of its normal in the camera's frame."""
+    """Yield up to two of `TILTS`; they follow from the direction of the board's normal in the camera's frame."""
     into = pose.rotation[:, 2]  # the normal points away from the camera, towards the nearer edge
     across, down = math.atan2(into[0], abs(into[2])), math.atan2(into[1], abs(into[2]))
     for angle, (negative, positive) in ((across, TILTS[:2]), (down, TILTS[2:])):

@@ -1,4 +1,8 @@
-"""Outliers: corners and views that do not fit the others, so that the calibration leaves them out."""
+"""Outliers: corners and views that do not fit the others, so that the calibration leaves them out.
+
+A view is the set of board corners found in one image. A residual is the observed minus the expected position of a
+corner in pixels.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +25,7 @@ from roverlink.vision.camera.camera_model import Floats
 OUTLIER = 3.5
 """Length of a residual, in standard deviations of a coordinate, above which a corner is left out."""
 BAD_VIEW_RATIO = 4.0
-"""Ratio of a view's median residual to that of all views above which the view is left out."""
+"""Ratio of a view's median residual to the typical one (median over the views), above which the view is left out."""
 # With 1.345, the estimate has 95 % of the efficiency of least squares if there are no outliers at all.
 HUBER = 1.345
 """Residual, in standard deviations, from which the cost is linear instead of quadratic (Huber, 1964)."""
@@ -37,7 +41,7 @@ class ResidualLengths:
     pixels: tuple[Floats, ...]
     """Lengths in pixels; NaN for a corner that the camera cannot have seen."""
     sigmas: tuple[Floats, ...]
-    """Standard deviations of a corner's coordinate in pixels."""
+    """Expected standard deviations of a corner's coordinate in pixels: image noise and model error, see `measure`."""
 
     @property
     def lengths(self) -> list[Floats]:
@@ -47,7 +51,7 @@ class ResidualLengths:
     def weights(self, masks: Sequence[NDArray[np.bool_]]) -> list[Floats]:
         """Return the weights of the corners, for each view an array (N,).
 
-        A corner that its mask excludes has weight 0.
+        `masks` holds true for each corner that is used. All other corners have weight 0.
         """
         return [mask / sigma**2 for mask, sigma in zip(masks, self.sigmas)]
 
@@ -64,9 +68,9 @@ class Choice:
     """Selection of the corners and views that the calibration uses."""
 
     masks: tuple[NDArray[np.bool_], ...]
-    """Corners used in each view (N,); none of a dropped view."""
+    """For each view, the mask (N,) of the corners that are used; all false if the view is left out."""
     dropped: tuple[str, ...]
-    """Reason why each view is left out; empty if it is used."""
+    """For each view, the reason why it is left out; an empty text if it is used."""
 
     @property
     def kept(self) -> list[int]:
@@ -117,8 +121,8 @@ def _bad_views(misses: ResidualLengths) -> list[str]:
 
 def _off(own: float, others: float) -> str:
     return (
-        f"its corners are off by {own:.2g} px, those of all views by {others:.2g} px (medians): it is blurred, or "
-        "the board was moving or bent"
+        f"its corners are off by {own:.2g} px, those of all views by {others:.2g} px (medians): the image is blurred, "
+        "or the board was moving or bent"
     )
 
 

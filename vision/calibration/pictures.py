@@ -18,7 +18,7 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.opencv import cv2
 
 BOUNDS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
-"""Class bounds of the uncertainty in pixels; they are fixed, so that reports can be compared."""
+"""Bounds in pixels between the colours of the uncertainty figure; they are fixed, so that reports can be compared."""
 _COLUMNS = 64
 """Number of rectangles across the figure of the uncertainty."""
 _ARROW = 1 / 25
@@ -26,13 +26,13 @@ _ARROW = 1 / 25
 _LONG = 95
 """Percentile of the residuals' lengths that counts as long."""
 _SHORTEST_LONG = 1e-3
-"""Shortest length in pixels that is still magnified to full size."""
+"""Least length in pixels that counts as long, so that tiny residuals are not magnified without limit."""
 _CORNER = 0.5
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """Rectangle of the image in which all pixels belong to the same class of uncertainty."""
+    """Rectangle of the image in which all pixels have the same class, such as a class of uncertainty: its `level`."""
 
     x: float
     y: float
@@ -46,13 +46,13 @@ class Residuals:
     """Figure of the residuals: for each corner, a line from its expected to its observed position."""
 
     used: str
-    """Path of the residuals that the calibration uses."""
+    """SVG path of the residuals of the corners that the calibration uses."""
     left_out: str
-    """Path of the residuals that are left out."""
+    """SVG path of the residuals of the corners that are left out."""
     magnified: float
-    """Magnification of the lines."""
+    """Magnification of the lines: drawn length divided by length of the residual."""
     bar: float
-    """Residual in pixels that is drawn as a scale bar, `bar * magnified` long."""
+    """Length in pixels that the scale bar stands for; the bar is drawn `bar * magnified` pixels long."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,9 +60,9 @@ class Uncertainty:
     """Figure of the uncertainty of the calibration over the image."""
 
     fields: list[Field]
-    """Rectangles; a level is the number of `BOUNDS` that the standard deviation reaches."""
+    """Rectangles that cover the image; a level is the number of `BOUNDS` that the standard deviation reaches."""
     seen: str
-    """Path around all used corners; outside it the camera model is extrapolated."""
+    """SVG path around all used corners; outside it the camera model is extrapolated."""
     inside: float
     """Largest standard deviation inside the path in pixels."""
     outside: float | None
@@ -138,7 +138,10 @@ def round_down(value: float) -> float:
 
 
 def _corners(calibration: Calibration) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return positions (N, 2), residuals (N, 2) and the mask (N,) of used corners, for all views together."""
+    """Return the positions (N, 2), the residuals (N, 2), and the mask (N,) of used corners, of all views together.
+
+    Views whose residuals are not known are left out.
+    """
     judged = [fitted for fitted in calibration.views if np.isfinite(fitted.residuals).all()]
     return (
         np.concatenate([fitted.view.corners for fitted in judged]),

@@ -1,4 +1,7 @@
-"""Checks that refuse to calibrate from insufficient views. The errors contain instructions for the user."""
+"""Checks that refuse to calibrate from insufficient views. The errors tell the user which views are missing.
+
+A view is the set of board corners found in one image.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,9 @@ def check_sizes(views: Iterable[View]) -> None:
 def check_count(usable: int, given: int) -> None:
     """Raise `PoorViewsError` if fewer views are usable than a calibration needs."""
     if usable < FEWEST_VIEWS:
-        raise PoorViewsError((f"{usable} of {given} views are usable, but {FEWEST_VIEWS} are needed",))
+        raise PoorViewsError(
+            (f"{usable} of {given} views are usable, but {FEWEST_VIEWS} are needed; take more images of the board",)
+        )
 
 
 def check_coverage(kept: Sequence[Fitted], board: CharucoBoard, camera: CameraParameters) -> None:
@@ -43,11 +48,11 @@ def check_coverage(kept: Sequence[Fitted], board: CharucoBoard, camera: CameraPa
     count = CELLS[0] * CELLS[1]
     if len(empty) > (1 - FEWEST_CELLS) * count:
         where = ", ".join(dict.fromkeys(empty))
-        reasons.append(f"{len(empty)} of {count} parts of the image have no corners: {where}")
+        reasons.append(f"{len(empty)} of {count} parts of the image have no corners: {where}; show the board there")
     if tilted < FEWEST_TILTED:
         reasons.append(
             f"the board is tilted in {tilted} views, but {FEWEST_TILTED} are needed: without tilt, the distance "
-            "cannot be separated from the focal length"
+            "cannot be separated from the focal length; hold the board at an angle to the camera in more views"
         )
     if reasons:
         raise PoorViewsError(tuple(reasons))

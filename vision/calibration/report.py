@@ -42,7 +42,7 @@ class _Row:
     used: str
     left_out: str
     judged: bool
-    """True if the view's pose is known; otherwise the following numbers mean nothing."""
+    """True if the board's pose in the view is known; otherwise `worst`, `distance` and `tilt` mean nothing."""
     worst: float
     """Longest residual of a used corner in pixels; of all corners for a dropped view."""
     distance: float
@@ -116,7 +116,7 @@ def _date(views: Sequence[Fitted]) -> str:
 
 
 def _coverage(calibration: Calibration, board: CharucoBoard) -> Coverage:
-    """Return the parts of the image, distances and tilts that the used views show."""
+    """Return the coverage of the used views: the parts of the image, the distances and the tilts that they show."""
     coverage = Coverage()
     for fitted in calibration.views:
         if not fitted.dropped:

@@ -1,9 +1,9 @@
 """Sub-pixel positions of chessboard corners, fitted to the grey values of all pixels near them.
 
-At a corner two edges cross. The grey values near it are modelled as four quadrants, two black and two white, blurred,
-with a linear gradient of brightness. Position, directions of the edges, blur and brightness are fitted together by the
-Gauss-Newton method; the quality of the fit gives the uncertainty. All corners of an image are fitted at once: K corners
-with N pixels each.
+At such a corner two edges cross, and the grey values form a saddle. The grey values near it are modelled as four
+quadrants, two black and two white, blurred, with a linear gradient of brightness. Position, directions of the edges,
+blur and brightness are fitted together by the Gauss-Newton method; the quality of the fit gives the uncertainty. All
+corners of an image are fitted at once: K corners with N pixels each.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from roverlink.vision.markers.pattern import look, make_pattern
 RADIUS = 7
 """Half the side in pixels of the window around a corner; within it, lens distortion does not bend an edge."""
 CLEAR = 1.6
-"""Distance in pixels that used pixels keep from a marker's edge."""
+"""Smallest distance in pixels between a pixel that is used and the edge of a marker."""
 STEPS = 8
 SETTLED = 1e-3
 """Motion of a corner in pixels per step below which the fit has converged."""
 FARTHEST = 2.0
-"""Largest distance in pixels between a corner and its initial position."""
+"""Largest distance in pixels between a fitted corner and its initial position; other fits are rejected."""
 FIRST_BLUR = 1.0
 BLURS = (0.3, 4.0)
 """Range of the blur's standard deviation in pixels."""
@@ -44,20 +44,20 @@ _UNKNOWNS = 9
 _LARGEST_TURN = 0.2
 _LARGEST_CHANGE = 0.3
 _FAR = 1000.0
-"""Size of the pattern's squares in pixels, so large that other edges are out of the window."""
+"""Side in pixels of the model's squares, so large that the window contains only the two edges through the corner."""
 _DIFFERENCES = make_pattern(np.eye(2, dtype=bool)).differences
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sites:
-    """Initial positions of the corners in an image, and the directions of the board's axes there."""
+    """Input of `find_saddles`: initial positions of K corners, and the directions of the board's axes in the image."""
 
     places: Floats
-    """(K, 2) in pixels."""
+    """Initial positions (K, 2) in pixels."""
     axes: Floats
-    """Derivative (K, 2, 2) of the pixels by the board's x and y, in pixels per metre."""
+    """Derivative (K, 2, 2) of the pixel position with respect to the board's x and y, in pixels per metre."""
     gap: float
-    """Distance in metres from a corner to the nearest marker, along either axis."""
+    """Distance in metres from a corner to the nearest marker, along the board's x or y axis."""
     reach: float
     """Distance in metres from a corner, along its edges, up to which pixels are used."""
 
@@ -67,35 +67,35 @@ class Saddles:
     """Results of fitting a saddle surface to the image around each of K corners of a chessboard."""
 
     places: Floats
-    """(K, 2) in pixels."""
+    """Fitted positions (K, 2) in pixels."""
     sigmas: Floats
     """Standard deviation (K,) of a coordinate in pixels, from the noise of the grey values."""
     blurs: Floats
     """Standard deviation (K,) of the blur in pixels."""
     found: NDArray[np.bool_]
-    """Mask (K,) of the corners that exist; the other values are meaningless where it is false."""
+    """Mask (K,) of the corners that the image shows; where it is false, the other values are meaningless."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _State:
     places: Floats
-    """(K, 2) in pixels."""
+    """Positions (K, 2) of the corners in pixels."""
     angles: Floats
-    """Directions (K, 2) of the normals of both edges."""
+    """Directions (K, 2) of the normals of both edges, in radians."""
     log_blurs: Floats
-    """(K,)"""
+    """Natural logarithms (K,) of the blur's standard deviation in pixels."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Outcome:
     covariance: Floats
-    """Covariance (K, 2, 2) of the positions."""
+    """Covariance (K, 2, 2) of the positions of the corners in pixels."""
     explained: Floats
     contrast: Floats
 
 
 def find_saddles(image: Image, sites: Sites) -> Saddles:
-    """Return the fitted corners of a grey image (H, W); the fits start at the initial positions."""
+    """Fit the corners of a chessboard in a grey image (H, W); the fits start at the initial positions in `sites`."""
     pixels, real = _pixels(image, sites)
     grey = np.where(real, image[pixels[:, 1], pixels[:, 0]], 0.0)
     normals = np.linalg.inv(sites.axes)  # rows: the derivatives of the board's x and y by the pixels
@@ -116,7 +116,10 @@ def find_saddles(image: Image, sites: Sites) -> Saddles:
 
 
 def _pixels(image: Image, sites: Sites) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Return the pixels (K, 2, N) around each corner, and the mask (K, N) of those that show only the corner."""
+    """Return the pixels (K, 2, N) around each corner, and the mask (K, N) of the pixels that the fit can use.
+
+    The fit cannot use pixels of a marker, pixels near other edges, and pixels outside the image.
+    """
     side = np.arange(-RADIUS, RADIUS + 1)
     around = np.stack(np.meshgrid(side, side)).reshape(2, -1)
     pixels = np.rint(sites.places).astype(np.intp)[:, :, None] + around
@@ -156,9 +159,9 @@ def _step(state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[n
 def _design(
     state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[np.bool_]
 ) -> tuple[Floats, Floats, Floats]:
-    """Return the derivatives (K, 9, N) of the model, the contrast, and the residuals.
+    """Return the derivatives (K, 9, N) of the model's grey values, the contrast (K,), and the residuals (K, N).
 
-    The derivatives are by position, angles of the edges, logarithm of the blur, and brightness.
+    The derivatives are with respect to position, angles of the edges, logarithm of the blur, and brightness.
     """
     offsets = pixels - state.places[:, :, None]
     normals = np.stack([np.cos(state.angles), np.sin(state.angles)], axis=2)  # (K, edge, 2)

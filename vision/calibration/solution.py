@@ -38,7 +38,7 @@ _GRID = 15
 
 
 class PoorViewsError(RoverlinkError):
-    """Error: the views do not determine the camera's parameters. `reasons` tell the user what to do."""
+    """Error: the views do not determine the camera's parameters. Each of the `reasons` is a message for the user."""
 
     def __init__(self, reasons: tuple[str, ...]) -> None:
         super().__init__("; ".join(reasons))
@@ -47,13 +47,13 @@ class PoorViewsError(RoverlinkError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
-    """View with its results: the board's pose, the residuals, and the corners that were used."""
+    """View (the board corners of one image) with its results: the board's pose, the residuals, and the corners used."""
 
     view: View
     pose: Pose
     """Pose of the board (board to camera)."""
     residuals: Floats
-    """Residuals (N, 2) in pixels, from the expected to the observed position; also of dropped corners."""
+    """Residuals (N, 2) of all corners in pixels: observed minus expected position; NaN for an unusable view."""
     used: NDArray[np.bool_]
     """Mask (N,) of the corners that the calibration uses; all false for a dropped view."""
     dropped: str = ""
@@ -109,10 +109,12 @@ class Calibration:
         return _NORMAL_QUANTILE
 
     def uncertainty(self, pixels: Floats) -> Floats:
-        """Return the standard deviation (...,) in pixels of where the rays seen at `pixels` (..., 2) meet the image.
+        """Return how exactly the calibration is known at `pixels` (..., 2): a standard deviation (...,) in pixels.
 
-        It is the root of the summed variances along both axes. Errors that are equal to a rotation of the camera are
-        removed first, because such a rotation has no effect in use. NaN if no ray belongs to a pixel.
+        Each pixel belongs to a direction in space. The result is the uncertainty of the pixel at which the camera model
+        places this direction: the root of the summed variances along both axes. Errors that are equal to a rotation of
+        the camera are removed first, because such a rotation has no effect in use. NaN if no direction belongs to a
+        pixel.
         """
         everywhere = self._rays(self._grid())
         everywhere = everywhere[np.isfinite(everywhere).all(axis=1)]
@@ -132,7 +134,7 @@ class Calibration:
 
 
 def _by_turn(camera: CameraParameters, rays: Floats) -> Floats:
-    """Return the derivative (N, 2, 3) of the pixels of rays (N, 2) by a small rotation of the rays about x, y and z."""
+    """Return the derivative (N, 2, 3) of the pixels of rays (N, 2) with respect to rotations about x, y and z."""
     _, by_pose = predict(Pose(np.eye(3), np.zeros(3)), np.column_stack([rays, np.ones(len(rays))]))
     derivative: Floats = camera.distort_with_derivative(rays)[1] @ by_pose[:, :, 3:]
     return derivative

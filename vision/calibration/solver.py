@@ -1,4 +1,7 @@
-"""Solver: computes a calibration from views, leaves out outliers, and estimates the uncertainty."""
+"""Solver: computes a calibration from views, leaves out outliers, and estimates the uncertainty.
+
+A view is the set of board corners found in one image.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ _ROUGHLY = 1e-3
 
 
 def calibrate(views: Sequence[View], board: CharucoBoard, model: Model = Model.PLUMB_BOB) -> Calibration:
-    """Compute the camera's parameters from views of a board; all images must have the same size.
+    """Compute the camera's parameters and their uncertainty from views of a board; all images must have the same size.
 
     Raises `PoorViewsError` if too few views are usable, or if the views show too little of the image or too few tilts.
     """
@@ -50,7 +53,7 @@ def calibrate(views: Sequence[View], board: CharucoBoard, model: Model = Model.P
 
 
 def _start(views: Sequence[View], board: CharucoBoard, model: Model) -> Estimate:
-    """Return an estimate from all corners on which outliers have little influence."""
+    """Return a first estimate of camera and poses from all corners; robust weights reduce the influence of outliers."""
     rough = rough_camera(views, board, fisheye=model is Model.EQUIDISTANT)
     camera = replace(rough, distortion=np.zeros(len(COEFFICIENTS[model])))
     estimate = Estimate(camera, tuple(rough_pose(view, board, rough)[0] for view in views))
@@ -66,7 +69,7 @@ def _start(views: Sequence[View], board: CharucoBoard, model: Model) -> Estimate
 
 
 def _without_outliers(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> tuple[Estimate, Choice]:
-    """Return the estimate without outliers, and the selection of corners on which it is based.
+    """Improve an estimate by leaving out outliers; return it with the selection of corners on which it is based.
 
     Selecting corners and adjusting the estimate alternate until the selection stays the same.
     """
@@ -88,7 +91,7 @@ def _without_outliers(views: Sequence[View], board: CharucoBoard, estimate: Esti
 
 
 def _with_dropped(views: Sequence[View], board: CharucoBoard, estimate: Estimate, choice: Choice) -> Estimate:
-    """Return the estimate with new poses of the views that were left out, because they may fit in the next round.
+    """Return the estimate with new poses for the views that were left out, because they may fit in the next round.
 
     The camera's parameters stay unchanged.
     """
@@ -127,9 +130,9 @@ def _unusable(view: View) -> Fitted:
 def _covariance(observations: Sequence[Observation], estimate: Estimate) -> Floats:
     """Return the covariance (P, P) of the camera's parameters.
 
-    In general it follows from the standard deviations of the corners. But the errors inside one view are correlated,
+    Normally it follows from the standard deviations of the corners. But the errors inside one view are correlated,
     because the board may be bent, or the lens may differ from its model. So views may contradict each other more than
-    the standard deviations explain. For combinations of parameters for which they do, the covariance follows from the
+    the standard deviations explain. For combinations of parameters for which they do, the covariance follows from these
     contradictions. This is the sandwich estimator of Huber (1967) and White (1980), with views as clusters, and with
     the correction for few clusters.
     """

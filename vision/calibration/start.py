@@ -14,11 +14,11 @@ from roverlink.vision.opencv import cv2
 from roverlink.vision.poses.pose import Pose, predict, rotation_of
 
 FOCALS = np.geomspace(0.4, 4.0, 13)
-"""Focal lengths to try, in image widths: fields of view from 103 to 14 degrees."""
+"""Focal lengths that `rough_camera` tries, in image widths: horizontal fields of view from 103 to 14 degrees."""
 GUESS = 1.0
-"""Focal length, in image widths, while no view gives information."""
+"""Focal length, in image widths, that `rough_camera` assumes for a single view, which does not determine it."""
 _SOME = 6
-"""Number of views that is enough to distinguish these focal lengths."""
+"""Largest number of views that `rough_camera` compares; so many are enough to choose one of `FOCALS`."""
 
 
 def ideal_camera(focal: float, size: tuple[int, int], *, fisheye: bool = False) -> CameraParameters:

@@ -17,12 +17,12 @@ from roverlink.vision.opencv import cv2
 FEWEST_CORNERS = 8
 """Least number of corners of a usable view; with fewer, errors of the view cannot be detected."""
 OFFSET = 0.495 if int(cv2.__version__.split(".")[0]) < 5 else 0.0
-"""Offset of OpenCV's ChArUco corners to the right and down in pixels; measured in `tests/vision/test_views.py`."""
+"""Error of OpenCV's ChArUco corners, to the right and down, in pixels; measured in `tests/vision/test_views.py`."""
 
 _FLAT = 0.05
-"""Ratio of the corners' spread across to along a line, below which they count as collinear."""
+"""Ratio of the corners' spread across a line to that along it, below which the corners count as collinear."""
 _STRAY = 5.0
-"""Largest distance in pixels of corners from a homography, for the directions of their edges."""
+"""Largest distance in pixels between a corner and its place by the homography of the board (RANSAC threshold)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +34,7 @@ class View:
     ids: NDArray[np.intp]
     """Ids (N,) of the corners, ascending: indices of `CharucoBoard.points`."""
     corners: Floats
-    """(N, 2) in pixels."""
+    """Positions (N, 2) of the corners in pixels."""
     sigmas: Floats
     """Standard deviation (N,) of a corner's coordinate in pixels, from the image noise alone."""
     size: tuple[int, int]
@@ -88,7 +88,10 @@ class BoardDetector:
         return found[order], places[order]
 
     def _axes(self, ids: NDArray[np.intp], corners: Floats) -> Floats | None:
-        """Return the derivative (N, 2, 2) of the pixels by the board's x and y; None if there are too few corners."""
+        """Return the derivative (N, 2, 2) of the pixels of the corners with respect to the board's x and y.
+
+        The derivative gives the directions of the edges at each corner. Returns None if there are too few corners.
+        """
         if len(ids) < 4:
             return None
         points = self.board.points[ids, :2]

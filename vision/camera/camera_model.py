@@ -24,11 +24,11 @@ _CONVERGED = 1e-10  # in the plane z = 1; less than a millionth of a pixel
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CameraParameters:
-    """Intrinsic parameters of a camera. Raises `SetupError` for impossible values.
+    """Intrinsic parameters of a camera; the methods convert rays to pixels and back.
 
     `matrix` is the 3x3 camera matrix in pixels. `distortion` has 0, 4, 5 or 8 coefficients in OpenCV's order, or the 4
     of OpenCV's fisheye model if `fisheye` is true. `size` is (width, height) of the images of the calibration, if
-    known.
+    known. Raises `SetupError` for impossible values.
     """
 
     matrix: Floats
@@ -42,10 +42,10 @@ class CameraParameters:
         if matrix.shape != (3, 3) or not np.isfinite(matrix).all() or min(matrix[0, 0], matrix[1, 1]) <= 0:
             raise SetupError(f"the camera matrix is {matrix.tolist()}; it must be 3x3 with positive focal lengths")
         if not np.isfinite(distortion).all():
-            raise SetupError(f"the distortion is {distortion.tolist()}; it must be finite")
+            raise SetupError(f"the distortion is {distortion.tolist()}; its coefficients must be finite numbers")
         if distortion.size != _FISHEYE if self.fisheye else distortion.size not in _MODELS:
             known = "k1 k2 k3 k4" if self.fisheye else "; ".join(_MODELS.values())
-            raise SetupError(f"the distortion has {distortion.size} coefficients; known: {known}")
+            raise SetupError(f"the distortion has {distortion.size} coefficients; known models: {known}")
         object.__setattr__(self, "matrix", matrix)
         object.__setattr__(self, "distortion", distortion)
 
@@ -61,14 +61,18 @@ class CameraParameters:
         return self.matrix[:2, 2]
 
     def distort(self, rays: Floats) -> Floats:
-        """Return the pixels (..., 2) at which the camera sees rays (..., 2)."""
+        """Return the pixels (..., 2) at which the camera sees rays (..., 2).
+
+        A ray is given by its point (x, y) in the plane z = 1.
+        """
         pixels: Floats = self._bend(rays)[0] * self.focal + self.centre
         return pixels
 
     def undistort(self, pixels: Floats) -> Floats:
         """Return the rays (..., 2) that the camera sees at pixels (..., 2), by Newton's method on `distort`.
 
-        NaN for a pixel to which no ray leads; such pixels are far outside the calibrated area.
+        A ray is given by its point (x, y) in the plane z = 1. It is NaN for a pixel to which no ray leads; such pixels
+        are far outside the calibrated area.
         """
         # cv2.undistortPoints makes five steps of a fixed-point iteration by default, which converges slowly where a
         # lens bends much: with k1 -0.35 and k2 0.12, the ray (0.8, 0.45) is still wrong by 0.8 px at a focal length of
@@ -91,7 +95,10 @@ class CameraParameters:
         return rays
 
     def distort_with_derivative(self, rays: Floats) -> tuple[Floats, Floats]:
-        """Return the pixels (..., 2) of rays, like `distort`, and their derivative (..., 2, 2) by the rays."""
+        """Return the pixels (..., 2) of rays, as `distort` does, and the derivative (..., 2, 2) of the pixels.
+
+        The derivative is with respect to the rays (x, y).
+        """
         bent, slope = self._bend(rays)
         return bent * self.focal + self.centre, slope * self.focal[:, None]
 
@@ -105,10 +112,10 @@ class CameraParameters:
         """Return the camera for images that were resized to (width, height).
 
         Resizing scales the areas of pixels, but coordinates count from the centre of the first pixel. So c + 0.5 is
-        scaled, not the coordinate c itself.
+        scaled, not the coordinate c itself. Raises `SetupError` if `size` of this camera is None.
         """
         if self.size is None:
-            raise SetupError("the camera parameters name no image size, so they cannot be scaled")
+            raise SetupError("the camera parameters name no image size, so they cannot be scaled; calibrate again")
         factor = np.array(size) / self.size
         matrix = self.matrix.copy()
         matrix[:2] *= factor[:, None]
@@ -117,14 +124,15 @@ class CameraParameters:
         return CameraParameters(matrix, self.distortion, size, self.fisheye)
 
     def _bend(self, rays: Floats) -> tuple[Floats, Floats]:
-        """Return the distorted rays (..., 2) of rays, and their derivative (..., 2, 2) by the rays' coordinates."""
+        """Return the distorted rays (..., 2) of rays, and their derivative (..., 2, 2) with respect to the rays."""
         return _bend_fisheye(rays, self.distortion) if self.fisheye else _bend(rays, self.distortion)
 
 
 def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
-    """Return distorted rays and their derivative by OpenCV's rational model.
+    """Return the distorted rays (..., 2) by OpenCV's rational model, and their derivative (..., 2, 2).
 
-    The model is a quotient of polynomials in r^2, with tangential distortion by Brown and Conrady.
+    The derivative is with respect to the rays. The model is a quotient of polynomials in r^2 = x^2 + y^2, with
+    tangential distortion by Brown and Conrady.
     """
     given: list[float] = coefficients.tolist()
     k1, k2, p1, p2, k3, k4, k5, k6 = given + [0.0] * (8 - len(given))
@@ -148,9 +156,10 @@ def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
 
 
 def _bend_fisheye(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
-    """Return distorted rays and their derivative by OpenCV's fisheye model (Kannala and Brandt, 2006).
+    """Return the distorted rays (..., 2) by OpenCV's fisheye model, and their derivative (..., 2, 2).
 
-    The model is a polynomial in the angle between the ray and the optical axis.
+    The derivative is with respect to the rays. The model (Kannala and Brandt, 2006) is a polynomial in the angle
+    between the ray and the optical axis.
     """
     k1, k2, k3, k4 = coefficients
     r = np.maximum(np.hypot(rays[..., 0], rays[..., 1]), 1e-12)

@@ -38,13 +38,13 @@ from roverlink.vision.yaml_file import LARGEST, Item, parse
 PLUMB_BOB, RATIONAL, EQUIDISTANT = "plumb_bob", "rational_polynomial", "equidistant"
 """Names of the distortion models in ROS (sensor_msgs/distortion_models.hpp)."""
 _MODELS = {PLUMB_BOB: (4, 5), RATIONAL: (8,), EQUIDISTANT: (4,)}
-"""Numbers of coefficients of each model."""
+"""Allowed numbers of distortion coefficients of each model."""
 
 _LINE = 120  # columns; OpenCV before 4.5.4 rejects lines longer than 4096
 _TAG = "!!opencv-matrix"
 
 Fact = str | int | float | Floats
-"""Value of a key of the file; an array has two dimensions."""
+"""Value that can be written to the file; an array must have two dimensions, and is written as a matrix."""
 
 
 def model_name(camera: CameraParameters) -> str:
@@ -137,7 +137,7 @@ class _Entries:
         """Return the matrix of a key: in OpenCV's form, which has a tag, or in the form of ROS, which has none."""
         item = self._items.get(key)
         if item is None:
-            raise SetupError(f"{self._path}: missing key {key}; {nearest(key, map(str, self._items))}")
+            raise SetupError(f"{self._path}: missing key {key!r}; {nearest(key, map(str, self._items))}")
         parts = item.entries() if item.is_mapping else {}
         data = parts["data"].items(f"a number of {key}") if {"rows", "cols", "data"} <= parts.keys() else None
         if data is None:
@@ -155,12 +155,14 @@ class _Entries:
         if not given:
             return None
         if len(given) == 1:
-            raise self._items[given[0]].error(f"{given[0]} is given alone; give both image_width and image_height")
+            raise self._items[given[0]].error(
+                f"{given[0]!r} is given alone; give both 'image_width' and 'image_height'"
+            )
         width, height = (_whole(self._items[key], key) for key in keys)
         return width, height
 
     def model(self, coefficients: int) -> str:
-        """Return the distortion model that the file names, or else the one with this number of coefficients."""
+        """Return the distortion model that the file names. Without a name, the number of coefficients decides."""
         item = self._items.get("distortion_model")
         if item is None:
             return RATIONAL if coefficients in _MODELS[RATIONAL] else PLUMB_BOB
@@ -169,7 +171,9 @@ class _Entries:
             raise item.error(f"unknown distortion model {name!r}; {nearest(name, _MODELS)}")
         if coefficients not in _MODELS[name]:
             wanted = " or ".join(map(str, _MODELS[name]))
-            raise item.error(f"{name} needs {wanted} coefficients, but there are {coefficients}")
+            raise item.error(
+                f"the distortion model {name!r} needs {wanted} coefficients, but the file has {coefficients}"
+            )
         return name
 
 
@@ -181,7 +185,7 @@ def _whole(item: Item, what: str) -> int:
 
 
 def _number(item: Item) -> float:
-    """Return the number in an item. OpenCV writes some numbers in a form that YAML reads as text."""
+    """Parse the text of an item as a number, because OpenCV writes some numbers in a form that YAML reads as text."""
     try:
         number = float(item.text or "")
     except ValueError:

@@ -1,1 +1,1 @@
-"""Field: known landmarks, and the camera's pose relative to them."""
+"""Field: landmarks (markers and boards) with known poses, and the camera's pose relative to them."""

@@ -1,4 +1,4 @@
-"""Landmarks of a field: the pose of each marker or board, and its accuracy; read from `landmarks.yaml`.
+"""Landmarks of a field, read from `landmarks.yaml`: the known pose of each marker or board, and its accuracy.
 
     frame: field
     survey: {position: 0.01, rotation: 0.5}     # standard deviation per axis: metres, degrees; the defaults
@@ -31,7 +31,11 @@ SURVEY_ROTATION = math.radians(0.5)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Landmark:
-    """Pose of a marker or board on the field (landmark to field), with the standard deviations of its survey."""
+    """Known pose of a marker or board on the field (landmark to field), with its accuracy.
+
+    The standard deviations are for each axis, in metres and in radians. They come from the survey: the measurement of
+    the landmark's pose on the field.
+    """
 
     pose: Pose
     position_sigma: float = SURVEY_POSITION
@@ -40,7 +44,11 @@ class Landmark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Landmarks:
-    """Landmarks of a field; `frame` is the name of the field's coordinate frame."""
+    """All landmarks of a field.
+
+    `frame` is the name of the field's coordinate frame. `places` holds each landmark by the number of its marker or the
+    name of its board.
+    """
 
     frame: str = FRAME
     places: Mapping[TargetId, Landmark] = field(default_factory=dict)
@@ -54,7 +62,7 @@ def read_landmarks(path: Path) -> Landmarks:
     sigmas = _survey(top.get("survey"), (SURVEY_POSITION, SURVEY_ROTATION))
     places = top["landmarks"].entries("landmark") if "landmarks" in top else {}
     if not places:
-        raise whole.error("no landmarks found; see the example in docs/vision.md")
+        raise whole.error("no landmarks found under the key 'landmarks'; see the example in docs/vision.md")
     landmarks = {_name(key, item): _landmark(item, sigmas) for key, item in places.items()}
     return Landmarks(frame, landmarks)
 
@@ -78,7 +86,10 @@ def _landmark(item: Item, sigmas: tuple[float, float]) -> Landmark:
 
 
 def _survey(item: Item | None, default: tuple[float, float]) -> tuple[float, float]:
-    """Return the standard deviations of a position, in metres, and of a rotation, in radians."""
+    """Return the standard deviations (metres, radians) of a landmark's position and rotation.
+
+    `item` is the value of the key `survey`. Numbers that it does not give come from `default`.
+    """
     given = item.known_entries({"position", "rotation"}) if item else {}
     position = _sigma(given["position"]) if "position" in given else default[0]
     rotation = math.radians(_sigma(given["rotation"])) if "rotation" in given else default[1]

@@ -20,21 +20,21 @@ from roverlink.vision.poses.pnp import chi2_limit
 from roverlink.vision.poses.pose import Pose, predict
 
 _SLACK = (100.0, 10.0, 3.0, 1.0, 1.0)
-"""Factors of the chi-squared limit in successive rounds.
+"""Factors by which the chi-squared limit of a landmark is multiplied in successive rounds of refinement.
 
-A start comes from a single landmark and may fit the others badly at first.
+A start pose comes from a single landmark and may fit the others badly at first.
 """
 _SINGULAR = 1e14
-"""Condition number of a normal matrix above which the pose is undetermined."""
+"""Condition number of the normal matrix above which the corners do not determine the pose."""
 _TRIED = 4
-"""Most starts that are refined; one is enough if all landmarks agree."""
+"""Largest number of start poses that are refined; one is enough if all landmarks agree."""
 _STEPS = 15
 _CONVERGED = 1e-4  # relative change of chi squared
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FieldPose:
-    """Pose of the camera on the field."""
+    """Pose of the camera on the field, computed from the visible landmarks (markers and boards)."""
 
     frame: str
     pose: Pose
@@ -42,16 +42,18 @@ class FieldPose:
     covariance: Floats
     """Covariance (6, 6) of x y z rotX rotY rotZ, about the field's axes."""
     used: tuple[TargetId, ...]
-    """Landmarks that agree."""
+    """Landmarks from which the pose is computed, because they agree with each other."""
     rejected: tuple[TargetId, ...]
-    """Landmarks that do not agree: moved, or misidentified."""
+    """Visible landmarks that do not fit the pose and are ignored: they were moved or misidentified."""
 
 
 def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose | None:
-    """Return the camera's pose on the field from all sightings of known landmarks; None if there is no such sighting.
+    """Return the camera's pose on the field; None if no landmark with a known pose is visible.
 
-    If only two landmarks are visible and contradict each other, it is unknown which is wrong. Then the more accurate
-    one is used.
+    `sightings` are the markers and boards found in one frame; the pose is computed from all that are in `landmarks`.
+
+    If only two landmarks are visible and contradict each other, it is unknown which one is wrong. Then the more
+    accurate one is used.
     """
     known = [_known(one, landmarks.places[one.id]) for one in sightings if one.id in landmarks.places]
     starts = [
@@ -109,7 +111,7 @@ def _known(sighting: Sighting, landmark: Landmark) -> _Known:
 
 
 def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Known]] | None:
-    """Refine a start pose (field to camera) with the sightings that fit it.
+    """Refine a start pose (field to camera) with the sightings of landmarks that fit it.
 
     Returns the cost, the refined pose, and the sightings that fit; None if the pose cannot be refined.
     """
@@ -124,7 +126,7 @@ def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Know
 
 
 def _cost(known: Sequence[_Known], pose: Pose, slack: float = 1.0) -> float:
-    """Return the sum of chi squared over all sightings. A sighting that does not fit counts only with its limit."""
+    """Return the sum of chi squared over all sightings; a sighting that does not fit counts only as `slack` * limit."""
     return sum(min(_chi2(one, pose), slack * one.limit) for one in known)
 
 
@@ -135,13 +137,16 @@ def _chi2(one: _Known, pose: Pose) -> float:
 
 
 def _terms(one: _Known, pose: Pose) -> tuple[Floats, Floats]:
-    """Return residuals (2N,) in standard deviations, and their derivative (2N, 6) by the pose (field to camera)."""
+    """Return the residuals (2N,) of a landmark's corners, and the derivative (2N, 6) of the predicted corners.
+
+    Both are in standard deviations. The derivative is with respect to the pose (field to camera).
+    """
     rays, derivative = predict(pose, one.points)
     return one.whitening @ (one.sighting.seen.rays - rays).ravel(), one.whitening @ derivative.reshape(-1, 6)
 
 
 def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
-    """Return the normal matrix (6, 6), the right side (6,) and chi squared at a pose."""
+    """Return the normal equations at a pose (matrix (6, 6) and right side (6,)), and the sum of chi squared."""
     normal, right, chi2 = np.zeros((6, 6)), np.zeros(6), 0.0
     for one in used:
         residuals, derivative = _terms(one, pose)

@@ -50,9 +50,9 @@ def _sighting(one: Sighting) -> Mapping[str, Any]:
 
 
 def _other(one: Sighting) -> Mapping[str, Any] | None:
-    """Return the pose that was rejected, and the ratio of its reprojection error to that of the chosen pose.
+    """Return the pose of a landmark that was not chosen, as JSON values; None if there is only one possible pose.
 
-    Returns None if there is only one pose.
+    `ambiguity` is the ratio of its reprojection error to that of the chosen pose.
     """
     for solution in one.solutions:
         if solution.pose is not one.pose:

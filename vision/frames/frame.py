@@ -37,11 +37,11 @@ class FrameSource(Protocol):
     name: str
     """Name for messages."""
     live: bool
-    """True if frames come as they are taken, without an end."""
+    """True for a camera or stream, whose frames come in real time and without an end."""
     rate: float
-    """Frames a second according to the source; `RATE` if it does not say."""
+    """Number of frames a second according to the source; `RATE` if the source does not say it."""
     total: int | None
-    """Number of frames, if known."""
+    """Number of all frames of the source; None if it is unknown, as for a camera."""
 
     def __iter__(self) -> Iterator[Frame]: ...
 

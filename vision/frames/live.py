@@ -16,7 +16,10 @@ from roverlink.vision.frames.frame import Frame, rate_of
 from roverlink.vision.opencv import cv2
 
 STALLED_S = 3.0
-"""Time without a frame after which a stream is opened again. V4L2 has its own limit of ten seconds for cameras."""
+"""Time in seconds without a frame after which a stream is opened again.
+
+V4L2, the camera interface of Linux, has its own limit of ten seconds.
+"""
 OPENING_S = 5.0
 """Longest time in seconds that a stream may take to answer."""
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.5, 8.0
@@ -27,7 +30,7 @@ Say = Callable[[str], None]
 
 
 class LiveSource:
-    """Camera or stream. A thread reads its frames."""
+    """Camera or network stream as a source of frames. A thread reads the frames; an iteration yields the newest one."""
 
     live = True
     total: int | None = None
@@ -46,10 +49,10 @@ class LiveSource:
         self._number = 0
         self._capture = connect()
         if self._capture is None:
-            raise SetupError(f"cannot open {name}")
+            raise SetupError(f"cannot open {name}; check that it exists, and that no other program uses it")
         if not self._take():
             self._capture.release()
-            raise SetupError(f"{name} can be opened but gives no frames")
+            raise SetupError(f"{name} can be opened but gives no frames; check that no other program uses it")
         self.rate = rate_of(self._capture)
         self._thread = threading.Thread(target=self._read, name="frames", daemon=True)
         self._thread.start()

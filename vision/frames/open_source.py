@@ -1,4 +1,4 @@
-"""Opening of the source of frames that a text names."""
+"""Opening of a source of frames (camera, stream, video or folder of images) that the user has named."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from roverlink.vision.frames.recorded import IMAGES, VIDEOS, ImageFiles, VideoFi
 
 SCHEMES = ("http", "https", "rtsp")
 _WEBCAM = "/video"
-"""Path of the stream of the app IP Webcam; users give the address of its page."""
+"""Path of the stream of the phone app IP Webcam; users often give the address of its web page instead."""
 _DEVICE = re.compile(r"/dev/video(\d+)")
 _HOST = re.compile(r"(localhost|[\w-]+(\.[\w-]+)+|[\w-]+(?=:)|\[[0-9A-Fa-f:]+\])(:\d+)?([/?].*)?")
 
@@ -23,6 +23,7 @@ def open_source(
 ) -> FrameSource:
     """Open the source of frames that a text names: a camera's number, a device, a file, a folder of images, or a URL.
 
+    Examples of the text: ``0``, ``/dev/video2``, ``drive.mp4``, ``rtsp://192.168.0.7/live``, ``192.168.0.7:8080``.
     `size` (width, height) is requested from a camera. `rate` is the number of images a second for a folder. `say` is
     called with messages about a live source that stalls, ends or works again. Raises `SetupError` if the source cannot
     be opened.
@@ -45,7 +46,7 @@ def open_source(
 
 
 def _urls(text: str) -> tuple[str, ...]:
-    """Return the URL in a text, and another URL at which the same program may offer its stream."""
+    """Return the URLs to try: the URL in the text, and the same with ``/video``, as the app IP Webcam needs it."""
     try:
         parts = urlsplit(text)
     except ValueError as error:

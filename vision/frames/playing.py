@@ -10,7 +10,7 @@ from roverlink.vision.frames.frame import Frame, FrameSource
 
 
 def play(source: FrameSource, *, loop: bool = False) -> Iterator[Frame]:
-    """Yield the frames of a recording at the pace at which they were taken. Their stamps become the current time.
+    """Yield the frames of a recording in real time, as they were taken. Their stamps become the current time.
 
     If the caller is slow, it gets all frames, but late. With `loop`, the recording is repeated without end.
     """

@@ -1,7 +1,7 @@
 """Sources of frames that end: video files and folders of images.
 
-If a file says how to rotate its images, this is ignored, because the camera's parameters belong to the unrotated
-sensor.
+The metadata of a file may say how to rotate its images for display. This is ignored, because the camera's parameters
+belong to the unrotated image.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Drawing of landmarks and of the camera's position on an image."""
+"""Drawing of landmarks (markers and boards) and of the camera's position into an image."""
 
 from __future__ import annotations
 

@@ -12,16 +12,16 @@ from roverlink.vision.markers.detection import Image
 from roverlink.vision.opencv import cv2
 
 CODECS = {".mp4": "mp4v", ".avi": "MJPG"}
-"""Suffixes of video files with OpenCV's codec; the wheels of OpenCV contain both codecs."""
+"""Codec of OpenCV for each suffix of a video file; the pip packages of OpenCV contain both codecs."""
 LONGEST_STILL_S = 2.0
-"""Time without an image, in seconds, above which the gap is cut out."""
+"""Longest time in seconds for which the video repeats an image; the rest of a longer gap is cut out."""
 
 
 class Film:
     """Video file that is written, with a constant frame rate. A context manager: the complete file appears on exit.
 
-    The stamp of an image decides at which place of the video it stands. If an image comes late, the previous one is
-    repeated. If two images belong to the same place, one is left out.
+    The stamp of an image decides at which time of the video it is shown. If an image comes late, the previous one is
+    repeated. If two images belong to the same frame of the video, one is left out.
     """
 
     def __init__(self, path: Path, rate: float) -> None:

@@ -24,9 +24,9 @@ Floats = NDArray[np.floating[Any]]
 Grey = NDArray[np.uint8]
 
 RAYS = 5
-"""Rays per pixel and axis."""
+"""Number of rays per pixel along each axis; their grey values are averaged."""
 PSF_SIGMA = 0.8
-"""Standard deviation of the point spread in pixels; the area of a pixel adds more blur."""
+"""Standard deviation of the lens's blur in pixels (point spread function); the area of a pixel adds more blur."""
 NOISE_SIGMA = 2.0
 """Standard deviation of the noise in grey levels."""
 _MARGIN = 5  # pixels around a print that its blurred edge may reach
@@ -70,7 +70,7 @@ class Lens:
 
 @dataclass(frozen=True, slots=True)
 class Print:
-    """Print on a plane, given by its image.
+    """Plane with a print on it, such as a marker on a sheet of paper, given by the image of the print.
 
     The origin of its frame is its centre; x points right, y up on the page, z out of it.
     """
@@ -101,8 +101,9 @@ def marker_print(
 ) -> Print:
     """Return the print of a marker whose outer edges are `side` metres apart, with a white border of `quiet` modules.
 
-    A module is one black or white cell of a marker. `texels` is the number of pixels of the print's image per module;
-    it should be about the number of rays that hit a module.
+    A module is one black or white cell of a marker. `black` and `white` are grey values. `texels` is the number of
+    pixels of the print's image along a side of a module. The renderer sends several rays through each camera pixel;
+    `texels` should be about the number of rays along a side of the module (see `texels_for`).
     """
     bits = cv2.aruco.getPredefinedDictionary(dictionary)
     modules = bits.markerSize + 2
@@ -183,7 +184,7 @@ def outline(lens: Lens, plane: Print, pose: Pose) -> Floats:
 
 
 def project(lens: Lens, pose: Pose, points: Floats) -> Floats:
-    """Return the pixels (N, 2) at which a camera sees points (N, 3); the points are given in the frame of a plane."""
+    """Return the pixels (N, 2) at which a camera sees points (N, 3) in the frame of a plane; `pose` is the plane's."""
     seen = points @ pose.rotation.T + pose.translation
     return lens.distorted(seen[:, :2] / seen[:, 2:])
 

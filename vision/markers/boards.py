@@ -1,4 +1,4 @@
-"""Boards of several markers, each of which is one landmark; read from `boards.yaml`.
+"""Boards, read from `boards.yaml`. A board is a group of markers at known relative positions; it is one landmark.
 
     boards:
       gate:
@@ -28,17 +28,19 @@ def read_boards(path: Path) -> tuple[Board, ...]:
     top = whole.known_entries({"boards"})
     boards = top["boards"].entries("board") if "boards" in top else {}
     if not boards:
-        raise whole.error("no boards found; see the example in docs/vision.md")
+        raise whole.error("no boards found under the key 'boards'; see the example in docs/vision.md")
     return tuple(_board(name, item) for name, item in boards.items())
 
 
 def _board(name: object, item: Item) -> Board:
     if not isinstance(name, str):
-        raise item.error(f"{item.name}: the name of a board must not be a number, since numbers mean single markers")
+        raise item.error(
+            f"{item.name}: the name of a board must not be a number, because a number names a single marker"
+        )
     entries = item.known_entries({"side", "markers"})
     markers = entries["markers"].entries(f"{item.name}: marker") if "markers" in entries else {}
     if not markers:
-        raise item.error(f"{item.name} has no markers")
+        raise item.error(f"{item.name} has no markers; list them under the key 'markers'")
     side = entries.get("side")
     corners = {_number(key, marker, item.name): _corners(marker, side) for key, marker in markers.items()}
     try:
@@ -49,16 +51,18 @@ def _board(name: object, item: Item) -> Board:
 
 def _number(key: object, marker: Item, board: str) -> int:
     if isinstance(key, bool) or not isinstance(key, int):
-        raise marker.error(f"{board}: {key!r} is not the number of a marker")
+        raise marker.error(f"{board}: {key!r} is not the number of a marker, such as 20")
     return key
 
 
 def _corners(marker: Item, side: Item | None) -> Floats:
-    """Return the corners (4, 3) of a marker in the board's frame; `side` is the board's default."""
+    """Return the corners (4, 3) of a marker in the board's frame, in metres; `side` is the board's default side."""
     entries = marker.known_entries({*POSE, "side"})
     given = entries.get("side", side)
     if given is None:
-        raise marker.error(f"{marker.name} has no side, and the board has no default side")
+        raise marker.error(
+            f"{marker.name} has no side, and the board has no default side; add 'side' in metres to one of them"
+        )
     return pose(marker, entries).apply(square(_metres(given)))
 
 

@@ -20,7 +20,10 @@ from roverlink.vision.opencv import cv2
 Image = NDArray[np.uint8]
 
 CELL = 8
-"""Pixels to which OpenCV resamples a bit before reading it; with its default of 4 it misses markers below 30 pixels."""
+"""Side in pixels to which OpenCV resamples each black or white cell of a marker before it reads the cell.
+
+With OpenCV's default of 4, it misses markers below 30 pixels.
+"""
 # Time of OpenCV's detector on one thread, for a textured scene with 4 markers: 54 to 98 ms for a frame of 1080p, 15 to
 # 43 at half resolution, 1 to 2 for a region of 200x200 pixels. useAruco3Detection is about as fast as half resolution,
 # but loses markers of 40 pixels at 720p and of 60 at 1080p. APRILTAG refinement takes half a second.
@@ -30,9 +33,9 @@ _HALF_WINDOWS = (5, 13, 8)
 _WINDOW = (15, 15, 2)
 """Adaptive threshold in a region: one window is usually enough; if not, `_WINDOWS` are tried."""
 _SMALLEST_SIDE = 9
-"""Smallest side of a marker in pixels that can be read."""
+"""Side in pixels of the smallest marker that can be read."""
 _STEP = 64
-"""Pixels to which region sizes are rounded, so that regions of similar size share a detector."""
+"""Step in pixels to which the sizes of regions are rounded up, so that regions of similar size share a detector."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +62,7 @@ def to_grey(image: Image) -> Image:
 
 
 class Detector:
-    """OpenCV's detector of markers, with other parameters for each kind of search."""
+    """Finds markers in images with OpenCV's detector, with different parameters for each kind of search."""
 
     def __init__(self, markers: MarkerSet) -> None:
         self._markers = markers
@@ -83,7 +86,7 @@ class Detector:
         return [Detection(one.number, one.corners * 2 + 0.5) for one in found]
 
     def look(self, image: Image, region: Region) -> list[Detection]:
-        """Return the markers in a part of a grey image."""
+        """Return the markers in a part of a grey image (H, W); their corners are in pixels of the whole image."""
         part = np.ascontiguousarray(image[region.top : region.bottom, region.left : region.right])
         offset = (region.left, region.top)
         found = self._detect(part, _WINDOW) or self._detect(part, _WINDOWS)

@@ -1,6 +1,7 @@
 """Selection of the pixels near the edges of a marker's pattern. The edge fit compares these pixels with a model.
 
-The shape (K, ..., N) means K markers with up to N pixels each; the rows of markers with fewer pixels are padded.
+A module is one black or white cell of a marker; u and v are coordinates along its sides. The shape (K, ..., N) means K
+markers with up to N pixels each; the rows of markers with fewer pixels are padded.
 """
 
 from __future__ import annotations
@@ -17,41 +18,44 @@ from roverlink.vision.markers.pattern import Pattern
 ACROSS = (-1.0, 0.0, 1.0)
 """Distances from an edge, in pixels, at which pixels are taken."""
 CLEAR = 2.2
-"""Distance in pixels that used pixels keep from the outside of the white border, which is at least one module wide."""
+"""Smallest distance in pixels between a pixel that is used and the outer limit of the marker's white border.
+
+The white border is at least one module wide. A module is one black or white cell of the marker.
+"""
 SQUARE = np.array([[-1.0, 1, 1, -1], [-1.0, -1, 1, 1]])  # a marker's corners, v down, in OpenCV's order
 LIFTED = np.vstack([SQUARE, np.ones(4)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Views:
-    """Markers to fit, as arrays that are padded to the same length."""
+    """K markers to fit, as arrays of M points on edges; the rows of markers with fewer points are padded."""
 
     differences: Floats
-    """Mixed differences (K, n, n) of the patterns."""
+    """Mixed differences (K, n, n) of the patterns, as in `Pattern`."""
     places: Floats
-    """Points (K, 2, M) on the edges, in modules."""
+    """Points (K, 2, M) on the edges: u and v in modules (cells of the marker)."""
     across_u: NDArray[np.bool_]
-    """Mask (K, M) of the edges that are crossed along u."""
+    """Mask (K, M) of the points whose edge is crossed along u; the other edges are crossed along v."""
     real: NDArray[np.bool_]
-    """Mask (K, M); false for padding."""
+    """Mask (K, M) of the real points; false for padding."""
     half: float
     """Half the number of modules of a side."""
     centre: Floats
-    """Mean (K, 2) of the corners' rays."""
+    """Mean (K, 2) of the rays of a marker's corners; a ray is a point in the plane z = 1."""
     scale: Floats
-    """Extent (K,) of the corners' rays; the fit works with rays that are centred and scaled with these."""
+    """Extent (K,) of the rays of a marker's corners. The fit works with scaled rays: (ray - `centre`) / `scale`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pixels:
-    """Pixels that were selected for each marker."""
+    """Pixels near the edges that were selected for each of K markers, up to N for each."""
 
     grey: Floats
     """Grey values (K, N); 0 for padding."""
     points: Floats
-    """Scaled rays (K, 2, N)."""
+    """Scaled rays (K, 2, N) of the pixels, as `Views` defines them."""
     by_pixel: Floats
-    """Derivative (K, 2, 2, N) of the points by the pixels' coordinates."""
+    """Derivative (K, 2, 2, N) of `points` with respect to the coordinates of the pixels."""
     real: Floats
     """Weights (K, N): 1, or 0 for padding."""
 
@@ -61,7 +65,7 @@ class Pixels:
 
 
 def make_views(patterns: Sequence[Pattern], rays: Floats) -> Views:
-    """Return the arrays for markers, given their patterns and their approximate corners as rays."""
+    """Return K markers as arrays, given their patterns and the rays (K, 4, 2) of their approximate corners."""
     most = max(pattern.across_u.size for pattern in patterns)
     places = np.zeros((len(patterns), 2, most))
     across_u, real = np.zeros((2, len(patterns), most), dtype=bool)
@@ -96,7 +100,10 @@ def homographies(points: Floats) -> Floats:
 
 
 def apply(homography: Floats, points: Floats) -> tuple[Floats, Floats]:
-    """Map points (K, 2, N) by homographies; return the mapped points and the derivative (K, 2, 2, N)."""
+    """Map points (K, 2, N) by homographies (K, 3, 3).
+
+    Returns the mapped points (K, 2, N), and their derivative (K, 2, 2, N) with respect to the given points.
+    """
     lifted = homography[:, :, :2] @ points + homography[:, :, 2:]
     images = lifted[:, :2] / lifted[:, 2:]
     slope = homography[:, :2, :2, None] - images[:, :, None] * homography[:, 2, None, :2, None]
@@ -122,10 +129,11 @@ def _turned(matrices: Floats, vectors: Floats) -> Floats:
 
 
 def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, views: Views, homography: Floats) -> Pixels:
-    """Select the pixels along the edges of each marker's pattern; `homography` says where the marker is expected.
+    """Select the pixels along the edges of each marker's pattern.
 
-    Only points on the edges are undistorted, because undistorting each pixel would be slow. The ray of a pixel follows
-    from the nearest point on an edge and the derivative of the undistortion at this point.
+    `homography` (K, 3, 3) maps `SQUARE` to the scaled rays at which each marker is expected. Only points on the edges
+    are undistorted, because undistorting each pixel would be slow. The ray of a pixel follows from the nearest point on
+    an edge and the derivative of the undistortion at this point.
     """
     points, by_square = apply(homography, views.places / views.half - 1)
     rays = points * views.scale[:, None, None] + views.centre[:, :, None]
@@ -162,7 +170,11 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, views: Vie
 def _distinct(
     index: NDArray[np.intp], usable: NDArray[np.bool_], size: int
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the marker and the index of each usable pixel, in the order of the markers and without duplicates."""
+    """Return, for each usable pixel, the marker and the place in its row, ordered by marker and without duplicates.
+
+    `index` (K, ..., M) holds the positions of the pixels in an image of `size` pixels; `usable` is a mask of this
+    shape.
+    """
     each = index[0].size
     keys = (index + np.arange(len(index))[:, None, None] * size)[usable]
     _, first = np.unique(keys, return_index=True)

@@ -47,11 +47,11 @@ from roverlink.vision.markers.pattern import Pattern, look
 # The model has its limits: it knows one blur for all directions. With motion blur of 6 px, APRILTAG was better (0.14
 # against 0.51 percent at 48 px).
 COARSE = 3
-"""Stride of the pixels in the first steps."""
+"""Stride of the first steps: they use only every third pixel, to be faster."""
 COARSE_STEPS = 3
-"""Most steps with the stride."""
+"""Largest number of Gauss-Newton steps with every `COARSE`-th pixel."""
 FINE_STEPS = 8
-"""Most steps with all pixels."""
+"""Largest number of Gauss-Newton steps with all pixels."""
 NEAR = 0.2
 """Motion of corners in pixels per step below which all pixels are used."""
 SETTLED = 0.05
@@ -59,7 +59,7 @@ SETTLED = 0.05
 UNSETTLED = 0.5
 """Motion of corners in pixels in the last step above which the fit has diverged."""
 OUTLIER = 4.0
-"""Residual, in standard deviations, above which a pixel is dropped."""
+"""Residual, in standard deviations, above which a pixel gets no weight."""
 FIRST_BLUR = 0.85
 """Standard deviation in pixels of a focused lens's blur, including the area of a pixel."""
 BLURS = (0.4, 4.0)
@@ -75,21 +75,21 @@ _RIDGE = 1e-9  # keeps the matrix of a marker without contrast invertible, for t
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Guess:
-    """Marker to fit, with its approximate corners."""
+    """Marker to fit, with its approximate corners, at which the fit starts."""
 
     pattern: Pattern
     corners: Floats
     """Corners (4, 2) in pixels."""
     blur: float = FIRST_BLUR
-    """Standard deviation of the blur in pixels, from the previous frame."""
+    """Standard deviation of the blur in pixels at which the fit starts, usually from the previous frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:
-    """Result of the fit for one marker."""
+    """Result of the edge fit for one marker: its corners with their covariance, and the quality of the fit."""
 
     rays: Floats
-    """Corners (4, 2) as rays, in OpenCV's order."""
+    """Rays (4, 2) of the corners, in OpenCV's order; a ray is a point (x, y) in the plane z = 1."""
     covariance: Floats
     """Covariance (8, 8) of the corners' rays: x and y of the first corner, of the second, and so on."""
     noise: float
@@ -109,15 +109,15 @@ class _State:
     homography: Floats
     """Homography (K, 3, 3) from the square (-1, -1)...(1, 1), v down, to scaled rays; the last element is 1."""
     log_blur: Floats
-    """(K,)"""
+    """Natural logarithm (K,) of the blur's standard deviation in pixels."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Outcome:
-    """Result of one iteration of the fit that aligns K markers with the edges that are seen in the image."""
+    """Result of one Gauss-Newton step of the edge fit, for K markers with up to N pixels each."""
 
     normal: Floats
-    """(K, 15, 15)"""
+    """Normal matrices (K, 15, 15) of the 15 unknowns."""
     contrast: Floats
     """Contrast (K,) in grey levels, as in `Fit`."""
     residuals: Floats
@@ -141,7 +141,7 @@ class _Outcome:
 
 
 def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Sequence[Guess]) -> list[Fit | None]:
-    """Fit the markers in a grey image (H, W); each fit starts at the guess for the marker.
+    """Fit the edges of the markers in a grey image (H, W); each fit starts at the guess for the marker.
 
     The result for a marker is None if too little of the marker is visible, or if there is no marker.
     """
@@ -176,7 +176,7 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
 
 
 def _step(views: Views, state: _State, pixels: Pixels) -> tuple[_State, _Outcome]:
-    """Make one Gauss-Newton step for all markers, in which outliers have no weight."""
+    """Make one Gauss-Newton step for all markers, in which outliers have no weight; return the new state."""
     design, square = _design(views, state, pixels)
     light = design[:, 9:]
     level = _solve(light @ light.transpose(0, 2, 1), light @ pixels.grey[:, :, None])
@@ -197,7 +197,7 @@ def _step(views: Views, state: _State, pixels: Pixels) -> tuple[_State, _Outcome
 
 
 def _shift(before: _State, after: _State) -> Floats:
-    """Return the largest motion (K,) of a marker's corners between two states, in scaled rays."""
+    """Return the largest motion (K,) of a corner of each marker between two states, in units of the scaled rays."""
     places = [lifted[:, :2] / lifted[:, 2:] for lifted in (before.homography @ LIFTED, after.homography @ LIFTED)]
     distance: Floats = np.hypot(*(places[1] - places[0]).transpose(1, 0, 2)).max(axis=1)
     return distance
@@ -229,9 +229,9 @@ def _weights(residuals: Floats, real: Floats) -> Floats:
 def _design(views: Views, state: _State, pixels: Pixels) -> tuple[Floats, Floats]:
     """Return the derivatives (K, 15, N) of the model, and the positions (K, 2, N) of the pixels in the marker's square.
 
-    The derivatives are by 8 elements of the homography, the logarithm of the blur, and 6 coefficients of the
-    brightness. The first nine are for a contrast of 1. If the homography moves while the pixel stays, the pixel sees
-    the pattern move in the opposite direction.
+    The derivatives are with respect to 8 elements of the homography, the logarithm of the blur, and 6 coefficients of
+    the brightness. The first nine are for a contrast of 1. If the homography moves while the pixel stays, the pixel
+    sees the pattern move in the opposite direction.
     """
     square, by_point = apply(np.linalg.inv(state.homography), pixels.points)
     by_pixel = product(by_point, pixels.by_pixel) * views.half
@@ -274,9 +274,10 @@ def _fit(views: Views, state: _State, outcome: _Outcome, k: int, variance: float
 
 
 def _corners(homography: Floats) -> tuple[Floats, Floats]:
-    """Return the corners (4, 2) of a marker in scaled rays, and their derivative (8, 8) by the homography.
+    """Return the corners (4, 2) of a marker as scaled rays, and their derivative (8, 8).
 
-    Only the first eight elements of the homography vary.
+    The derivative is with respect to the elements of the homography. Only the first eight elements of the homography
+    vary.
     """
     lifted = homography @ LIFTED
     corners = (lifted[:2] / lifted[2]).T

@@ -19,15 +19,16 @@ from roverlink.vision.poses.pose import Pose
 FORGETTING_S = 0.3
 """Time constant of the misfit's decay in seconds: after this time a misfit counts for a third."""
 JUMP = 6.0
-"""Penalty, in chi squared, for a pose that was absent in the previous frame."""
+"""Misfit, in chi squared, with which a pose starts that was absent in the previous frame."""
 LARGEST = 25.0
-"""Largest contribution of a single frame, in chi squared."""
+"""Largest misfit, in chi squared, that a single frame can add to a pose."""
 
 
 class Flips:
-    """The two possible poses of one landmark.
+    """Choice between the two possible poses of one landmark (marker or board), frame by frame.
 
-    A pose belongs to that pose of the last frame that differs by the smaller rotation.
+    A pose of a new frame continues that pose of the last frame from which it differs by the smaller rotation. It
+    inherits the misfit of that pose: the sum of how badly it fitted in the earlier frames.
     """
 
     def __init__(self) -> None:

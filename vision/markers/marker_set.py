@@ -19,7 +19,7 @@ SIDE = 0.05
 """Default side of a marker in metres."""
 
 TargetId = int | str
-"""Number of a marker, or name of a board."""
+"""Identifier of a landmark: the number of a single marker, or the name of a board."""
 
 
 def square(side: float) -> Floats:
@@ -33,7 +33,7 @@ def square(side: float) -> Floats:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Board:
-    """Board: several markers that form one landmark.
+    """Board: a group of markers at known relative positions, which form one landmark.
 
     `corners` holds the corners (4, 3) of each marker, in the board's frame in metres, in the order of `square`. The
     markers may lie in different planes.
@@ -55,8 +55,9 @@ class Board:
 class MarkerSet:
     """Set of markers to search for. Raises `SetupError` for impossible values.
 
-    `side` is the distance in metres between the outer edges of a marker's black square. `sides` holds other distances
-    for single numbers. Without `side`, only the numbers in `sides` and on boards are searched for.
+    `dictionary` is OpenCV's name of the markers' dictionary. `side` is the distance in metres between the outer edges
+    of a marker's black square. `sides` holds other sides for single markers, by their number. If `side` is None, only
+    the markers in `sides` and on boards are searched for.
     """
 
     dictionary: str = DICTIONARY
@@ -90,7 +91,7 @@ class MarkerSet:
 
     @property
     def bits(self) -> Any:
-        """The marker dictionary as an object of OpenCV."""
+        """Dictionary of the markers as an OpenCV object, `cv2.aruco.Dictionary`."""
         return self._bits
 
     def __contains__(self, number: int) -> bool:
@@ -116,7 +117,7 @@ class MarkerSet:
         return square(side)
 
     def pattern(self, number: int) -> Pattern:
-        """Return the pattern of a marker in the form that the edge fit needs."""
+        """Return the pattern of a marker in the form that `fit_edges` needs."""
         if number not in self._patterns:
             modules = self._bits.markerSize + 2
             self._patterns[number] = make_pattern(np.asarray(self._bits.generateImageMarker(number, modules)) > 127)

@@ -34,28 +34,37 @@ _BELL = (np.exp(-0.5 * _GRID**2) / math.sqrt(2 * math.pi)).astype(np.float32)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pattern:
-    """Pattern of a marker in the form that the edge fit needs."""
+    """Pattern of a marker in the form that `fit_edges` needs.
+
+    A module is one black or white cell of the marker. u and v are coordinates in modules, to the right and down from
+    the upper left outer corner.
+    """
 
     modules: int
     """Number of modules per side, including the black border."""
     differences: Floats
-    """Mixed differences (modules + 1, modules + 1) of white (1) and black (0), by v and u."""
+    """Mixed differences (modules + 1, modules + 1) at the corners of modules, rows along v and columns along u.
+
+    With white as 1 and black as 0, a value is the sum of the upper left and the lower right module around the corner,
+    minus the other two modules.
+    """
     places: Floats
-    """Points (2, M) on the edges, in modules."""
+    """Points (2, M) on the edges between black and white modules: u and v."""
     across_u: NDArray[np.bool_]
     """Mask (M,) of the points whose edge is crossed along u; the others are crossed along v."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Look:
-    """Grey values (K, N) that the model predicts for pixels (0 black, 1 white), and their derivatives."""
+    """Grey values (K, N) that the model of a marker predicts for pixels (0 black, 1 white), and their derivatives."""
 
     grey: Floats
     by_u: Floats
-    """Derivative by u, in modules."""
+    """Derivative (K, N) with respect to u, in modules (cells of the marker)."""
     by_v: Floats
+    """Derivative (K, N) with respect to v, in modules."""
     by_blur: Floats
-    """Derivative by the logarithm of the blur."""
+    """Derivative (K, N) with respect to the natural logarithm of the blur."""
 
 
 def make_pattern(white: NDArray[np.bool_]) -> Pattern:
@@ -74,11 +83,12 @@ def make_pattern(white: NDArray[np.bool_]) -> Pattern:
 
 
 def look(differences: Floats, places: Floats, by_pixel: Floats, blur: Floats) -> Look:
-    """Compute the grey values of the model at `places`, (K, 2, N) in modules, and their derivatives.
+    """Compute the grey values of the model of K markers at the points `places`, and their derivatives.
 
-    `by_pixel` (K, 2, 2, N) is the derivative of the places by the pixels. `differences` (K, n, n) are those of the
-    patterns. `blur` (K,) is the standard deviation in pixels. The values per line of the lattice have single precision,
-    which is faster and exact to some hundredths of a grey level.
+    `places` (K, 2, N) are u and v in modules (cells of the marker). `by_pixel` (K, 2, 2, N) is their derivative with
+    respect to the pixel coordinates. `differences` (K, n, n) are those of the patterns. `blur` (K,) is the standard
+    deviation in pixels. The values per line of the lattice have single precision, which is faster and exact to some
+    hundredths of a grey level.
     """
     spread = np.sqrt(by_pixel[:, :, 0] ** 2 + by_pixel[:, :, 1] ** 2)
     correlation = (by_pixel[:, 0] * by_pixel[:, 1]).sum(axis=1) / (spread[:, 0] * spread[:, 1])
@@ -102,6 +112,6 @@ def look(differences: Floats, places: Floats, by_pixel: Floats, blur: Floats) ->
 
 
 def _sum(of_u: Singles, both: Singles) -> Floats:
-    """Return the sum, over the lines of the lattice along v, of the products of both arguments."""
+    """Return the sum (K, N), over the lines of the lattice, of `of_u` (K, lines, N) times the v part of `both`."""
     total: Floats = np.einsum("kin,kin->kn", of_u, both[:, 1]).astype(np.float64)
     return total

@@ -28,13 +28,13 @@ from roverlink.vision.poses.pose import Pose
 SCAN_EVERY = 6
 """Number of frames between searches of the whole frame."""
 FULL_EVERY = 5
-"""Every so many searches uses full resolution, beginning with the first."""
+"""Number of searches of the whole frame of which one, the first, uses full resolution; the others use half."""
 FORGOTTEN_S = 0.5
 """Time in seconds for which a lost marker is still searched at its predicted position."""
 EXPLAINED = 0.75
-"""Least share of the pixels' variance that a marker's pattern must explain; accidental patterns stay below."""
+"""Least share of the pixels' variance that a marker's pattern must explain; patterns that are no markers stay below."""
 CONTRAST = 8.0
-"""Least difference of white and black in grey levels."""
+"""Least difference between white and black of a marker, in grey levels."""
 NEAR = 1.0
 """Largest distance in pixels between fitted and predicted corners.
 
@@ -46,7 +46,10 @@ _LEAST_MARGIN = 10  # pixels
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sighting:
-    """Marker or board in a frame, with its pose in the camera's optical frame (x right, y down, z forward)."""
+    """Landmark (marker or board) that was found in an image, with its pose.
+
+    The pose is in the camera's optical frame: x right, y down, z forward.
+    """
 
     id: TargetId
     """Number of the marker, or name of the board."""
@@ -59,21 +62,22 @@ class Sighting:
     covariance: Floats
     """Covariance (6, 6) of the pose: x y z rotX rotY rotZ, about the camera's axes; see `vision/poses/pose.py`."""
     ambiguity: float
-    """Ratio of the other pose's reprojection error to that of this one; infinity if there is no other.
+    """Ratio of the rejected pose's reprojection error to that of `pose`; infinity if there is only one pose.
 
-    If it is near 1, one frame cannot decide. Below 1, earlier frames decided against this frame's better fit.
+    A flat marker has two possible poses. If the ratio is near 1, one frame cannot decide between them. If it is below
+    1, the rejected pose fits this frame better, but `pose` was chosen because it fitted the earlier frames better.
     """
     error: float
     """Reprojection error: root mean square distance in pixels between observed and projected corners."""
     seen: Corners
-    """Input of the pose computation."""
+    """Corners from which the pose was computed, as points of the landmark and as rays."""
     solutions: tuple[Solution, ...]
-    """All poses found, the best fitting first."""
+    """All possible poses that were found, the best fitting first; `pose` is one of them."""
 
 
 @dataclass(slots=True, eq=False)
 class _Track:
-    """Marker that was seen in earlier frames: its last corners and their velocity."""
+    """Marker that was seen in earlier frames: its last corners in pixels, and their velocity."""
 
     corners: Floats
     velocity: Floats
@@ -83,7 +87,7 @@ class _Track:
 
 
 class Tracker:
-    """Finds and tracks the markers in the frames of one camera. Not thread-safe."""
+    """Finds the markers in the frames of one camera, and computes their poses. Not thread-safe."""
 
     def __init__(
         self,
@@ -151,7 +155,7 @@ class Tracker:
     # --- finding ---
 
     def _find(self, grey: Image, stamp: int) -> dict[int, Fit]:
-        """Return the fits of all markers.
+        """Return the fits of all markers in an image, by the number of the marker.
 
         Search the whole frame when it is time for a search, or when a marker is lost.
         """
@@ -193,7 +197,7 @@ class Tracker:
     def _fit_all(
         self, grey: Image, found: Mapping[int, Detection], stamp: int, expected: Container[int] = ()
     ) -> dict[int, Fit]:
-        """Return the fits of detections.
+        """Fit the edges of detected markers, and return the good fits by the number of the marker.
 
         A marker in `expected` counts only if its fit stays near its predicted position.
         """
@@ -266,7 +270,7 @@ def _extent(detection: Detection) -> float:
 
 
 def _followed(old: _Track | None, corners: Floats, stamp: int, blur: float) -> _Track:
-    """Return the new state of a marker, with its velocity, after it was found at `corners`."""
+    """Return the new track of a marker, with its velocity, after the marker was found at `corners`."""
     if old is None or stamp <= old.stamp:
         return _Track(corners, np.zeros((4, 2)), stamp, blur)
     return _Track(corners, (corners - old.corners) / ((stamp - old.stamp) / 1e9), stamp, blur)

@@ -1,7 +1,7 @@
 """Perspective-n-point: computes the pose of a marker or board from its corners.
 
-A flat marker has two possible poses; both are computed, with covariances. Corners are given as rays, so no model of the
-lens is needed here.
+A flat marker has two possible poses; both are computed, with covariances. Corners are given as rays (points in the
+plane z = 1), so no model of the lens is needed here. A landmark is a marker or a board.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from roverlink.vision.poses.pose import Pose, predict_all, rotation_of
 # IPPE with OpenCV's refinement 0.018.
 STEPS = 30
 WORST_START = 1000.0
-"""Ratio of a start's chi squared to that of the best start above which it is not refined.
+"""Ratio of chi squared of a start pose to that of the best start pose, above which the pose is not refined.
 
-IPPE's solutions are nearly minima, so a start with a much worse fit stays worse.
+IPPE's solutions are nearly minima, so a start pose with a much worse fit stays worse.
 """
 _CONVERGED = 1e-3
 """Relative change of chi squared below which a refinement ends."""
@@ -37,9 +37,9 @@ _NORMAL_QUANTILE = 3.09  # 99.9 % quantile of the normal distribution
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Corners:
-    """Observed corners of a landmark: points (N, 3) in its frame, in metres, and their rays (N, 2).
+    """Observed corners of a landmark: points (N, 3) in the landmark's frame, in metres, and their rays (N, 2).
 
-    `covariance` (2N, 2N) is the covariance of the rays.
+    A ray is a point (x, y) in the plane z = 1. `covariance` (2N, 2N) is the covariance of the rays.
     """
 
     points: Floats
@@ -53,7 +53,7 @@ class Solution:
 
     pose: Pose
     covariance: Floats
-    """Covariance (6, 6) of x y z rotX rotY rotZ."""
+    """Covariance (6, 6) of the pose: x y z in metres, rotX rotY rotZ in radians."""
     chi2: float
     """Sum of squared residuals in standard deviations; about 2N - 6 if all assumptions hold."""
     error: float
@@ -63,8 +63,8 @@ class Solution:
 def square_poses(points: Floats, rays: Floats) -> list[list[Pose]]:
     """Return both possible poses of each of K markers, given their corners (K, 4, 3) and rays (K, 4, 2).
 
-    The corners are in the landmark's frame, in which a marker may lie anywhere. Uses IPPE (Collins and Bartoli, 2014)
-    from OpenCV.
+    The corners are in the frame of the landmark (marker or board), in which a marker may lie anywhere. Uses IPPE
+    (Collins and Bartoli, 2014) from OpenCV.
     """
     right, up = points[:, 1] - points[:, 0], points[:, 0] - points[:, 3]
     sides = np.sqrt((right * right).sum(axis=1))
@@ -97,7 +97,7 @@ def _ippe(side: float, rays: Floats) -> list[tuple[Floats, Floats]]:
 
 
 def solve(seen: Sequence[Corners], starts: Sequence[Sequence[Pose]]) -> list[list[Solution]]:
-    """Refine the start poses of each landmark; return the different solutions of each landmark, best first.
+    """Refine the start poses of each landmark; return the distinct solutions of each landmark, the best first.
 
     Landmarks with the same number of corners are refined together, because numpy is slow on small arrays.
     """
@@ -125,7 +125,7 @@ class _Start(NamedTuple):
 
 
 def _whitening(corners: Corners) -> Floats | None:
-    """Return the matrix that makes the errors of corners independent with variance 1; None if none exists."""
+    """Return the matrix (2N, 2N) that makes the errors of the rays independent with variance 1; None if none exists."""
     try:
         # cholesky raises for a covariance that is not positive definite: two corners at one place, or numbers that are
         # not finite.
@@ -153,7 +153,7 @@ class _Problem:
         self.whitening = np.stack([start.whitening for start in starts])
 
     def at(self, rotation: Floats, translation: Floats) -> _Places:
-        """Return the residuals and derivatives for these P poses."""
+        """Return P poses with the residuals of their corners and the derivatives of the predicted rays."""
         rays, derivative = predict_all(rotation, translation, self.points)
         missed = self.rays - rays
         count = len(missed)
@@ -167,17 +167,17 @@ class _Places:
     """P poses with their residuals and derivatives."""
 
     rotation: Floats
-    """(P, 3, 3)"""
+    """Rotation matrices (P, 3, 3)."""
     translation: Floats
-    """(P, 3)"""
+    """Translations (P, 3) in metres."""
     missed: Floats
     """Differences (P, N, 2) between the rays and their predictions."""
     residuals: Floats
     """Residuals (P, 2N) in standard deviations."""
     derivative: Floats
-    """Derivative (P, 2N, 6) of the prediction, in standard deviations."""
+    """Derivative (P, 2N, 6) of the predicted rays with respect to the pose, in standard deviations."""
     chi2: Floats
-    """(P,)"""
+    """Sum of the squared residuals (P,)."""
 
     def normal(self) -> Floats:
         """Return the normal matrix (6, 6) of each pose, as an array (P, 6, 6)."""
@@ -191,7 +191,7 @@ class _Places:
 
 
 def _solutions(starts: Sequence[_Start]) -> list[Solution | None]:
-    """Refine start poses whose landmarks have the same number of corners.
+    """Refine start poses whose landmarks have the same number of corners; return one solution for each start pose.
 
     A result is None if the corners do not determine the pose.
     """

@@ -1,4 +1,4 @@
-"""Poses, and the positions at which a camera sees points.
+"""Poses (transforms from one frame to another), and the rays along which a camera sees points.
 
 The error of a pose is (dx, dy, dz, rx, ry, rz): the true translation is t + d, the true rotation is exp([r]x) R. d and
 r are in the axes of the frame in which the pose is given, as in ROS 2's `PoseWithCovariance`.
@@ -94,15 +94,19 @@ def quaternion_of(rotation: Floats) -> Floats:
 
 
 def predict(pose: Pose, points: Floats) -> tuple[Floats, Floats]:
-    """Return the rays (N, 2) of points (N, 3) that a pose transforms, and their derivative (N, 2, 6) by the pose.
+    """Return the rays (N, 2) at which a camera sees points (N, 3), and the derivative (N, 2, 6) of the rays.
 
-    The values of points behind the camera are NaN.
+    `pose` transforms the points to the camera's frame; the derivative is with respect to it: x y z rotX rotY rotZ. A
+    ray is a point (x, y) in the plane z = 1. The values of points behind the camera are NaN.
     """
     return predict_all(pose.rotation, pose.translation, points)
 
 
 def predict_all(rotation: Floats, translation: Floats, points: Floats) -> tuple[Floats, Floats]:
-    """Return the same as `predict` for many poses: rotations (..., 3, 3), translations (..., 3), points (..., N, 3)."""
+    """Return the same as `predict` for many poses at once.
+
+    The arrays have more dimensions: rotations (..., 3, 3), translations (..., 3), points (..., N, 3).
+    """
     turned = points @ np.swapaxes(rotation, -1, -2)
     seen = turned + translation[..., None, :]
     z = np.where(seen[..., 2] > 0, seen[..., 2], np.nan)[..., None]

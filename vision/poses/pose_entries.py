@@ -20,14 +20,14 @@ _UNIT = 0.01  # largest deviation of a quaternion's length from 1
 
 
 def pose(item: Item, entries: Mapping[str, Item]) -> Pose:
-    """Return the pose that the keys in `entries` describe. Raises `SetupError` if they describe no pose.
+    """Return the pose that a mapping in a YAML file describes. Raises `SetupError` if it describes no pose.
 
-    `item` is the value that contains the keys.
+    `item` is the mapping, and `entries` are its values by their keys.
     """
     if "position" not in entries:
-        raise item.error(f"{item.name} has no position")
+        raise item.error(f"{item.name} has no position; add 'position: [x, y, z]' in metres")
     if ("rpy" in entries) == ("orientation" in entries):
-        raise item.error(f"{item.name} needs either rpy or orientation")
+        raise item.error(f"{item.name} needs either rpy or orientation, and not both")
     rotation = _of_rpy(entries["rpy"]) if "rpy" in entries else _of_quaternion(entries["orientation"])
     return Pose(rotation, entries["position"].numbers(3))
 

@@ -27,7 +27,7 @@ class Rectangle:
 class Label:
     """Text on a sheet.
 
-    `height` is the height of its capital letters; `left` and `base` are the start of its base line.
+    `height` is the height of the capital letters; `left` and `base` are the position where the base line starts.
     """
 
     left: float
@@ -38,7 +38,7 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """Sheet of paper with its content."""
+    """Sheet of paper with its content; `width` and `height` are in metres."""
 
     width: float
     height: float

@@ -30,7 +30,7 @@ RULER = 0.1
 _MARGIN = 0.005
 """Border in metres that printers cannot reach."""
 _STRIP = 0.004
-"""Width in metres of a ruler with its text."""
+"""Width in metres of the strip at the edge of a sheet for a ruler with its text."""
 _LINE, _TICK, _LONG_TICK = 0.0003, 0.0012, 0.002
 _CAPITALS = 0.0022
 _STEP = 0.01  # between ticks
@@ -59,7 +59,7 @@ def marker_sheets(markers: MarkerSet, numbers: Sequence[int], paper: str) -> lis
     modules = markers.bits.markerSize + 2
     largest = max(sides.values())
     cell = largest * (modules + 2) / modules
-    page_width, page_height = _page(paper, cell, cell + _STRIP, f"a marker of {_mm(largest)} with its white rim")
+    page_width, page_height = _page(paper, cell, cell + _STRIP, f"a marker of {_mm(largest)} with its white border")
     inside = (page_width - 2 * (_MARGIN + _STRIP), page_height - 2 * (_MARGIN + _STRIP))
     columns, rows = max(1, int(inside[0] / cell)), max(1, int(inside[1] / (cell + _STRIP)))
     sheets = []

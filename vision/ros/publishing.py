@@ -9,8 +9,8 @@
 | aruco/image/compressed  | sensor_msgs/CompressedImage             | the frame with the landmarks drawn into it      |
 | aruco/camera_pose       | geometry_msgs/PoseWithCovarianceStamped | pose of the camera on the field                 |
 
-A flat marker has two possible poses. A message is made only if its topic has a subscriber, because making some of the
-messages takes long.
+A landmark is a marker or a board. A flat marker has two possible poses. A message is made only if its topic has a
+subscriber, because making some of the messages takes long.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _LATEST = Qos(depth=5)  # the depth of ROS 2's sensor data profile
 
 
 class Publishing:
-    """Publishers for the results of one camera."""
+    """Publishers for the results of one camera: poses of landmarks, the drawn image, and the camera's pose."""
 
     def __init__(
         self,
@@ -90,7 +90,7 @@ class Publishing:
 
 
 class _Output:
-    """Topic with its publisher, or without one if the topic cannot be published."""
+    """Topic with its publisher; without one, if the topic cannot be published, messages are dropped."""
 
     def __init__(self, publisher: Publisher | None) -> None:
         self._publisher = publisher

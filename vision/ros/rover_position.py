@@ -11,9 +11,9 @@ from roverlink.runtime.middleware import Middleware
 from roverlink.vision.camera.camera_model import Floats
 
 ROW = "rover_localization"
-"""Row of the table that carries the position."""
+"""Name of the row in mapping.yaml whose message carries the rover's position to the basestation."""
 AXES = ("x", "y", "z")
-"""Fields of the row's message, of any type: metres in the field's frame."""
+"""Fields of the row's ROS message for the coordinates: metres in the coordinate frame of the playing field."""
 
 
 def position_publisher(
@@ -22,21 +22,23 @@ def position_publisher(
     topic: Callable[[str], str],
     warn: Callable[[str], object] = lambda _: None,
 ) -> Callable[[Floats], None]:
-    """Return a function that publishes a position (3,) as the message of the row with the name `ROW`.
+    """Return a function that publishes the rover's position (3,), in metres, as the message of the row `ROW`.
 
-    If the table has no such row, or if its message has no field for one of `AXES`, ``warn`` is called with a message,
-    and the returned function does nothing. This is no error, because tracking is useful without a peer too.
+    `topic` returns the fully qualified name of a topic. If the table (mapping.yaml) has no such row, or if its message
+    has no field for one of `AXES`, ``warn`` is called with a message, and the returned function does nothing. This is
+    no error, because tracking is useful without a peer too.
     """
     rows = (*registry.handlers, *registry.extra_topics)
     handler = next((row for row in rows if row.route.name == ROW and not row.route.inbound), None)
     if handler is None:
-        warn(f"the table has no row {ROW} to a peer, so the rover's position is not sent")
+        warn(f"the table has no row {ROW!r} in the direction to a peer, so the rover's position is not sent")
         return lambda _: None
     route, message_type = handler.route, handler.message_type
     if missing := [axis for axis in AXES if axis not in {field.name for field in fields_of(message_type)}]:
         name = message_type.__msgtype__
         warn(
-            f"{name}, the message of row {ROW}, has no field {', '.join(missing)}, so the rover's position is not sent"
+            f"{name}, the message of row {ROW!r}, has no field {', '.join(missing)}, "
+            "so the rover's position is not sent"
         )
         return lambda _: None
     publish = middleware.publisher(topic(route.topic), message_type, route.qos).publish

@@ -37,7 +37,7 @@ class FrameNames:
     """Prefix of a marker's number or a board's name."""
 
     def of(self, target: TargetId) -> str:
-        """Return the name of the coordinate frame of a landmark."""
+        """Return the name of the coordinate frame of a marker or board, such as ``aruco_7`` or ``aruco_gate``."""
         return f"{self.marker}{target}"
 
 
@@ -47,7 +47,7 @@ def header_of(stamp: int, frame: str) -> Header:
 
 
 def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.TFMessage:
-    """Return a message for tf2 with the poses of landmarks in the camera's frame."""
+    """Return a message for /tf with the transforms from the camera's frame to the landmarks (markers and boards)."""
     return tf2_msgs.TFMessage(
         [
             geometry_msgs.TransformStamped(
@@ -61,13 +61,13 @@ def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.
 
 
 def marker_pose_of(one: Sighting, names: FrameNames) -> geometry_msgs.PoseWithCovarianceStamped:
-    """Return a message with the pose of a landmark in the camera's frame."""
+    """Return a message with the pose of a landmark (marker or board) in the camera's frame, and its covariance."""
     pose = _with_covariance(one.pose, one.covariance)
     return geometry_msgs.PoseWithCovarianceStamped(header_of(one.stamp, names.camera), pose)
 
 
 def camera_pose_of(place: FieldPose, stamp: int) -> geometry_msgs.PoseWithCovarianceStamped:
-    """Return a message with the pose of the camera on the field; `stamp` is in nanoseconds since 1970."""
+    """Return a message with the camera's pose on the field and its covariance; `stamp` is in nanoseconds since 1970."""
     pose = _with_covariance(place.pose, place.covariance)
     return geometry_msgs.PoseWithCovarianceStamped(header_of(stamp, place.frame), pose)
 
@@ -129,7 +129,7 @@ def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.
 
 
 def _score(solution: Solution, solutions: Sequence[Solution]) -> float:
-    """Return the probability that one of several solutions is true, computed from chi squared of this frame only."""
+    """Return the probability that `solution` is the true one of `solutions`, from chi squared of this image only."""
     # Relative to the best one: exp of a large chi squared alone would be 0 for all.
     least = min(one.chi2 for one in solutions)
     weights = [math.exp((least - one.chi2) / 2) for one in solutions]

@@ -21,7 +21,9 @@ bool holds(const google::protobuf::Any & payload)
   return slash != std::string::npos && url.substr(slash + 1) == Payload::descriptor()->full_name();
 }
 
-/// Parse the message in an Any. Throws ConversionError if the bytes in the Any are not a message of the type.
+/// Parse the message in an Any. Throws ConversionError if the bytes in the Any are not a message of the type Payload.
+///
+/// `place` is the path of the Any's field, for the error.
 template<typename Payload>
 Payload unpacked(const google::protobuf::Any & payload, const char * place)
 {

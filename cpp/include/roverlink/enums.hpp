@@ -13,7 +13,7 @@
 namespace roverlink
 {
 
-/// Number of an enum value. If it is assigned to a variable of an enum type, it is converted to that type.
+/// Number of an enum value. If the number is assigned to a variable of an enum type, it is checked and converted.
 class Enumerator
 {
 public:
@@ -41,7 +41,7 @@ private:
 /// Return the error for a number in a ROS 2 message that stands for no member of the oneof.
 ConversionError no_member(Wide number, const char * field);
 
-/// Return the error for an enum value that mapping.yaml does not list.
+/// Return the error for a value that has no counterpart, because mapping.yaml does not list it for the field.
 ConversionError no_counterpart(const char * field, const std::string & value);
 
 template<typename Number>

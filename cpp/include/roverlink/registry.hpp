@@ -14,7 +14,9 @@
 namespace roverlink
 {
 
-/// Topic as a type: the generated class, the ROS 2 message and the route. Templates are instantiated for each topic.
+/// Topic at compile time: the generated handler class, the ROS 2 message type and the route.
+///
+/// A function with a parameter `auto topic` is compiled for each topic, and so knows the type of the message.
 template<typename Class>
 struct Topic
 {
@@ -24,7 +26,7 @@ struct Topic
   const Route & route = Class::ROUTE;
 };
 
-/// List of generated classes, as a type. Each class belongs to one topic.
+/// List, at compile time, of generated handler classes. Each class belongs to one topic.
 template<typename... Classes>
 struct Table
 {

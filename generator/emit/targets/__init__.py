@@ -17,20 +17,24 @@ from roverlink.generator import ir
 from roverlink.generator.emit.render import Files
 
 Target = Callable[[ir.Bridge], Files]
+"""Function that generates the files of a target from the IR."""
 
 GROUP = "roverlink.targets"
 """Entry-point group in which other packages register their targets."""
 
 
 def built_in(name: str) -> Target | None:
-    """Return the built-in target with a name; None if there is none."""
+    """Return the function `emit` of the built-in target ``name``; None if roverlink has no such target."""
     if name not in _modules():
         return None
     return cast(Target, importlib.import_module(f"{__name__}.{name}").emit)
 
 
 def installed(name: str) -> EntryPoint | None:
-    """Return the entry point of a target from another package, not imported yet; None if there is none."""
+    """Return the entry point of the target ``name`` from another package; None if no installed package has it.
+
+    The package is not imported.
+    """
     return next(iter(entry_points(group=GROUP, name=name)), None)
 
 

@@ -1,7 +1,7 @@
 """Target `jsonschema`: a JSON Schema of each payload, in protobuf's JSON format with the names of the .proto file.
 
 `roverlink listen` prints this format, which is defined in https://protobuf.dev/programming-guides/json. The JSON Schema
-of mapping.yaml is another one: `roverlink.generator.emit.mapping_json_schema` makes it.
+of mapping.yaml comes from another module: `roverlink.generator.emit.mapping_json_schema`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
-"""Target `nanopb`: options files with the table's size limits, so that the firmware has buffers of these sizes.
+"""Target `nanopb`: .options files for nanopb, the protobuf library for microcontrollers.
 
-`nanopb_generator --options-path generated/nanopb -I proto FILE.proto` reads them.
+They contain the table's size limits of fields, so that the firmware has buffers of these sizes.
+
+`nanopb_generator --options-path generated/nanopb -I proto FILE.proto` reads the .options files.
 """
 
 from __future__ import annotations

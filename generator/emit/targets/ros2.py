@@ -18,7 +18,10 @@ _LAUNCH_ARGUMENTS = {
 
 _PARAMS_FILE = "YAML file with the parameters of the node"
 _ADDRESSES = ("listen_address", "listen_port", "dst_ip")
-"""Parameters that are also arguments of the launch files, besides the peers' ports. Computers differ in them."""
+"""Parameters of the node that are also arguments of the launch files, because their values differ between computers.
+
+The parameters with the peers' ports are also arguments; their names come from the table.
+"""
 
 
 def emit(bridge: ir.Bridge) -> Files:
@@ -90,7 +93,10 @@ def _msg(bridge: ir.Bridge, message: ir.RosMessage) -> str:
 
 
 def _heading(message: ir.RosMessage, enum: str) -> str:
-    """Return the comment above the constants of an enum; it names the message fields whose values the constants are."""
+    """Return the comment above the constants of an enum in a .msg file: ``# Values of state (MotorState).``.
+
+    It names the fields of the message that have the enum's type.
+    """
     return f"# Values of {' and '.join(field.name for field in message.fields if field.enum == enum)} ({enum})."
 
 

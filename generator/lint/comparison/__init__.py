@@ -1,7 +1,7 @@
 """Comparison of two schemas: pairs each old message, enum and field with the new one, and finds incompatible changes.
 
-Messages and enums are paired by full name in any file, fields and values by number, and extensions by the extended
-message and number. Encoded bytes identify them in the same way.
+Messages and enums are paired by full name, in any file. Fields and values are paired by number, and extensions by the
+extended message and number, because encoded bytes contain numbers and no names.
 """
 
 from roverlink.generator.lint.comparison.pairing import (

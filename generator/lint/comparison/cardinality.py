@@ -1,8 +1,9 @@
-"""Cardinality of a field: single, repeated or a map, and if absence is tracked. Some changes of it break decoding.
+"""Cardinality of a field: singular with or without presence, required, repeated, or a map.
 
-The rules come from protobuf's guide (protobuf.dev/programming-guides/proto3, "Updating A Message Type"). A change
-between singular and repeated is not safe: a packed list of numbers is not a number, and only one of several values
-survives. A map is a repeated message on the wire.
+Some changes of the cardinality break decoding. The rules come from protobuf's guide
+(protobuf.dev/programming-guides/proto3, "Updating A Message Type"). A change between singular and repeated is not safe:
+a receiver cannot read a packed list of numbers as one number, and it keeps only one of several values. A map is encoded
+as a repeated message.
 """
 
 from __future__ import annotations
@@ -19,7 +20,10 @@ _ON_THE_WIRE = {IMPLICIT: EXPLICIT, MAP: REPEATED}
 
 
 def cardinality(field: ProtoField, schema: Schema, extension: bool = False) -> str:
-    """Return a field's cardinality: `MAP`, `REPEATED`, `REQUIRED`, `EXPLICIT` or `IMPLICIT`."""
+    """Return a field's cardinality: `MAP`, `REPEATED`, `REQUIRED`, `EXPLICIT` or `IMPLICIT` (without presence).
+
+    ``extension`` is True for a protobuf extension.
+    """
     if field.repeated:
         return MAP if is_map(field, schema) else REPEATED
     if field.label == "required":
@@ -38,9 +42,10 @@ def is_map(field: ProtoField, schema: Schema) -> bool:
 def is_map_entry(message: ProtoMessage) -> bool:
     """Return True if a message is the entry that protoc generates for a map.
 
-    The ledger does not store this. A message from the ledger counts as an entry if its fields are `key` and `value`.
+    The ledger does not store if a message is an entry. So a message from the ledger counts as an entry if its name ends
+    with ``Entry`` and its fields are ``key = 1`` and ``value = 2``.
     """
-    # A descriptor says it. A ledger has no file, and no such option.
+    # A descriptor has the option `map_entry`. A message from the ledger has no file and no options.
     if message.file:
         return message.map_entry
     form = [(1, "key"), (2, "value")]
@@ -48,7 +53,7 @@ def is_map_entry(message: ProtoMessage) -> bool:
 
 
 def broken_by_cardinality(old: str, new: str) -> bool:
-    """Return True if a field with the new cardinality misreads bytes that were written with the old one."""
+    """Return True if a receiver with the new cardinality of a field misreads bytes that have the old cardinality."""
     return _ON_THE_WIRE.get(old, old) != _ON_THE_WIRE.get(new, new)
 
 
@@ -58,7 +63,10 @@ def only_required(old: str, new: str) -> bool:
 
 
 def shown(cardinality: str) -> str:
-    """Return the name of a cardinality for messages. Implicit and explicit presence are both called singular."""
+    """Return the name of a cardinality for texts to the user: ``singular``, ``required``, ``repeated`` or ``a map``.
+
+    A field with presence and a field without presence are both ``singular``.
+    """
     return "singular" if cardinality in (IMPLICIT, EXPLICIT) else cardinality
 
 

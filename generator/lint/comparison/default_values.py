@@ -18,7 +18,10 @@ Value = float | int | str | bytes
 
 
 def default(field: ProtoField, schema: Schema) -> Value:
-    """Return the value that a receiver reads if a field is absent. The field must not be repeated or a message."""
+    """Return the value that a receiver reads if a field is absent: the number for an enum, 0 or 1 for a bool.
+
+    The field must not be repeated or a message.
+    """
     text = field.facets.get("default", "")
     if field.type == "enum":
         return _number(field, text, schema)
@@ -35,7 +38,7 @@ def default(field: ProtoField, schema: Schema) -> Value:
 
 
 def shown(field: ProtoField, schema: Schema) -> str:
-    """Return the value that a receiver reads if a field is absent, as a .proto file writes it: ``false``, ``1.5``."""
+    """Return the value that a receiver reads if a field is absent, as text of a .proto file: ``false``, ``1.5``."""
     text = field.facets.get("default", "")
     if field.type == "enum" and not text:
         enum = schema.enums.get(field.type_name)
@@ -48,7 +51,7 @@ def shown(field: ProtoField, schema: Schema) -> str:
 
 
 def default_changed(pair: FieldPair) -> bool:
-    """Return True if a receiver now reads another value than before for the absent field."""
+    """Return True if a receiver now reads another value than before when the field is absent."""
     if pair.change.of_ledger or not (_may_have_default(pair.old) and _may_have_default(pair.new)):
         return False
     old, new = default(pair.old, pair.change.before), default(pair.new, pair.change.after)
@@ -77,7 +80,7 @@ def _number(field: ProtoField, name: str, schema: Schema) -> int:
 
 
 def _encoded(value: Value) -> bytes | None:
-    """Return the bytes of a text in UTF-8, or of a bytes value; None for a number."""
+    """Return a string value as UTF-8 bytes, and a bytes value unchanged; None for a number."""
     return value.encode() if isinstance(value, str) else value if isinstance(value, bytes) else None
 
 

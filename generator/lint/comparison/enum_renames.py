@@ -12,7 +12,8 @@ from roverlink.generator.protos.schema import ProtoEnumValue
 def renamed_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[str, ...], list[ProtoEnumValue]]]:
     """Yield each enum number whose old name is gone, although the number is still in use.
 
-    The tuple has the enum before and after, the number, its lost names, and the values that have the number now.
+    Each item has the enum before and after the change, the number, the names that the number lost, and the values that
+    have the number now.
     """
     for pair in enums(change):
         after = values_by_number(pair.new)
@@ -24,7 +25,10 @@ def renamed_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[
 
 
 def moved_here(pair: EnumPair, number: int) -> ProtoEnumValue | None:
-    """Return the old value of another number that had the name which this number has now; None if there is none."""
+    """Return the old enum value whose name ``number`` has now; None if no other number had this name.
+
+    If FOO was 1 and is now 2, the result for 2 is the old FOO.
+    """
     names = {value.name for value in pair.new.values if value.number == number}
     return next((value for value in pair.old.values if value.name in names and value.number != number), None)
 
@@ -41,7 +45,7 @@ def moved_away(pair: EnumPair, number: int) -> ProtoEnumValue | None:
 
 
 def stands_for_another(pair: EnumPair, number: int) -> bool:
-    """Return True if a number got the name of another number, or gave its own name to another one.
+    """Return True if ``number`` now has the name of another number, or if another number now has its name.
 
     A new name that no other number had does not count.
     """

@@ -1,7 +1,7 @@
 """Renames of fields that kept their number.
 
-Names are not sent. But a new name often shows that the number now has a new meaning. Then bytes from an old sender are
-misread.
+Encoded bytes contain no names. But a new name often shows that the number now has a new meaning. Then a new receiver
+misreads bytes from an old sender.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _WITHOUT_UNIT = frozenset({"string", "bytes", "bool", "enum"})
 
 
 class Rename(Enum):
-    """Kind of a rename: how far the meaning of the field changed."""
+    """Kind of a rename: it says how much the meaning of the field changed."""
 
     NONE = "the same meaning"
     UNIT = "the same quantity in another unit, scale or reference"
@@ -39,7 +39,10 @@ def rename(pair: FieldPair) -> Rename:
 
 
 def measures(pair: FieldPair) -> tuple[Measure, Measure]:
-    """Return the quantities, with unit, scale and reference, that the old and the new name of a field contain."""
+    """Return the quantity, unit, scale and reference in the old name of a field, and those in the new name.
+
+    The name ``speed_mm_per_s`` has the quantity ``speed`` and the unit ``mm`` per ``s``.
+    """
     return measure(words(pair.old.name)), measure(words(pair.new.name))
 
 

@@ -1,8 +1,8 @@
-"""Compatibility of a field's old and new type: decides if the new type misreads bytes of the old type.
+"""Compatibility of a field's old and new type: decides if a receiver with the new type misreads old bytes.
 
 For scalars, the rules come from protobuf's guide (protobuf.dev/programming-guides/proto3, "Updating A Message Type").
-Messages and enums with different names are compared by content: if each side reads the other's bytes correctly, only
-the name has changed.
+Messages and enums with different names are compared by content: if the new type reads the old bytes correctly, only the
+name has changed.
 """
 
 from __future__ import annotations
@@ -35,19 +35,22 @@ _SAME_BYTES = (
 def kind(declared: ProtoField) -> str:
     """Return the name of a field's scalar type, or ``message``, ``enum`` or ``group``.
 
-    A message that is encoded as a group counts as ``group``, also in an edition.
+    A message that is encoded as a group counts as ``group``; in an edition, this is the feature ``DELIMITED``.
     """
     return "group" if declared.facets.get("delimited") else declared.type
 
 
 def broken_by_kind(old: str, new: str) -> bool:
-    """Return True if bytes of the old kind of type are misread with the new kind; see `kind`."""
+    """Return True if a receiver with the field type ``new`` misreads bytes of the field type ``old``.
+
+    Both are results of `kind`, such as ``int32`` or ``message``.
+    """
     # A reader of bytes accepts any string. A reader of a string rejects bytes that are not UTF-8.
     return old != new and (old, new) != ("string", "bytes") and not any({old, new} <= group for group in _SAME_BYTES)
 
 
 def broken_by_type(pair: FieldPair) -> bool:
-    """Return True if the new type of a field misreads bytes of the old type."""
+    """Return True if a receiver with the new type of a field misreads bytes of the old type."""
     return _Comparison(pair.change).types(pair.old, pair.new)
 
 
@@ -55,14 +58,14 @@ def broken_by_type(pair: FieldPair) -> bool:
 class _Comparison:
     """Comparison of an old and a new type, with the types inside them.
 
-    A result of True means that bytes are misread.
+    Its methods return True if a receiver with the new type misreads bytes of the old type.
     """
 
     change: SchemaChange
     assumed: set[tuple[str, str]] = field(default_factory=set)
-    """Names of the message pairs that are being compared.
+    """Old and new name of each pair of messages whose comparison has started and is not finished.
 
-    Such a pair counts as equal inside itself, to end the recursion.
+    A message may contain a field of its own type. Then this field counts as compatible, which ends the recursion.
     """
 
     def types(self, old: ProtoField, new: ProtoField) -> bool:
@@ -80,7 +83,7 @@ class _Comparison:
         return self._messages(old.type_name, new.type_name)
 
     def _enums(self, old: str, new: str) -> bool:
-        """Return True if an old number of the enum is missing now, or has another name."""
+        """Return True if an old number of the enum is missing in the new enum, or has another name there."""
         before, after = self.change.before.enums.get(old), self.change.after.enums.get(new)
         if before is None or after is None:
             return True
@@ -99,9 +102,10 @@ class _Comparison:
         return broken
 
     def _contents(self, before: ProtoMessage, after: ProtoMessage) -> Iterator[bool]:
-        """Compare the fields of two messages; one of the results is True if bytes are misread.
+        """Compare the fields of two messages; yield for each check True if it failed, and False if it passed.
 
-        Each old field must still exist with a compatible type, and no new field may be required.
+        There is one check for each old field: it fails if the new message lacks the field's number, or has another type
+        there that reads the bytes differently. The last check fails if a new field is required.
         """
         fields = {one.number: one for one in after.fields}
         for old in before.fields:

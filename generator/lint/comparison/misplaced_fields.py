@@ -36,7 +36,10 @@ def _is_another(pair: FieldPair) -> bool:
 
 
 def _inside_of_map(pair: FieldPair) -> Iterator[FieldPair]:
-    """Yield the key and the value of a map, each before and after the change."""
+    """Yield the key and the value of a map field, each as it was before the change and as it is now.
+
+    Yield nothing for other fields.
+    """
     change = pair.change
     old, new = change.before.messages.get(pair.old.type_name), change.after.messages.get(pair.new.type_name)
     if old and new and new.map_entry and old.full_name == new.full_name:

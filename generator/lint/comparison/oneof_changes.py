@@ -1,8 +1,8 @@
-"""Compatibility of a field's old and new oneof: decides if bytes are misread.
+"""Compatibility of a field's old and new oneof: decides if a new receiver misreads bytes of an old sender.
 
-A receiver that reads two members of a oneof keeps the last one and drops the other. So it matters which other fields
-are in the oneof, as far as both sides know them (protobuf.dev/programming-guides/proto3, "Updating A Message Type" and
-"Backwards-compatibility issues" of oneofs). The name of the oneof is not sent, and may change.
+A receiver that reads two members of a oneof keeps the last one and drops the other. So a change of the other members
+matters if sender and receiver both know these members (protobuf.dev/programming-guides/proto3, "Updating A Message
+Type" and "Backwards-compatibility issues" of oneofs). The name of the oneof is not sent, and may change.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
 
 def broken_by_oneof(pair: FieldPair) -> bool:
-    """Return True if bytes are misread because the field joined or left a oneof."""
+    """Return True if a receiver misreads bytes because the field moved into or out of a oneof."""
     if pair.messages is None or pair.old.oneof == pair.new.oneof:
         return False
     old, new = pair.messages.old, pair.messages.new

@@ -72,7 +72,7 @@ class FieldPair:
 
     @property
     def extension(self) -> bool:
-        """True for an extension, which another file may add to the message."""
+        """True if the field is a protobuf extension, which another file may add to the message."""
         return self.messages is None
 
     @property
@@ -96,14 +96,14 @@ def enums(change: SchemaChange) -> Iterator[EnumPair]:
 
 
 def fields(change: SchemaChange) -> Iterator[FieldPair]:
-    """Yield each field and extension that exists before and after a change.
+    """Yield each field and extension whose number exists before and after a change.
 
     The key and the value of a map are left out if the number of the map's field changed.
     """
     for pair in messages(change):
         for one in fields_of_messages(pair):
-            # Entries are found by the map's name (`ScalesEntry` of `scales`), so an entry may pair maps with different
-            # numbers. Bytes of those never meet.
+            # An entry message has the name of its map (`ScalesEntry` of `scales`). So a pair of entries may belong to
+            # maps with different numbers, and no receiver reads the bytes of one map as the other.
             by_hand = written(one)
             if by_hand.old.number == by_hand.new.number:
                 yield one
@@ -124,9 +124,9 @@ def fields_of_messages(pair: MessagePair) -> Iterator[FieldPair]:
 
 
 class Written(NamedTuple):
-    """A field as the .proto file declares it, before and after a change.
+    """Declaration of a field in the .proto file, before and after a change.
 
-    For the key or the value of a map, this is the map field, because the entry message is not written in the file.
+    For the key or the value of a map, this is the map field, because the .proto file declares no entry message.
     """
 
     owner: str
@@ -135,9 +135,10 @@ class Written(NamedTuple):
 
 
 def written(pair: FieldPair) -> Written:
-    """Return the field as the .proto file declares it.
+    """Return the field that the .proto file declares: the map field for a key or value of a map.
 
-    This is the map field for the key or value of a map, and otherwise the field itself.
+    The .proto file does not contain the message with the key and value, because protoc makes it. For any other field,
+    the result is the field itself.
     """
     if pair.in_map_entry:
         owner = pair.owner.rpartition(".")[0]
@@ -154,12 +155,12 @@ def _map_of(message: ProtoMessage | None, entry: str) -> ProtoField | None:
 
 
 def extensions_by_number(schema: Schema) -> dict[tuple[str, int], ProtoExtension]:
-    """Return the extensions of a schema by the extended message and the extension's number."""
+    """Return the extensions of a schema by the full name of the extended message and the extension's number."""
     return {(extension.extendee, extension.field.number): extension for extension in schema.extensions}
 
 
 def gone_fields(change: SchemaChange) -> Iterator[tuple[MessagePair, ProtoField]]:
-    """Yield each old field whose number no field has now, with the message before and after."""
+    """Yield each old field whose number no field has now, with its message before and after the change."""
     for pair in messages(change):
         left = {field.number for field in pair.new.fields}
         yield from ((pair, field) for field in pair.old.fields if field.number not in left)
@@ -168,7 +169,7 @@ def gone_fields(change: SchemaChange) -> Iterator[tuple[MessagePair, ProtoField]
 def gone_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[str, ...]]]:
     """Yield each old number of an enum that no value has now.
 
-    The tuple has the enum before and after the change, the number, and the old names of the number.
+    Each item has the enum before and after the change, the number, and the old names of the number.
     """
     for pair in enums(change):
         left = values_by_number(pair.new)

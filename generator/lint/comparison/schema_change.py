@@ -1,4 +1,4 @@
-"""A change of the schema: the schemas before and after."""
+"""A change of the schema (all messages and enums): the schema of an earlier state, and the current schema."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ class SchemaChange:
     before: Schema
     after: Schema
     of_ledger: bool = False
-    """True if the earlier schema comes from the ledger. The ledger stores only names, numbers and types."""
+    """True if the earlier schema comes from the ledger (mapping.lock), which stores only names, numbers and types."""
     bounds_before: Bounds | None = None
     """The size limits of nanopb in the earlier state; None if they are unknown."""
 
     def earlier(self, span: Span, text: str) -> list[tuple[Span, str]]:
-        """Return a place in the earlier state with a text, for `Diagnostic.also`. The list is empty for the ledger.
+        """Return a list for `Diagnostic.also` with a place in the earlier state and a text.
 
-        The ledger is left out because nobody edits it.
+        The list is empty if the earlier state is the ledger, because users do not edit the ledger.
         """
         return [] if self.of_ledger else [(span, text)]
 
@@ -32,7 +32,7 @@ class SchemaChange:
 def each_once(
     changes: Iterable[SchemaChange], compare: Callable[[SchemaChange], Iterable[Diagnostic]]
 ) -> Iterator[Diagnostic]:
-    """Yield the diagnostics of all comparisons with earlier states, each only once if several comparisons find it.
+    """Yield the diagnostics that ``compare`` returns for each change, without repetitions.
 
     The comparison with the ledger comes last, because the ledger has no places in .proto files.
     """

@@ -15,9 +15,10 @@ _PRESENCE = {"optional": "EXPLICIT", "required": "LEGACY_REQUIRED", "": "IMPLICI
 
 
 def declaration(field: ProtoField, schema: Schema, owner: str, syntax: Syntax, number: int | None = None) -> str:
-    """Return a field's declaration as text of a .proto file; ``owner`` is the full name of the message around it.
+    """Return a field's declaration as text of a .proto file, such as ``repeated float range = 3;``.
 
-    ``syntax`` is the syntax of the file for which the text is written. ``number`` replaces the field's own number.
+    ``owner`` is the full name of the message around the field. ``syntax`` is the syntax of the file for which the text
+    is written. ``number`` replaces the field's own number.
     """
     is_group = field.type == "group" and not syntax.is_edition
     name = field.type_name.rpartition(".")[2] if is_group else field.name
@@ -29,7 +30,7 @@ def declaration(field: ProtoField, schema: Schema, owner: str, syntax: Syntax, n
 
 
 def declaration_of_old(pair: MessagePair, field: ProtoField) -> str:
-    """Return the declaration of a field as the file before the change would write it."""
+    """Return the declaration of an old field in the syntax that its file had before the change."""
     before = pair.change.before
     return declaration(field, before, pair.old.full_name, before.syntax_of(pair.old.file))
 
@@ -63,7 +64,10 @@ def _options(field: ProtoField, schema: Schema, syntax: Syntax) -> Iterator[str]
 
 
 def type_of(field: ProtoField, schema: Schema, owner: str) -> str:
-    """Return a field's type as the message ``owner`` would write it, without the scope that both share."""
+    """Return a field's type as a .proto file writes it inside the message ``owner``: ``float``, ``map<string, Pose>``.
+
+    The packages and messages around both `owner` and the type are left out; see `from_within`.
+    """
     entry = schema.messages.get(field.type_name)
     if entry is not None and is_map(field, schema):
         key, value = sorted(entry.fields, key=lambda one: one.number)
@@ -82,12 +86,15 @@ def type_place(field: ProtoField) -> Span:
 
 
 def value_place(enum: ProtoEnum, number: int) -> Span:
-    """Return the place of the first enum value that has a number."""
+    """Return the place of the first enum value that has ``number``; the place of the enum if no value has it."""
     return next((value.span for value in enum.values if value.number == number), enum.span)
 
 
 def retyping(pair: FieldPair) -> str:
-    """Return a text that describes a change of type, and how a receiver of the other version reads the value."""
+    """Return a text that describes the change of a field's type, for a diagnostic.
+
+    If the name stayed, the text also says how a receiver with the other version of the .proto file reads the value.
+    """
     old, new = pair.old, pair.new
     old_type = type_text(old, pair.change.before, pair.owner)
     new_type = type_text(new, pair.change.after, pair.owner)
@@ -102,14 +109,17 @@ def retyping(pair: FieldPair) -> str:
 
 
 def type_text(field: ProtoField, schema: Schema, owner: str) -> str:
-    """Return a field's type in the words of a message to the user."""
+    """Return a field's type as text for a diagnostic: ``float``, or ``rover.Pose, delimited as a group``."""
     if kind(field) == "group":
         return f"{field.type_name}, delimited as a group"
     return type_of(field, schema, "" if field.type_name and not is_map(field, schema) else owner)
 
 
 def from_within(owner: str, full_name: str) -> str:
-    """Return the name by which a message can refer to a type: the full name without the scope that both share."""
+    """Return the short name of a type inside the message ``owner``, without the packages and messages around both.
+
+    Inside ``rover.Imu``, the type ``rover.Vector`` is ``Vector``.
+    """
     scope = owner
     while scope:
         if full_name.startswith(f"{scope}."):

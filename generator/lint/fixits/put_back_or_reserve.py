@@ -14,7 +14,7 @@ from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessag
 
 
 def was(pair: FieldPair) -> str:
-    """Return the declaration that a field had before the change."""
+    """Return the declaration that a field had before the change, such as ``float speed = 3;``."""
     owner, old, _ = written(pair)
     return declaration(old, pair.change.before, owner, pair.old_syntax)
 
@@ -27,9 +27,10 @@ def back(pair: FieldPair) -> str:
 
 
 def _with_type(change: SchemaChange, old: ProtoField, declares_type: bool = False) -> str:
-    """Return the end of a help text: what else has to change so that a field can have its old type again.
+    """Return the end of a help text that says what else the user must change to give a field its old type again.
 
-    A map and a group declare their message type themselves. So a message of the same name has to be replaced.
+    A map and a group declare their message type themselves, so the user must remove a message of the same name. If the
+    old type was deleted, the user must put it back. The text is empty if nothing else must change.
     """
     now = change.after.messages.get(old.type_name)
     if old.type == "group" or is_map(old, change.before):
@@ -40,7 +41,7 @@ def _with_type(change: SchemaChange, old: ProtoField, declares_type: bool = Fals
 
 
 def reserve(new: ProtoMessage | ProtoEnum, syntax: Syntax, numbers: Iterable[Range], names: Iterable[str]) -> str:
-    """Return the statements that reserve numbers and names in a message or enum.
+    """Return the statements that reserve numbers and names in a message or enum: ``reserved 3; reserved "speed";``.
 
     Numbers and names that are already reserved are left out, and so are names that are in use.
     """
@@ -51,7 +52,7 @@ def reserve(new: ProtoMessage | ProtoEnum, syntax: Syntax, numbers: Iterable[Ran
 
 
 def reserve_names(names: Iterable[str], syntax: Syntax) -> str:
-    """Return the statement that reserves names. In an edition, the names stand without quotes."""
+    """Return the statement that reserves names: ``reserved "speed";``, or ``reserved speed;`` in an edition."""
     quote = "" if syntax.is_edition else '"'
     return f"reserved {', '.join(f'{quote}{name}{quote}' for name in names)};"
 
@@ -105,7 +106,10 @@ def _or_reserve(pair: MessagePair | EnumPair, put: str, number: int, names: Sequ
 
 
 def _in_place_of(new: ProtoMessage | ProtoEnum, number: int, names: Iterable[str]) -> str:
-    """Return the end of a help text: the declarations and reservations that have to go if a declaration is put back."""
+    """Return the end of a help text that names what the user must remove to put back a deleted declaration.
+
+    This is a declaration that now has one of the names, or a reservation of the number or a name.
+    """
     used = names_in_use(new)
     moved = [f"{name} = {used[name]}" for name in names if name in used]
     held = [str(number)] * covers(new.reserved, number) + [f'"{one}"' for one in names if one in new.reserved_names]

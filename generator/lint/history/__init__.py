@@ -1,8 +1,8 @@
 """The history of numbers in .proto files, from all commits of a repository.
 
-A comparison of two states cannot find a number that one commit deleted, and that a later commit gave to something else.
-So this package reads all states: of all branches, and of both sides of every merge. It also reads states that do not
-compile, because a board may run firmware from such a commit.
+A comparison of two states cannot find a number that one commit deleted, and that a later commit gave to another field.
+So this package reads the state of the files at every commit: of all branches, and of both sides of every merge. It also
+reads states that do not compile, because a board may run firmware from such a commit.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""A cache for the history: the messages and numbers in each blob, a file's content in git, are kept for later runs.
+"""Cache for the history: stores the messages, enums and numbers in each blob, so that later runs are faster.
 
-The id of a blob is the checksum of its text, so an entry stays right as long as the code that made it is the same. Each
-repository has one file in the user's cache folder: a checksum, then JSON. The checksum covers the code, too. So entries
-of another version of the program, and files that were cut short or damaged, are ignored. The files can be deleted at
-any time.
+A blob is the content of a file in git. Its id is a checksum of the content, so a cache entry stays right as long as
+our parser stays the same. Each repository has one file in the user's cache folder: a checksum, then JSON. The checksum
+covers the code of the parser, too. So cache files from another version of the program, and damaged files, are ignored.
+The user can delete the cache files at any time.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _LARGEST = 64 * 2**20  # bytes of all files together; 2,000 states of 40 fields 
 
 
 class BlobCache:
-    """The cache file of one repository."""
+    """Cache file of one git repository: stores the messages and enums in each blob (a file's content in git)."""
 
     def __init__(self, repository: Path) -> None:
-        # A path may be longer than a file's name may be, and contains slashes. Its hash has neither fault.
+        # A path contains slashes, and may be longer than the name of a file may be. So its hash is the name.
         name = hashlib.sha256(os.fsencode(repository.resolve())).hexdigest()[:32]
         self._file = cache_folder() / "history" / f"{name}.json"
 
@@ -50,7 +50,10 @@ class BlobCache:
         return dict(_decoded(body)) if said == _checksum(body) else {}
 
     def save(self, known: Mapping[str, NumberedTypes]) -> None:
-        """Write the cache file anew. If this is not possible, the next run reads the history from git again."""
+        """Replace the cache file. If this is not possible, the next run reads the history from git again.
+
+        ``known`` has the messages and enums of each blob, by the blob's id.
+        """
         body = _encoded(known)
         if len(body) > _LARGEST:
             return
@@ -74,7 +77,7 @@ class BlobCache:
 
 
 def _remove_oldest(folder: Path) -> None:
-    """Remove the least recently used files of the cache folder until the others are small enough together."""
+    """Remove the least recently used files of the cache folder until the others have at most 64 MiB together."""
     about = {path: path.stat() for path in folder.iterdir()}
     size = 0
     for path in sorted(about, key=lambda path: about[path].st_mtime, reverse=True):
@@ -100,7 +103,10 @@ def _version() -> bytes:
 
 
 def _encoded(known: Mapping[str, NumberedTypes]) -> bytes:
-    """Return the content of the cache as JSON. Each distinct fact is stored once, and blobs refer to it by index."""
+    """Return the content of the cache as JSON.
+
+    A fact is a declared field or enum value. Each distinct fact is stored once, and blobs refer to it by index.
+    """
     # A commit usually changes one field of a file, so its state repeats all other facts of the state before. JSON and
     # not pickle: unpickling a file that somebody else could have written runs code of that file.
     index: dict[Fact, int] = {}

@@ -1,4 +1,4 @@
-"""Collisions of branches: numbers to which open branches have given different payloads."""
+"""Collisions of branches: numbers to which branches that are not merged yet have given different payloads."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _DEFAULTS = tuple(f"{place}{name}" for name in ("main", "master") for place in (
 
 
 def branches(refs: Sequence[Ref]) -> dict[str, str]:
-    """Return the commit of each local and remote branch, by ref. HEAD is included if it is not on a branch."""
+    """Return the last commit of each local and remote branch, by ref. HEAD is included if it is on no branch."""
     # A symbolic ref, such as refs/remotes/origin/HEAD, is a second name of a branch that is listed itself.
     return {
         ref.name: ref.commit
@@ -42,9 +42,9 @@ def branch_name(ref: str) -> str:
 
 
 class Branches:
-    """The branches of a repository, for a query about the numbers of one message.
+    """Comparison of the branches of a repository: finds numbers of one message that mean different payloads.
 
-    ``nodes`` has the node of each branch's last commit.
+    ``owners`` are the full names that the message had. ``nodes`` has the graph's node of each branch's last commit.
     """
 
     def __init__(self, record: Record, owners: Sequence[str], nodes: Mapping[str, int]) -> None:
@@ -72,17 +72,18 @@ class Branches:
         ]
 
     def _between(self, one: int, other: int) -> Iterator[tuple[int, Fact, Fact]]:
-        """Yield each number to which the branches at two nodes have given different payloads, with both payloads.
+        """Yield each number to which two branches have given different payloads, with both payloads.
 
-        Payloads that existed when the branches diverged are left out.
+        ``one`` and ``other`` are the nodes of the branches' last commits. Payloads that existed when the branches
+        diverged are left out.
         """
         graph = self._record.graph
-        # Criss-cross merges have several merge bases (git-merge-base(1)). What one of them declares, both branches have
-        # seen.
+        # Criss-cross merges have several merge bases (git-merge-base(1)). Both branches know the declarations of each
+        # merge base.
         known = set().union(*(self._facts(base) for base in graph.merge_bases(one, other)))
         ours, theirs = self._facts(one) - known, self._facts(other) - known
         old = {fact.number for fact in known}  # both sides may have renamed a payload that existed before
-        # A fact on both sides is an agreement: one branch picked it from the other one.
+        # A fact on both sides is no collision: one branch picked it from the other one.
         for fact in sorted(ours - theirs):
             for rival in sorted(rival for rival in theirs - ours if rival.number == fact.number):
                 new = fact.number not in old and fact.name != rival.name
@@ -104,12 +105,12 @@ class Branches:
         return Allocation(tuple(refs), fact.type, fact.name, came, lifetime.path, lifetime.line)
 
     def _lifetimes(self, fact: Fact, node: int) -> Iterator[Lifetime]:
-        """Yield the lifetimes of a fact that have not ended at a branch's node, the latest first."""
+        """Yield the lifetimes of a fact (a declared field) that have not ended at the node, the latest first."""
         for owner in self._owners:
             lifetimes = self._record.lineage.tips[node].alive.get(owner, {}).get(fact, frozenset())
             yield from (self._record.lineage.lifetimes[owner][index] for index in sorted(lifetimes, reverse=True))
 
 
 def _short(ref: str) -> str:
-    """Return a branch's name without ``refs/heads/``, ``refs/remotes/`` and the name of the remote."""
+    """Return a branch's name from its ref, without the remote: ``main`` for ``refs/remotes/origin/main``."""
     return ref.removeprefix(_REMOTE).partition("/")[2] if ref.startswith(_REMOTE) else ref.removeprefix(_LOCAL)

@@ -1,6 +1,6 @@
-"""The graph of commits that matter for the history. A commit that changes no .proto file has no node of its own.
+"""Graph of the commits that change .proto files, with the order in which they follow each other.
 
-Such a commit is represented by the node of its parent.
+A commit that changes no .proto file has no node of its own; the node of its parent stands for it.
 """
 
 from __future__ import annotations
@@ -10,12 +10,11 @@ from dataclasses import dataclass
 
 from roverlink.generator.lint.history.commits import Revision
 
-# A state of the .proto files can have two parents (a merge), and branches that never meet again. So "before" and
-# "after" are questions about a graph; dates do not answer them, because clocks differ and a rebase keeps the author's
-# date.
+# A commit can have two parents (a merge), and branches may never be merged. So only the graph of commits shows which
+# commit is before another one. Dates do not show it, because clocks differ and a rebase keeps the author's date.
 #
-# The graph is made once and asked often: every pair of usages of every number asks if one precedes the other. Two
-# choices keep this cheap:
+# The graph is made once and searched often: for every two usages of a number, the lint asks which one came first. Two
+# choices make this fast:
 # - Commits that change no .proto file have no node. Few commits of a robot's repository change the protos.
 # - The ancestors of a node are a bit set in one integer. n nodes take about n * n / 16 bytes: 6 MB for 10,000 nodes.
 #
@@ -29,12 +28,15 @@ class Node:
     index: int
     """The node's number. It is larger than the numbers of the node's parents."""
     parents: tuple[int, ...]
-    """The nodes of the parents. `Revision.edits` are the changes against the first of them."""
+    """The indices of the parents' nodes. `Revision.edits` are the changes since the first parent."""
     revision: Revision
 
 
 class Graph:
-    """The nodes of the history, each with an index. `BEGINNING` stands for the empty tree before the first commit."""
+    """The nodes of the history, each with an index. A node is a commit that changes .proto files.
+
+    The index `BEGINNING` stands for the empty repository before the first commit.
+    """
 
     BEGINNING = 0
 
@@ -64,7 +66,7 @@ class Graph:
         return bool(self._ancestors[other] >> one & 1)
 
     def merge_bases(self, one: int, other: int) -> list[int]:
-        """Return the latest common ancestors of two nodes, as `git merge-base --all` does."""
+        """Return the latest common ancestors of two nodes (commits), as ``git merge-base --all`` does."""
         common = self._ancestors[one] & self._ancestors[other]
         bases = []
         while common:
@@ -91,9 +93,10 @@ class Graph:
 
 
 def depth(revisions: Collection[Revision], tips: Iterable[str]) -> int:
-    """Return the depth of the history: the number of commits from the newest to the oldest.
+    """Return the depth of the history: the number of commits from the newest to the oldest commit.
 
-    Each commit is counted from the nearest branch in ``tips``; the largest count is returned.
+    ``tips`` are the last commits of the branches. For each commit, the way to the nearest tip is counted; the result is
+    the largest count.
     """
     parents = {revision.commit.id: revision.parents for revision in revisions}
     level = {tip for tip in tips if tip in parents}

@@ -1,4 +1,4 @@
-"""Access to a git repository and all its commits, with few runs of git (2.31 or later).
+"""Access to all commits and file contents of a git repository; needs git 2.31 or later.
 
 No commit is checked out. In a partial clone (``--filter``), git fetches missing blobs when they are read.
 """
@@ -10,7 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-from roverlink.generator.git import Commit, GitError, Repository, commit_of, environment
+from roverlink.generator.git import Commit, GitError, Repository, command, commit_of, environment
+from roverlink.generator.source_files import LARGEST
 
 # %P lists the parents. %ct is the committer's time, which tells when a state appeared on its branch; %at, the author's
 # time, is the date that people know the change by.
@@ -25,19 +26,18 @@ _LOG = (
     # state. --date-order shows no parent before all of its children: reversed, parents come before children.
     *("log", "--exclude=refs/stash", "--all", "--date-order", "--full-history", "--sparse", "--no-follow"),
     # Compare a merge with its first parent only. The commits of its other parents are listed themselves.
-    # --raw gives the blobs' ids, which the cache knows, instead of texts. -z: no path is quoted.
+    # --raw prints the ids of the blobs, which are the keys of the cache, instead of texts. -z: no path is quoted.
     *("--raw", "--diff-merges=first-parent", "--no-renames", "--no-abbrev", "--relative", "-z", "--no-color"),
     *("--encoding=UTF-8", "--no-show-signature", f"--format={'%x00'.join(_FIELDS)}", "--", "*.proto"),
 )
 _BATCH = (
     256  # ids per request: 256 * 41 bytes fit into the pipe (64 KiB on Linux), so git and this process never both wait
 )
-_LARGEST = 4_194_304  # bytes; the largest .proto files that people write have a few hundred thousand
 
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """The change of one file between the first parent of a commit and the commit itself."""
+    """The change of one file by a commit, compared with the commit's first parent."""
 
     path: str
     old: str | None
@@ -71,9 +71,9 @@ class PastRepository(Repository):
     """A folder in a git repository, with access to all commits."""
 
     def revisions(self) -> list[Revision]:
-        """Return the commits of all refs except stashes.
+        """Return the commits of all refs (branches, tags and others) except stashes.
 
-        Parents come before children; otherwise the order follows the time.
+        Parents come before children; otherwise the commits are sorted by time.
         """
         words = self._run(*_LOG).split("\0")
         found, at = [], 0
@@ -104,7 +104,7 @@ class PastRepository(Repository):
         return refs if head in branches else [Ref("HEAD", head, ""), *refs]
 
     def boundary(self) -> frozenset[str]:
-        """Return the commits at which a shallow clone ends; none for a full clone."""
+        """Return the ids of the commits in a shallow clone whose parents are missing; empty for a full clone."""
         if self._run("rev-parse", "--is-shallow-repository").strip() != "true":
             return frozenset()
         # The file lists the commits whose parents the clone lacks. In a linked worktree it is in the main repository's
@@ -113,16 +113,18 @@ class PastRepository(Repository):
         return frozenset(file.read_text(encoding="ascii").split())
 
     def blobs(self, ids: Sequence[str]) -> Iterator[tuple[str, bytes | None]]:
-        """Yield id and content of blobs, in the given order.
+        """Yield id and content of blobs (file contents in git), in the order of ``ids``.
 
-        The content is None if the blob is missing or too large.
+        The content is None if the blob is missing or larger than `LARGEST`.
         """
         if not ids:
             return
-        command = ["git", "-C", str(self.folder), "cat-file", "--batch"]
         try:
             git = subprocess.Popen(  # noqa: S603  # no shell
-                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment()
+                command(self.folder, "cat-file", "--batch"),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                env=environment(),
             )
         except OSError as error:
             raise GitError(f"git cannot be run: {error.strerror}") from error
@@ -148,8 +150,15 @@ def _answers(git: subprocess.Popen[bytes], ids: Sequence[str]) -> Iterator[tuple
         if len(head) < 3:  # "missing"
             yield id, None
             continue
-        data = git.stdout.read(int(head[2]) + 1)[:-1]
-        yield id, data if len(data) <= _LARGEST and head[1] == b"blob" else None
+        size = int(head[2])
+        if size <= LARGEST:
+            data = git.stdout.read(size + 1)[:-1]
+            yield id, data if head[1] == b"blob" else None
+            continue
+        left = size + 1
+        while left and (part := git.stdout.read(min(left, LARGEST))):  # in parts: a blob can be larger than the memory
+            left -= len(part)
+        yield id, None
 
 
 def _edit(what: str, path: str) -> Edit:
@@ -158,5 +167,8 @@ def _edit(what: str, path: str) -> Edit:
 
 
 def _is_file(mode: str) -> bool:
-    """Return True if a mode of git means a regular file, and not a link, a submodule or a deleted file."""
+    """Return True if a mode of git, such as ``100644``, means a regular file.
+
+    A link, a submodule and a deleted file have other modes.
+    """
     return mode.startswith("100")

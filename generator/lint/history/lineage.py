@@ -1,10 +1,8 @@
-"""One walk over the history, parents before children.
+"""Walk over all commits, parents before children, that finds when each fact of each message begins and ends.
 
-It finds the facts of each message at each commit, and since when.
-
-A fact is the declaration of a field or an enum value, without its place. A fact may come and go several times, and
-differently on each line of history. So the walk carries along each line the lifetimes that have not ended there. Rules
-for a merge:
+A fact is the declaration of a field or an enum value, without its place in the file. A line of history is a chain of
+commits, such as a branch. A fact may begin and end several times, and at other commits on each line of history. So the
+walk keeps, for each line, the lifetimes of facts that have not ended there. Rules for a merge:
 
 - A fact begins at the merge only if no parent has it. Otherwise its lifetimes in the parents continue.
 - A fact ends at the merge only if the merge itself deletes it. If a parent without the fact had it before, a commit on
@@ -22,9 +20,12 @@ from roverlink.generator.lint.history.numbered_types import NumberedType, Number
 from roverlink.generator.protos.schema import Fact
 
 Declared = Mapping[str, NumberedType]
-"""The declarations of one message or enum at one commit, by file. Usually one file declares it."""
+"""The declarations of one message or enum at one commit, by the path of the file. Usually there is only one."""
 Lifetimes = frozenset[int]
-"""Indices of the lifetimes that a fact has at a commit. There are several if it began on several merged lines."""
+"""Indices of the lifetimes of a fact (a declared field or enum value) that have not ended at a commit.
+
+There are several if the fact began separately on branches that were merged later.
+"""
 Alive = Mapping[Fact, Lifetimes]
 
 _NOTHING: Alive = {}
@@ -32,7 +33,10 @@ _NOTHING: Alive = {}
 
 @dataclass(slots=True)
 class Lifetime:
-    """The time of a fact from the node where it begins to the nodes that delete it on different lines of history."""
+    """The time of a fact (a declared field or enum value), from the node that adds it to the nodes that delete it.
+
+    A node is the index of a commit in the `Graph`. Different branches may delete the fact in different commits.
+    """
 
     fact: Fact
     came: int
@@ -40,12 +44,15 @@ class Lifetime:
     line: int
     went: list[int] = field(default_factory=list)
     faded: list[int] = field(default_factory=list)
-    """Merges at which the fact ended because another line of history had deleted it."""
+    """Merge nodes at which the fact ended because a commit on another line of history had deleted it."""
 
 
 @dataclass(slots=True)
 class State:
-    """All messages and enums at one commit, and the lifetimes of their facts. The inner mappings are never changed."""
+    """All messages and enums at one commit, by full name, and the lifetimes of their facts (fields and values).
+
+    The inner mappings are never changed.
+    """
 
     declared: dict[str, Declared] = field(default_factory=dict)
     alive: dict[str, Alive] = field(default_factory=dict)
@@ -57,17 +64,17 @@ class State:
 
 @dataclass(slots=True)
 class Lineage:
-    """The result of the walk over the history."""
+    """Result of the walk over the history: the lifetimes of all facts, and the changes of all messages and enums."""
 
     lifetimes: dict[str, list[Lifetime]] = field(default_factory=dict)
-    """The lifetimes of all facts of each message and enum, by its full name."""
+    """The lifetimes of all facts (fields and enum values) of each message and enum, by its full name."""
     changes: dict[str, dict[int, Declared]] = field(default_factory=dict)
     """The declarations of each message and enum, at each node where they differ from those at the first parent."""
     tips: dict[int, State] = field(default_factory=dict)
 
 
 def sweep(graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collection[int]) -> Lineage:
-    """Walk over all nodes of the graph, parents first, and return the result.
+    """Walk over all commits of the graph, parents first, and find when each field and enum value began and ended.
 
     ``types_of`` returns the messages and enums of a blob. The states at the nodes ``tips`` are kept for later queries.
     """
@@ -83,9 +90,9 @@ class _Sweep:
         self._graph, self._types_of = graph, types_of
         self._states = {Graph.BEGINNING: State()}
         self._needed = [0] * len(graph)
-        """For each node, the number of nodes that still need its state.
+        """For each node, the number of children and tips that still need its state.
 
-        The last one may change the state without a copy.
+        The last child that needs a state may change it without making a copy.
         """
         for index in tips:
             self._needed[index] += 1
@@ -97,7 +104,7 @@ class _Sweep:
             self.lineage.tips[Graph.BEGINNING] = State()
 
     def visit(self, node: Node) -> None:
-        """Find the facts that begin or end at a node. The node's parents must have been visited."""
+        """Find the facts (fields and enum values) that begin or end at a commit; its parents must have been visited."""
         # The edits are against the first parent (`--diff-merges=first-parent`), so the declarations of the other
         # parents are not needed. Their lifetimes are.
         others = [self._release(parent) for parent in node.parents[1:]]
@@ -124,7 +131,10 @@ class _Sweep:
             del self._states[node.index]
 
     def _take(self, index: int) -> State:
-        """Return the state at a parent for the last time or as a copy, so that the caller may change it."""
+        """Return the state at the node ``index``, as a state that the caller may change.
+
+        This is a copy if other nodes still need the state.
+        """
         state = self._release(index)
         return state.copy() if index in self._states else state
 
@@ -136,7 +146,7 @@ class _Sweep:
         return state
 
     def _edit(self, node: Node, state: State) -> set[str]:
-        """Apply the changed files of a node to a state. Returns the messages and enums whose facts changed."""
+        """Apply the changed files of a node to a state, and return the messages and enums whose facts changed."""
         before: dict[str, Declared] = {}
         for edit in node.revision.edits:
             old = self._types_of(edit.old) if edit.old else {}
@@ -156,7 +166,11 @@ class _Sweep:
         return changed
 
     def _settle(self, node: Node, owner: str, befores: list[Alive], declared: Declared) -> Alive:
-        """Return the lifetimes of a message's facts at a node; ``befores`` has the lifetimes at each parent."""
+        """Begin and end lifetimes of facts at a node (a commit), and return the lifetimes that each fact has there.
+
+        ``owner`` is the full name of the message or enum. ``befores`` has the lifetimes at each parent of the node.
+        ``declared`` has the declarations at the node.
+        """
         lifetimes = self.lineage.lifetimes.setdefault(owner, [])
         after: dict[Fact, Lifetimes] = {}
         for path, declaration in declared.items():
@@ -173,10 +187,10 @@ class _Sweep:
         return after
 
     def _end(self, node: Node, fact: Fact, befores: list[Alive], lifetimes: list[Lifetime]) -> None:
-        """Note the node as the end of a fact's lifetimes.
+        """Record that lifetimes of a fact (a field or enum value) end at a node (a commit).
 
-        The node is added to ``went`` if it deletes the fact, and to ``faded`` if another line of history has deleted
-        it.
+        The node is added to ``went`` if it deletes the fact. It is added to ``faded`` if it is a merge, and a commit on
+        another line of history has deleted the fact.
         """
         lacking = [parent for parent, before in zip(node.parents, befores) if fact not in before]
         for lifetime in lifetimes:

@@ -1,4 +1,7 @@
-"""Lookups in the history: the declarations and contents of one message or enum at one node of the graph."""
+"""Lookups in the history: return the declarations and contents of one message or enum at one node of the graph.
+
+A node is a commit that changes .proto files.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ from roverlink.generator.protos.schema import Fact
 
 
 class Record:
-    """The history of all messages and enums, for lookups by name and node."""
+    """The history of all messages and enums, for lookups by name and node. A node is the index of a commit."""
 
     def __init__(self, graph: Graph, lineage: Lineage) -> None:
         self.graph, self.lineage = graph, lineage
@@ -31,10 +34,11 @@ class Record:
     # --- names ------------------------------------------------------------------------------------------------------
 
     def owners(self, name: str) -> list[str]:
-        """Return the full names that a message or enum had. There are several if its package changed.
+        """Return the full names that a message or enum had; there are several if its package changed.
 
-        ``name`` is a full name, or a name without package. If several messages of that name existed at the same time,
-        the one without a package is meant. If all have a package, all are meant.
+        ``name`` is a full name, or a name without package. Another message that existed at the same time as the message
+        ``name`` is a different message, and is left out. If no message has exactly the name, this returns all messages
+        with the name in any package.
         """
         found = self.of_simple_name(name)
         if name not in found:
@@ -42,15 +46,15 @@ class Record:
         return [name, *(other for other in found if other != name and not self._beside(name, other))]
 
     def _beside(self, one: str, other: str) -> bool:
-        """Return True if two messages were declared at the same time at a node."""
+        """Return True if some node declares both messages, so that they cannot be one message that was moved."""
         nodes = {*self.lineage.changes[one], *self.lineage.changes[other]}
         return any(self.declared(one, node) and self.declared(other, node) for node in nodes)
 
     def resolve(self, type: str, owner: str, node: int) -> str | None:
         """Return the full name of a field's type at a node; None if the type is not declared there.
 
-        If protobuf's rules find no type, the parser may not have been able to read the package statement. Then any type
-        with the same last part of the name is taken.
+        ``owner`` is the full name of the message with the field. If protobuf's rules for names find no type, our parser
+        may have failed to read the package statement. Then this returns any type with the same last part of the name.
         """
         if not type or type in SCALARS or type.startswith("map<"):
             return None
@@ -67,18 +71,18 @@ class Record:
         return next((other for other in self.of_simple_name(type) if self.declared(other, node)), None)
 
     def of_simple_name(self, name: str) -> Sequence[str]:
-        """Return the full names of messages and enums with the same last part as a name, as in a.Foo and b.Foo."""
+        """Return the full names of all messages and enums with the same last part: a.Foo and b.Foo for ``Foo``."""
         return self._by_simple_name.get(name.rpartition(".")[2], ())
 
     # --- states -----------------------------------------------------------------------------------------------------
 
     def declared(self, owner: str, node: int) -> Declared:
-        """Return the declarations of a message or enum at a node, by file; empty if it is not declared there."""
+        """Return the declarations of the message or enum ``owner`` at a node, by file; empty if no file declares it."""
         changes = self.lineage.changes.get(owner)
         return changes.get(self._last_change(owner, node), {}) if changes else {}
 
     def _last_change(self, owner: str, node: int) -> int:
-        """Return the latest node, up to a given one, that changed the declarations of a message or enum."""
+        """Return the latest node (commit) up to ``node`` that changed the declarations of a message or enum."""
         if owner not in self._last_changes:
             changes, last = self.lineage.changes[owner], [Graph.BEGINNING]
             # One pass over the graph answers this for all nodes: a node without a change has the state of its first
@@ -108,8 +112,9 @@ class Record:
     def content_of_type(self, type: str, owner: str, node: int) -> Content | None:
         """Return the fields or values of a field's type at a node; None if they are unknown.
 
-        If the type is not declared there, a commit before or after may have renamed it. Then this returns the last
-        content before the node, or else the first one after the node.
+        ``owner`` is the full name of the message with the field. If the type is not declared at the node, an earlier or
+        later commit may have renamed it. Then this returns the last content before the node, or else the first content
+        after the node.
         """
         if name := self.resolve(type, owner, node):
             return self.content(name, node)
@@ -126,22 +131,25 @@ class Record:
         return replace(content, there=False) if content else None
 
     def has(self, owner: str, fact: Fact, node: int) -> bool:
-        """Return True if the message has the fact at a node."""
+        """Return True if the message or enum ``owner`` declares the fact (a field or value) at a node."""
         return any(fact in declaration.facts for declaration in self.declared(owner, node).values())
 
     def before(self, owner: str, fact: Fact, node: int) -> int:
-        """Return a parent of a node that deletes a fact: the first parent that still has the fact."""
+        """Return the first parent of a node that still has a fact (a field or enum value), which the node deletes."""
         parents = self.graph[node].parents
         return next((parent for parent in parents if self.has(owner, fact, parent)), parents[0])
 
     # --- facts ------------------------------------------------------------------------------------------------------
 
     def lifetimes(self, owner: str) -> Iterator[tuple[int, Lifetime]]:
-        """Yield the lifetimes of all facts of a message, with their indices."""
+        """Yield the lifetimes of all facts (fields or values) of the message or enum ``owner``, with their indices."""
         return enumerate(self.lineage.lifetimes.get(owner, []))
 
     def confidence(self, owners: Iterable[str]) -> dict[Fact, Confidence]:
-        """Return how reliable each fact of some messages is. It depends on the files from which the fact was read."""
+        """Return how reliable each fact (a field or value) of the messages or enums ``owners`` is.
+
+        A fact is less reliable if it was read from files with syntax errors.
+        """
         sound, broken = set[Fact](), set[Fact]()
         for owner in owners:
             for declared in self.lineage.changes.get(owner, {}).values():

@@ -1,4 +1,7 @@
-"""The messages and enums in one state of a .proto file, as facts: which number has which meaning."""
+"""The messages and enums in one state of a .proto file, as facts.
+
+A fact is the declaration of a field or an enum value: it gives a meaning to a number.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ class NumberedType:
     """A message or an enum in one state of a file."""
 
     facts: dict[Fact, int]
-    """The facts of the message or enum, each with the first line that declares it."""
+    """The facts of the message or enum, each with the first line of the file that declares the fact."""
     line: int
     broken: bool
     """True if the parser could not read some lines of the file."""
@@ -26,7 +29,7 @@ NumberedTypes = dict[str, NumberedType]
 
 
 def numbered_types(file: File) -> NumberedTypes:
-    """Return the messages and enums of a parsed file. If a type is declared twice, its facts are combined."""
+    """Return the messages and enums of a parsed file. If one is declared twice, its fields or values are combined."""
     found: NumberedTypes = {}
     types: list[ProtoMessage | ProtoEnum] = [*file.messages, *file.enums]
     for type in sorted(types, key=lambda one: one.span.line):
@@ -38,7 +41,11 @@ def numbered_types(file: File) -> NumberedTypes:
 
 
 def _facts(type: ProtoMessage | ProtoEnum) -> Iterator[tuple[Fact, int]]:
-    """Yield each fact of a message or enum, with its line. Facts in comments are marked as `claimed`."""
+    """Yield each field of a message, or each value of an enum, as a fact, with its line.
+
+    Fields and values in comments are yielded too. Their facts have the attribute ``claimed``, because they only claim
+    that the number was used.
+    """
     for part in type.fields if isinstance(type, ProtoMessage) else type.values:
         yield part.fact, part.span.line
     for part in type.claims:

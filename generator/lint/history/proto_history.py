@@ -1,4 +1,4 @@
-"""The history of all .proto files in a repository, and queries about it."""
+"""The history of all .proto files in a repository, and queries about the numbers in it."""
 
 from __future__ import annotations
 
@@ -25,19 +25,20 @@ _SOME = 64  # states between two reports of progress
 def read_history(repository: Path, report: Callable[[int, int], None] | None = None) -> History:
     """Read the history of all .proto files below a folder, from all refs and both sides of each merge.
 
-    ``report`` is called with the number of file states that were read, and their total. Raises `GitError` if git fails.
+    ``report`` shows progress: it is called with the number of file states read so far, and their total number. Raises
+    `GitError` if git fails.
     """
     git = PastRepository(repository)
     refs, boundary, revisions = git.refs(), git.boundary(), git.revisions()
-    types, unread = _types(git, revisions, report or _nobody)
+    types, unread = _types(git, revisions, report or _ignore_progress)
     return History(revisions, refs, bool(boundary), types, unread)
 
 
 class History:
     """The meanings that each number of each message and enum had in the history of a repository.
 
-    Messages and enums are found by name, with or without package. If one moved to another package, both names have the
-    same history. Files do not matter: they may be renamed and moved.
+    Messages and enums are found by name, with or without package. If a message or enum moved to another package, its
+    old and new names have the same history. The names of the .proto files do not matter.
     """
 
     def __init__(
@@ -55,9 +56,9 @@ class History:
         self._record = Record(graph, lineage)
         self._traced = cache(self._find_traced)
         self.reuses = cache(self._find_reuses)
-        """Function that returns the changes of meaning in a message or enum, by its name.
+        """Function that takes the name of a message or enum, and returns the reuses of its numbers.
 
-        Each result is a pair of usages of one number. Mere renames are included.
+        A reuse is a pair of usages (meanings) of one number. Mere renames are included.
         """
         self.commits = len(revisions)
         """The number of commits in the history."""
@@ -83,11 +84,11 @@ class History:
         return tuple(self._record.owners(name))
 
     def numbers(self, name: str) -> dict[int, tuple[Usage, ...]]:
-        """Return every number that a message or enum ever had, with its usages, the earliest first."""
+        """Return every number that a message or enum ever had, with its usages (meanings), the earliest first."""
         return _by_number(traced.usage for traced in self._traced(name, False))
 
     def claims(self, name: str) -> dict[int, tuple[Usage, ...]]:
-        """Return every number of a message or enum that a commented-out declaration ever had, with its usages."""
+        """Return every number that a commented-out declaration of a message or enum ever had, with its meanings."""
         return _by_number(traced.usage for traced in self._traced(name, True))
 
     def collisions(self, name: str) -> tuple[Collision, ...]:
@@ -129,8 +130,8 @@ def _types(
         if data is None or b"\0" in data:
             unread.add(blob)
         else:
-            # Comments of old files are often in another encoding. A declaration is ASCII, so replaced characters do no
-            # harm.
+            # Comments of old files often have another encoding than UTF-8. Declarations are ASCII, so replaced
+            # characters change only comments.
             types[blob] = numbered_types(parse(data.decode("utf-8", errors="replace")))
         if done % _SOME == 0:
             report(done, len(blobs))
@@ -145,6 +146,6 @@ def _paths(revisions: Iterable[Revision], blobs: frozenset[str]) -> set[str]:
     return {edit.path for revision in revisions for edit in revision.edits if edit.new in blobs}
 
 
-def _nobody(done: int, total: int) -> None:
-    """Do nothing. This is called instead of ``report`` if the caller of `read_history` does not want the progress."""
+def _ignore_progress(done: int, total: int) -> None:
+    """Do nothing. This takes the place of ``report`` if the caller of `read_history` does not want the progress."""
     del done, total

@@ -1,4 +1,4 @@
-"""Reuses: numbers of a message or enum that had different meanings in the history."""
+"""Reuses: numbers of a message or enum that had different meanings (usages) in the history."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from roverlink.generator.protos.schema import Fact
 #   type, so content is all that counts for a receiver.
 # - One message at different times: it kept its name, but most of its fields were replaced under the same numbers.
 #
-# Every judgement is about the nodes at which one usage ended and the other one began, because a message has other
-# fields at other times.
+# Each comparison uses the contents at the nodes where one usage ended and the other one began, because the fields of a
+# message change with time.
 
 _MOST = 16  # each usage of a number is compared with this many usages before it
 
 
 class Reuses:
-    """Finder of the reuses of one message or enum: compares the usages of each number with each other."""
+    """Finder of the reuses of one message or enum: compares the usages (meanings) of each number with each other."""
 
     def __init__(self, record: Record, owners: Sequence[str], traced: Sequence[TracedUsage]) -> None:
         self._record, self._traced = record, traced
@@ -48,7 +48,7 @@ class Reuses:
         self._values = ValueNames(self._owner, [one.usage.name for one in traced])
 
     def all(self) -> Iterator[Reuse]:
-        """Yield all reuses of the message or enum, sorted by number."""
+        """Yield all reuses (changes of meaning) of the numbers of the message or enum, sorted by number."""
         for _, group in groupby(self._traced, key=lambda one: one.usage.number):
             uses = list(group)
             if len(uses) > 1:
@@ -59,7 +59,10 @@ class Reuses:
     # --- usages that differ -----------------------------------------------------------------------------------------
 
     def _between(self, uses: Sequence[TracedUsage]) -> list[Reuse]:
-        """Return the reuses between the usages of one number. A chain of mere renames counts as one meaning."""
+        """Return the reuses (changes of meaning) between the usages of one number.
+
+        A chain of mere renames counts as one meaning.
+        """
         meaning = list(range(len(uses)))
         found: list[tuple[int, int, Reuse]] = []
         for one, other in combinations(range(len(uses)), 2):
@@ -77,7 +80,10 @@ class Reuses:
         return [reuse for one, other, reuse in found if not reuse.real or meaning[one] != meaning[other]]
 
     def _compare(self, earlier: TracedUsage, later: TracedUsage) -> Reuse | None:
-        """Return the reuse that two usages of a number make; None if both have the same meaning."""
+        """Compare two usages of a number, and return the reuse; None if both have the same meaning.
+
+        A field that only got a new name gives a reuse of the kind `Kind.RENAMED`.
+        """
         old, new = earlier.usage.fact, later.usage.fact
         before, after = self._relations.nodes(earlier, later)
         # Both are enum values. Two names with one number in one state are an alias (`allow_alias`), which is no reuse.
@@ -96,7 +102,8 @@ class Reuses:
     def _scalar_or_not(self, old: Fact, new: Fact, contents: tuple[Content | None, Content | None]) -> Kind | None:
         """Return the kind of a change between a scalar type and a message or enum; None if the meaning stayed.
 
-        On the wire, an enum is an integer.
+        ``contents`` are the contents of the old and the new type. An enum is encoded as an integer, so a change between
+        an enum and an integer is compatible.
         """
         content = contents[0] or contents[1]
         enum = content is not None and content.enum
@@ -113,7 +120,8 @@ class Reuses:
     ) -> Kind | None:
         """Return the kind of a change from one message or enum type to another; None if the meaning stayed.
 
-        The types are compared by their contents.
+        The types are compared by their contents. ``before`` is the last node that has the earlier usage, and ``after``
+        is the first node that has the later usage.
         """
         old, new = earlier.usage.fact, later.usage.fact
         one, other = contents
@@ -156,7 +164,7 @@ class Reuses:
     # --- one usage, other contents ----------------------------------------------------------------------------------
 
     def _within(self, use: TracedUsage) -> Iterator[Reuse]:
-        """Yield a reuse for each time at which the content of a field's type was replaced, although its name stayed."""
+        """Yield a reuse for each node at which a field's message type kept its name, but most of its fields changed."""
         versions: list[tuple[int, Content]] = []
         for node in self._relations.nodes_of_content(use):
             new = self._content(use, node)
@@ -214,7 +222,10 @@ def _by_name(old: Fact, new: Fact) -> Kind | None:
 
 
 def _confidence(use: TracedUsage, content: Content | None) -> Confidence:
-    """Return how reliable a usage is; ``content`` is the content of its type."""
+    """Return how reliable a usage (a meaning of a number) is.
+
+    ``content`` are the fields or values of the usage's type; None if the type is no message or enum, or is unknown.
+    """
     type = use.usage.type
     sound = content is not None and content.there and not content.broken
     known = sound or not type or type in SCALARS or type.startswith("map<")

@@ -1,4 +1,4 @@
-"""Comparisons of meaning: decide if two fields, enum values or message contents mean the same."""
+"""Comparisons that decide if two fields, two enum values or two contents of a message have the same meaning."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def alike(old: str, new: str) -> bool:
 
 
 def _types_agree(old: Fact, new: Fact) -> bool:
-    """Return True if two fields may have the same type, as far as the names of the types show."""
+    """Return True if two fields may have compatible types, as far as the names of fields and types show."""
     scalars = [fact.type in SCALARS for fact in (old, new)]
     if all(scalars):
         return not broken_by_kind(old.type, new.type)
@@ -44,7 +44,8 @@ def _types_agree(old: Fact, new: Fact) -> bool:
 def differ(one: tuple[str, str], other: tuple[str, str]) -> bool:
     """Return True if two usages of a number, each given as type and name, are different payloads.
 
-    Scalars and enum values have no message type, so they are different if their names are different.
+    Usages with different types are different; a package in front of one type is ignored. Scalars of one type, and enum
+    values, are different if their names are different.
     """
     types = [f".{type.lstrip('.')}" for type, _ in (one, other)]
     if not (types[0].endswith(types[1]) or types[1].endswith(types[0])):  # one of the two may include the package
@@ -53,7 +54,7 @@ def differ(one: tuple[str, str], other: tuple[str, str]) -> bool:
 
 
 def simple(type: str) -> str:
-    """Return a type's name without its package and the messages around it."""
+    """Return a type's name without its package and the messages around it: ``rover.Imu`` -> ``Imu``."""
     return type.rpartition(".")[2]
 
 
@@ -70,23 +71,23 @@ def _survives(old: Fact, new: Fact) -> bool:
 
 
 def nearly_the_same(old: Content, new: Content, left: int) -> bool:
-    """Return True if at least two thirds of the smaller content's fields are left.
+    """Return True if at least two thirds of the fields of the smaller content are left.
 
-    ``left`` is the result of `survivors`.
+    ``left`` is the number of old fields that the new content still has; see `survivors`.
     """
     # The smaller content counts: a message that only got more fields, as protobuf allows, is still the same one.
     return left * 3 >= 2 * min(len(old.facts), len(new.facts))
 
 
 def is_telling(old: Content, new: Content) -> bool:
-    """Return True if both contents have enough fields that they cannot be equal by chance."""
+    """Return True if both contents have so many fields (at least two) that they are hardly equal by chance."""
     return min(len(old.facts), len(new.facts)) >= _TELLING
 
 
 def replaced(old: Content, new: Content, left: int) -> bool:
     """Return True if fewer than a third of the old fields are left, and new fields took some of the old numbers.
 
-    ``left`` is the result of `survivors`.
+    ``left`` is the number of old fields that the new content still has; see `survivors`.
     """
     numbers = {fact.number for fact in new.facts}
     gone = [fact for fact in old.facts if fact.number not in numbers]
@@ -95,7 +96,10 @@ def replaced(old: Content, new: Content, left: int) -> bool:
 
 
 class ValueNames:
-    """The names of an enum's values, without the words that most of the names share."""
+    """Comparison of the names of an enum's values, without the words that most of the names share.
+
+    In an enum ``GpsFix``, the words ``gps`` and ``fix`` of ``GPS_FIX_NONE`` do not count.
+    """
 
     def __init__(self, owner: str, names: Collection[str]) -> None:
         # Protobuf's style guide asks for the enum's name as prefix of every value (`GPS_FIX_NONE`). Such a word would

@@ -1,4 +1,4 @@
-"""The result types of the history: usages of numbers, contents of messages, and changes of meaning."""
+"""The result types of the history: usages (meanings) of numbers, contents of messages, and changes of meaning."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.generator.protos.schema import Fact
 
 
 class Confidence(IntEnum):
-    """How reliable a fact is. A higher value means that it is less reliable."""
+    """Reliability of a fact (a field or enum value in the history): a higher value means a less reliable fact."""
 
     CERTAIN = 0
     """All files from which the fact was read could be read completely."""
@@ -22,7 +22,7 @@ class Confidence(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """The time from the commit that added a fact to the commits that deleted it."""
+    """The time from the commit that added a fact (a field or enum value) to the commits that deleted the fact."""
 
     came: Commit
     went: tuple[Commit, ...]
@@ -34,7 +34,10 @@ class Interval:
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """One meaning of a number in the whole history. A fact that was deleted and put back is one usage."""
+    """One meaning of a number in the whole history.
+
+    A declaration that was deleted and put back is one usage.
+    """
 
     number: int
     type: str
@@ -67,7 +70,7 @@ class Usage:
 
     @property
     def fact(self) -> Fact:
-        """The declaration that gives the number this meaning."""
+        """Declaration of the field or enum value that has the number, such as ``ImuInfo imu_info = 3``."""
         return Fact(self.number, self.name, self.type, self.label, self.oneof)
 
 
@@ -83,7 +86,7 @@ class Content:
     path: str
     line: int
     broken: bool
-    """True if some lines of the file cannot be read, so that facts may be missing."""
+    """True if the parser could not read some lines of the file, so that facts may be missing."""
     enum: bool
     there: bool = True
     """True if the type is declared at the requested commit.
@@ -93,7 +96,7 @@ class Content:
 
 
 class Kind(Enum):
-    """The kind of a change of meaning between two usages of a number."""
+    """The kind of a change of meaning between two usages (meanings) of a number."""
 
     REUSED = "another message with other content"
     REPLACED = "a message of the same name with other content"
@@ -103,7 +106,7 @@ class Kind(Enum):
 
 
 class Relation(Enum):
-    """The relation of two usages of a number in time, by the graph of commits."""
+    """The relation in time of two usages (meanings) of a number, according to the graph of commits."""
 
     SUCCESSION = "the later one was added after the earlier one was deleted, on one line of history"
     BRANCHES = "they were added on different branches"
@@ -112,7 +115,7 @@ class Relation(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Reuse:
-    """Two usages of one number with different meanings, in one message or enum."""
+    """A change of meaning: two different usages of one number in one message or enum."""
 
     owner: str
     """Full name of the message or enum."""

@@ -1,4 +1,7 @@
-"""Relations in time between the usages of one number, by the graph of commits."""
+"""Relations in time between the usages (meanings) of one number: one after the other, or on different branches.
+
+The graph of commits shows the order. The times of commits are only compared for usages on separate branches.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ from roverlink.generator.protos.schema import Fact
 
 
 class Relations:
-    """Queries about the usages of the numbers of one message or enum."""
+    """Queries about the relations in time between usages of the numbers of one message or enum."""
 
     def __init__(self, record: Record, owners: Sequence[str]) -> None:
         self._record, self._graph = record, record.graph
@@ -26,7 +29,7 @@ class Relations:
 
     def _note_together(self, declared: Declared) -> None:
         facts = {fact for declaration in declared.values() for fact in declaration.facts if not fact.claimed}
-        # Almost every state gives each number once. This test spares the pairs of all other states.
+        # In almost every state, each number has one fact. Then there are no pairs, and the rest is not needed.
         if len({fact.number for fact in facts}) == len(facts):
             return
         uses: dict[int, list[Fact]] = {}
@@ -35,23 +38,23 @@ class Relations:
         self._together.update(frozenset(pair) for same in uses.values() for pair in combinations(same, 2))
 
     def together(self, one: Fact, other: Fact) -> bool:
-        """Return True if both facts were declared together at some commit."""
+        """Return True if some commit declares both facts (fields or enum values)."""
         return frozenset((one, other)) in self._together
 
     def relation(self, earlier: TracedUsage, later: TracedUsage) -> Relation:
-        """Return if two usages existed together, one after the other, or on different branches."""
+        """Return the relation of two usages in time: in one commit, one after the other, or on different branches."""
         if self.together(earlier.usage.fact, later.usage.fact):
             return Relation.TOGETHER
         return Relation.SUCCESSION if earlier is later or self._handovers(earlier, later) else Relation.BRANCHES
 
     def hands_over(self, earlier: TracedUsage, later: TracedUsage) -> bool:
-        """Return True if one commit deleted the earlier usage and added the later one."""
+        """Return True if one commit deleted the earlier usage (meaning) of a number and added the later usage."""
         return any(went == stretch.lifetime.came for _, went, stretch in self._handovers(earlier, later))
 
     def nodes(self, earlier: TracedUsage, later: TracedUsage) -> tuple[int, int]:
-        """Return the last node that has the earlier usage, and the first node that has the later one.
+        """Return the last node (commit) that has the earlier usage, and the first node that has the later usage.
 
-        If possible, both nodes are on the same line of history.
+        If possible, the second node is a descendant of the first node.
         """
         handovers = self._handovers(earlier, later)
         if handovers:
@@ -79,7 +82,7 @@ class Relations:
         return sorted(nodes)
 
     def overlap(self, one: TracedUsage, other: TracedUsage) -> bool:
-        """Return True if both usages existed at the same time, on any branch."""
+        """Return True if both usages (meanings) of a number existed at the same time, even on different branches."""
         return any(
             max(came, other_came) < min(went, other_went)
             for came, went in self._times(one)
@@ -87,25 +90,26 @@ class Relations:
         )
 
     def _find_times(self, use: TracedUsage) -> list[tuple[float, float]]:
-        """Return the start and the end of each lifetime of a usage, in seconds since 1970.
+        """Return the start and the end of each time during which a usage existed, in seconds since 1970.
 
-        The end is infinite if the fact still exists.
+        The end is infinite if a branch still has the usage.
         """
         return [self._time(stretch) for stretch in use.stretches]
 
     def _time(self, stretch: Stretch) -> tuple[float, float]:
         lifetime = stretch.lifetime
-        # Separate branches have no order in the graph, so only the clocks of the committers can tell if both were in
-        # use at once.
+        # Separate branches have no order in the graph, so only the times of the commits can show if both usages existed
+        # at once.
         ends = [self._graph[node].revision.time for node in (*lifetime.went, *lifetime.faded)]
         lasts = stretch.live_at or not ends
         return self._graph[lifetime.came].revision.time, float("inf") if lasts else max(ends)
 
     def _handovers(self, earlier: TracedUsage, later: TracedUsage) -> list[tuple[Stretch, int, Stretch]]:
-        """Return each pair of lifetimes of which the second begins at or after the end of the first.
+        """Return each case in which the later usage begins after the earlier usage has ended.
 
-        The first is a lifetime of the earlier usage, the second of the later one. Between the two stands the node at
-        which the first ends.
+        A usage can have several lifetimes, because a field can be removed and added again. Each item has a lifetime
+        (`Stretch`) of the earlier usage, the node of git's history (a commit) that ends this lifetime, and a lifetime
+        of the later usage that begins at this commit or at a descendant of it.
         """
         return [
             (stretch, went, successor)

@@ -1,4 +1,4 @@
-"""Usages of numbers, put together from the lifetimes of equal facts."""
+"""Usages (meanings) of numbers: each usage combines the lifetimes of equal facts in the history."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from roverlink.generator.protos.schema import Fact
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A lifetime of a fact in one message, and the branches on which it has not ended."""
+    """A time during which the message or enum ``owner`` had a fact, and the branches that still have the fact.
+
+    A fact is the declaration of a field or an enum value.
+    """
 
     owner: str
     lifetime: Lifetime
@@ -27,16 +30,17 @@ class Stretch:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TracedUsage:
-    """A usage with the lifetimes from which it is put together."""
+    """One meaning of a number (a usage), with all times during which its declaration existed."""
 
     usage: Usage
     stretches: tuple[Stretch, ...]
 
 
 def usages(record: Record, owners: Sequence[str], branches: Mapping[str, int], claimed: bool) -> list[TracedUsage]:
-    """Return the usages of all numbers of a message or enum, sorted by number and age.
+    """Return the usages (meanings) of all numbers of a message or enum, sorted by number and age.
 
-    ``owners`` are the full names that it had. With ``claimed``, the usages in commented-out declarations are returned.
+    ``owners`` are the full names that the message or enum had. If ``claimed`` is True, only the usages in commented-out
+    declarations are returned, and otherwise only those in real declarations.
     """
     confidence = record.confidence(owners)
     stretches: dict[Fact, list[Stretch]] = {}
@@ -54,7 +58,7 @@ def usages(record: Record, owners: Sequence[str], branches: Mapping[str, int], c
 
 
 def _live_at(record: Record, owner: str, branches: Mapping[str, int]) -> dict[int, list[str]]:
-    """Return the branches on which each lifetime has not ended, by the index of the lifetime."""
+    """Return the branches on which each lifetime of the message ``owner`` has not ended, by the lifetime's index."""
     found: dict[int, list[str]] = {}
     for ref, node in branches.items():
         for lifetimes in record.lineage.tips[node].alive.get(owner, {}).values():

@@ -1,1 +1,1 @@
-"""Names of fields, messages and enum values: their words and units."""
+"""Names of fields, messages and enum values: split into words, and searched for units."""

@@ -1,4 +1,7 @@
-"""Units, scales and references in names: `speed_mm_per_s`, `angle_deg_x100`, `delta_position_mm`."""
+"""Units, scales and references (relative or absolute) in names of fields.
+
+Examples are `speed_mm_per_s`, `angle_deg_x100` and `delta_position_mm`. A change of the unit shows in the name only.
+"""
 
 from __future__ import annotations
 
@@ -52,30 +55,30 @@ _SCALE = re.compile(r"x(?P<factor>[1-9]\d*)")
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """The quantity that a name describes, with unit, scale and reference."""
+    """The quantity that a name describes, with unit, scale and reference (relative or absolute)."""
 
     words: tuple[str, ...]
-    """The words of the name without units: they say what is measured."""
+    """The words that say what is measured, without unit, scale and reference: ``("speed",)`` for ``speed_mm_per_s``."""
     units: tuple[str, ...]
-    """The unit, followed by the units by which it is divided."""
+    """The unit, followed by the units that divide it: ``("mm", "s")`` for ``speed_mm_per_s``. Empty without a unit."""
     scale: int
     """The factor by which the sender multiplies the value: 100 for ``angle_deg_x100``."""
     relative: bool
     """True if the value is a difference, as in `delta_position`."""
     rate: bool
-    """True if the name contains the word `per`."""
+    """True if the unit in the name contains the word `per`, as in ``mm_per_s``."""
 
     @property
     def shown(self) -> str:
-        """The unit, scale and reference as text, for messages."""
+        """The unit, scale and reference as text for diagnostics: ``relative mm per s times 100``."""
         parts = ["relative"] * self.relative + [" per ".join(self.units)] * bool(self.units)
         return " ".join(parts + [f"times {self.scale}"] * (self.scale != 1)) or "the plain value"
 
 
 def measure(words: Sequence[str]) -> Measure:
-    """Find the unit, scale and reference in the words of a name.
+    """Find the unit, scale and reference in the words of a name, as `words` in the module ``name_words`` returns them.
 
-    Units stand at the end, after at least one other word.
+    A unit or scale counts only at the end of the name, after at least one other word.
     """
     # At least one word has to remain as the measured quantity: a field may be called `delta` or `rpm`.
     subject = [word for word in words if word not in _RELATIVE | _ABSOLUTE] or list(words)
@@ -90,7 +93,10 @@ def measure(words: Sequence[str]) -> Measure:
 
 
 def disagree(old: Measure, new: Measure) -> bool:
-    """Return True if unit, scale or reference differ. A unit does not count if only one of the names has a unit."""
+    """Return True if two names have different units, scales or references.
+
+    If only one of the names has a unit, the units do not count as different, unless this unit contains `per`.
+    """
     # A unit that was added to a name documents the meaning that the number already had. With `per`, the value is
     # another quantity (a rate) in any case.
     units = old.units != new.units and bool((old.units and new.units) or old.rate != new.rate)
@@ -98,9 +104,10 @@ def disagree(old: Measure, new: Measure) -> bool:
 
 
 def factor(old: Measure, new: Measure) -> float | None:
-    """Return the factor between the value that an old sender means and the value that a new receiver understands.
+    """Return how many times too large a new receiver reads the value of an old sender.
 
-    Returns None if the factor is unknown.
+    This is 1000 if the unit was mm and is now m. Returns None if the factor is unknown, or if no factor can convert the
+    values.
     """
     sizes = [_size(one) for one in (old, new)]
     if old.relative != new.relative or sizes[0] is None or sizes[1] is None or sizes[0][0] != sizes[1][0]:
@@ -109,7 +116,10 @@ def factor(old: Measure, new: Measure) -> float | None:
 
 
 def _size(of: Measure) -> tuple[tuple[str, ...], float] | None:
-    """Return the dimensions of a unit, and its size in SI units; None if one of its parts has no known size."""
+    """Return the dimensions of a unit and its size in SI units, such as ``("length", "time"), 0.001`` for mm per s.
+
+    Returns None if a part of the unit has no known size.
+    """
     size, dimensions = 1.0, []
     for position, unit in enumerate(of.units):
         dimension, factor = _UNITS[unit]

@@ -1,4 +1,4 @@
-"""The words of a name, and a comparison that tells if two names may have the same meaning."""
+"""Words of a name, and a comparison of words that decides if two names may have the same meaning."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SHORTEST_STEM = 3
 
 
 def words(name: str) -> list[str]:
-    """Split a name in snake_case or CamelCase into words in lower case."""
+    """Split a name in snake_case or CamelCase into words in lower case: ``GPSInfo`` -> ``["gps", "info"]``."""
     return [word.lower() for part in name.split("_") for word in _words_of_part(part)]
 
 
@@ -28,17 +28,21 @@ def _words_of_part(part: str) -> list[str]:
 
 
 def share_a_word(old: Iterable[str], new: Iterable[str]) -> bool:
-    """Return True if two names share a meaningful word; units, numbers and words like `the` do not count.
+    """Return True if the old and the new names of a field share a meaningful word.
 
-    `temp` and `temperature` count as the same word, and so do `label` and `labels`. A unit in one name may be the
-    quantity of the other, as in `item_counts` and `counts`.
+    A field may have several names, such as its name and its JSON name. Units, numbers and words like `the` do not
+    count. `temp` and `temperature` count as the same word, and so do `label` and `labels`. A unit in one name may be
+    the quantity of the other name, as in `item_counts` and `counts`.
     """
     (old_subjects, old_words), (new_subjects, new_words) = _subjects(old), _subjects(new)
     return _any_same(old_subjects, new_words) or _any_same(new_subjects, old_words)
 
 
 def _subjects(names: Iterable[str]) -> tuple[set[str], set[str]]:
-    """Return the meaningful words of some names, and all words of these names."""
+    """Return the meaningful words of some names, and all words of these names.
+
+    If no word is meaningful, the first set has all words without units.
+    """
     split = [words(name) for name in names]
     found = {word for name in split for word in measure(name).words}
     telling = {word for word in found if not word.isdigit() and word not in _EMPTY}

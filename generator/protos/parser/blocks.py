@@ -31,10 +31,7 @@ class Block:
 
     @property
     def span(self) -> Span:
-        """The place of the block's first token.
-
-        The place has no file name, which only the caller of the parser knows.
-        """
+        """The place of the block's first token. Its file name is empty, because the parser does not know it."""
         return Span("", self.opening.line, self.opening.column)
 
     def take(self, statement: Statement) -> Block | None:
@@ -56,9 +53,8 @@ class Block:
     def unknown(self, statement: Statement) -> Block | None:
         """Report a block of an unknown kind.
 
-        Returns a block that skips its content; None if its brace is a surplus one.
-
-        In a file with unclosed braces, a brace in the middle of a line counts as surplus.
+        Returns a block that skips its content; None if the opening brace seems to be there by mistake. This is so for a
+        brace in the middle of a line, in a file with unclosed braces.
         """
         self.source.unreadable(statement, "a block of an unknown kind")
         tokens = self.source.tokens
@@ -66,14 +62,17 @@ class Block:
         return SkippedBlock(self.source, statement) if ends_line or not tokens.unclosed else None
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
-        """Find commented-out declarations in comments of the block. The parser calls this before each statement."""
+        """Find commented-out declarations in comments of the block. This base class ignores the comments.
+
+        The parser calls this before each statement, with the comments of that statement.
+        """
 
 
 class SkippedBlock(Block):
     """A block whose content is skipped: a service, or a block of an unknown kind."""
 
     def take(self, statement: Statement) -> Block | None:
-        """Skip a statement. If it opens a block, count the block, because its closing brace must not end this one."""
+        """Skip a statement. If it opens an inner block, count it, so that its closing brace does not end this block."""
         self.depth += statement.ending == "{"
         return None
 
@@ -148,5 +147,5 @@ def read_ranges(
 
 
 def with_end(ranges: list[Range], largest: int) -> tuple[tuple[int, int], ...]:
-    """Return the ranges with ``max`` as their end replaced by the largest number."""
+    """Return the ranges with the end ``max`` replaced by the number ``largest``."""
     return tuple((start, largest if end is MAX else end) for start, end in ranges)

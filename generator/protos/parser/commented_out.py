@@ -1,4 +1,4 @@
-"""Declarations of fields and enum values that are commented out. They are called claims.
+"""Finder of commented-out fields and enum values, such as ``// float speed = 4;``. They are called claims.
 
 Teams often comment a field out instead of reserving its number. The number is then still in use on robots that run old
 firmware, so the rules of the lint look at claims.
@@ -31,7 +31,10 @@ _NO_TYPES = frozenset(
 
 
 def claimed_fields(text: str, comments: Iterable[Comment], oneof: str) -> Iterator[ProtoField]:
-    """Yield the fields that stand in comments of a message, or of the oneof ``oneof``."""
+    """Yield the commented-out fields in comments of a message, or of its oneof ``oneof``.
+
+    ``text`` is the text of the whole file.
+    """
     for match, number, within, span in _claims(text, comments, _FIELD, oneof):
         type = " ".join(match["type"].split())
         if type not in _NO_TYPES:
@@ -39,7 +42,7 @@ def claimed_fields(text: str, comments: Iterable[Comment], oneof: str) -> Iterat
 
 
 def claimed_values(text: str, comments: Iterable[Comment]) -> Iterator[ProtoEnumValue]:
-    """Yield the values that stand in comments of an enum."""
+    """Yield the commented-out values in comments of an enum; ``text`` is the text of the whole file."""
     for match, number, _, span in _claims(text, comments, _VALUE, ""):
         yield ProtoEnumValue(span=span, number=number, name=match["name"])
 
@@ -55,9 +58,9 @@ def _claims(text: str, comments: Iterable[Comment], claim: re.Pattern[str], oneo
 
 
 class _Reader:
-    """Reader of comments.
+    """Reader of comments that finds commented-out declarations.
 
-    It reads adjacent comments together, because a commented-out message may span many of them.
+    It reads adjacent comments together, because a commented-out message may span many comments.
     """
 
     def __init__(self, claim: re.Pattern[str], oneof: str) -> None:

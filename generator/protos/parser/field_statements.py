@@ -10,7 +10,10 @@ from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
 
 
 def group_name(statement: Statement) -> str:
-    """Return the name of the message that a group declares; empty if the statement is not a group."""
+    """Return the name of the message that a proto2 group declares: ``Result`` for ``optional group Result = 1 {``.
+
+    Returns an empty text if the statement is not a group.
+    """
     texts = [token.text for token in statement.tokens[:3] if token.text not in LABELS]
     is_group = statement.ending == "{" and texts[:1] == ["group"] and texts[1:] and texts[1].isidentifier()
     return texts[1] if is_group else ""
@@ -61,7 +64,10 @@ def read_value(source: Source, statement: Statement) -> ProtoEnumValue | None:
 
 
 def _numbered(words: Words, signed: bool) -> tuple[int | None, bool]:
-    """Read the part behind a name: ``= 4 [options]``. Returns the number, and True if nothing else follows."""
+    """Read the part of a statement after the name: ``= 4 [options]``.
+
+    Returns the number, which is None if it is missing, and True if the part is complete and nothing else follows.
+    """
     assigned = bool(words.take("="))
     number = words.number(signed)
     words.skip_brackets()

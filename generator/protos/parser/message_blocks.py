@@ -55,7 +55,7 @@ class Scope(Block):
         return None
 
     def read_field(self, statement: Statement, fields: list[ProtoField], oneof: str = "") -> Block | None:
-        """Read a field into ``fields``. If the field is a group, return the block of its message."""
+        """Read a field and add it to ``fields``. If the field is a group, return the block of its message."""
         if field := read_field(self.source, statement, oneof):
             fields.append(field)
         if name := group_name(statement):
@@ -65,7 +65,7 @@ class Scope(Block):
         return SkippedBlock(self.source, statement) if statement.ending == "{" else None
 
     def collect(self, scope: str, found: Declarations, message: str = "") -> None:
-        """Add the declarations of the block, at any depth, to ``found``.
+        """Add all messages, enums and extensions in the block, at any depth, to ``found``.
 
         ``scope`` is the package or message whose name precedes the names of the declarations. ``message`` is the full
         name of this message; empty for the file.

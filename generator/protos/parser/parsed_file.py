@@ -18,7 +18,7 @@ LARGEST_ENUM_NUMBER = 2**31 - 1
 
 @dataclass(frozen=True, slots=True, order=True)
 class Problem:
-    """A place with wrong syntax. The statement was skipped, or read as far as possible."""
+    """A place with wrong syntax. The parser skips the statement there, or reads it as far as possible."""
 
     line: int
     column: int
@@ -31,7 +31,7 @@ class Import:
 
     path: str
     kind: str
-    """``public``, ``weak`` or ``option`` if the word stands behind ``import``; otherwise empty."""
+    """The word after ``import``: ``public``, ``weak`` or ``option``; empty if there is none."""
     line: int
     column: int
 

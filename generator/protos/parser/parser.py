@@ -25,7 +25,7 @@ from roverlink.generator.protos.parser.tokens import Kind, Token
 # - A declaration without its opening brace opens a block if the next line is indented deeper.
 #
 # Old states in git matter as much as the file of today, so a wrong guess must stay small: it may misplace one block,
-# but never lose the numbers behind it.
+# but never lose the numbers after it.
 
 _DEEPEST = 32  # protoc's own limit of nested messages
 
@@ -136,9 +136,10 @@ class _Parser:
         self._open.append(opened)
 
     def _without_stray_start(self, statement: Statement) -> Statement:
-        """Cut off the rest of a broken statement that stands before a block on the same line.
+        """Separate a broken statement from the block that begins after it: ``float x message Imu {``.
 
-        Returns the block's statement.
+        The innermost open block reads the broken part. Returns the rest, ``message Imu {``, or the whole statement if
+        nothing is broken.
         """
         tokens, size = statement.tokens, len(statement.tokens)
         if statement.ending != "{" or size < 3 or tokens[-2].text not in BLOCKS or tokens[0].text in VISIBILITIES:
@@ -147,9 +148,9 @@ class _Parser:
         return replace(statement, start=statement.end - 2, tokens=tokens[-2:])
 
     def _with_missing_brace(self, statement: Statement) -> Statement:
-        """Return the statement as one that opens a block, if its opening brace seems to be missing.
+        """Return the statement, changed to one that opens a block if its opening brace seems to be missing.
 
-        This is so if the statement starts a block and the next line is indented more.
+        A brace seems to be missing after ``message Imu`` at the start of a line, if the next line is indented more.
         """
         tokens, next = statement.tokens, self._tokens[statement.end]
         if statement.ending or len(tokens) < 2 or tokens[0].text not in BLOCKS or tokens[1].kind is not Kind.NAME:
@@ -179,19 +180,20 @@ class _Parser:
         self._index += 1
 
     def _fitting(self, token: Token) -> int | None:
-        """Find the innermost open block with the same indentation as a closing brace that starts its line.
+        """Return the index of the innermost open block that is indented like a closing brace.
 
-        Returns the block's index, or None if there is no such block.
+        Returns None if there is no such block, or if the brace is not the first token of its line.
         """
         blocks = range(len(self._open) - 1, -1, -1) if token.first else ()
         return next((index for index in blocks if self._open[index].indentation == token.column), None)
 
     def _is_surplus(self, token: Token) -> bool:
-        """Return True if a closing brace probably closes no block.
+        """Return True if a closing brace probably closes no block, so that it must be ignored.
 
-        This needs too many closing braces in the rest of the file, and an unusual place of this one.
+        This is so if there are too many closing braces from here on, and if this one stands at an unusual place: after
+        other text in its line, or indented deeper than the block.
         """
-        # Behind the last brace without a partner, every closing brace closes something.
+        # After the last brace without a partner, every closing brace closes something.
         if self._index > self._tokens.last_unopened:
             return False
         if not token.first:
@@ -200,7 +202,7 @@ class _Parser:
         return not block.depth and token.column > block.indentation > 0
 
     def _abandon(self, size: int) -> None:
-        """Close the innermost blocks, whose closing brace is missing, until ``size`` are open. Each one is reported."""
+        """Close the innermost blocks until ``size`` blocks are open, and report each: its closing brace is missing."""
         while len(self._open) > size:
             self._source.problem(self._innermost.opening, "a block that is not closed")
             self._open.pop()

@@ -1,4 +1,4 @@
-"""Reader for the parts of a statement: names, numbers, strings, ranges, options. A missing part is no error here."""
+"""Reader for the parts of a statement: names, numbers, strings, ranges, options. A missing part raises no error."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _ESCAPED = {"a": "\a", "b": "\b", "f": "\f", "n": "\n", "r": "\r", "t": "\t", "v
 _OPENING, _CLOSING = "[{(<", "]})>"
 
 MAX = None
-"""The end of a range that is written ``max``. The number behind it depends on the kind of block."""
+"""The end of a range that is written as ``max``. Its number depends on the kind of block: a message or an enum."""
 Range = tuple[int, int | None]
 
 
 def number_of(text: str) -> int | None:
-    """Return a decimal, hexadecimal or octal number; None if the text is not a number."""
+    """Convert the text of an integer (decimal, hexadecimal or octal) to a number; None if it is not an integer."""
     if len(text) > _LONGEST_NUMBER or not _DIGITS.fullmatch(text):
         return None
     if text[1:2] in ("x", "X"):
@@ -34,7 +34,7 @@ def number_of(text: str) -> int | None:
 
 
 def string_of(literal: str) -> str:
-    """Return the value of a string literal, even if its closing quote is missing."""
+    """Return the value of a string literal without quotes and escapes, even if its closing quote is missing."""
     quote = literal[:1]
     inner = literal[1:-1] if len(literal) > 1 and literal.endswith(quote) else literal[1:]
     return _ESCAPE.sub(_unescape, inner) if "\\" in inner else inner
@@ -63,9 +63,9 @@ class Words:
         """False if a bracket of the statement is not closed."""
 
     def next(self, ahead: int = 0) -> Token:
-        """Return the next token without taking it. With ``ahead``, so many tokens are skipped.
+        """Return the next token without taking it, or the token that is ``ahead`` tokens further.
 
-        Behind the last token, this is a token without text.
+        After the last token, this is a token without text.
         """
         try:
             return self._tokens[self._at + ahead]
@@ -78,13 +78,13 @@ class Words:
         return self._at >= len(self._tokens)
 
     def skip(self) -> Token:
-        """Take the next token, whatever it is."""
+        """Take and return the next token, whatever it is."""
         token = self.next()
         self._at += 1
         return token
 
     def take(self, *texts: str) -> str:
-        """Take the next token if its text is one of these. Returns the text, or an empty text."""
+        """Take the next token if its text is one of ``texts``. Returns the text; empty if no token was taken."""
         token = self.next()
         if token.text not in texts or token.kind is Kind.STRING:
             return ""
@@ -92,7 +92,7 @@ class Words:
         return token.text
 
     def name(self) -> str:
-        """Take a name without dots. Returns an empty text if there is none."""
+        """Take and return a name without dots. Returns an empty text if there is none."""
         token = self.next()
         if token.kind is not Kind.NAME:
             return ""
@@ -100,14 +100,17 @@ class Words:
         return token.text
 
     def type_name(self) -> str:
-        """Take a type's name, which may have several parts with dots between them, and a leading dot."""
+        """Take and return a type's name, which may contain dots and start with one: ``.rover.Imu``.
+
+        Returns an empty text if there is none.
+        """
         name = self.take(".") + (last := self.name())
         while last and self.next().is_symbol(".") and self.next(1).kind is Kind.NAME:
             name += self.skip().text + (last := self.name())
         return name
 
     def number(self, signed: bool = False) -> int | None:
-        """Take an integer; only with ``signed`` may it be negative. Returns None if it is malformed or missing."""
+        """Take and return an integer; None if it is malformed, missing, or negative without ``signed``."""
         minus = self.take("-")
         number = number_of(self.skip().text) if self.next().kind is Kind.NUMBER else None
         if number is None or (minus and not signed):
@@ -115,14 +118,14 @@ class Words:
         return -number if minus else number
 
     def string(self) -> str | None:
-        """Take a string; None if there is none. Adjacent literals form one string, as in C."""
+        """Take a string and return its value; None if there is none. Adjacent literals form one string, as in C."""
         parts = []
         while self.next().kind is Kind.STRING:
             parts.append(string_of(self.skip().text))
         return "".join(parts) if parts else None
 
     def map_types(self) -> tuple[str, str]:
-        """Take ``map<K, V>``. Returns the key's and the value's type; both are empty if the type is not a map."""
+        """Take the type ``map<K, V>``. Returns the texts ``K`` and ``V``; both are empty if the type is not a map."""
         if self.next().text != "map" or not self.next(1).is_symbol("<"):
             return "", ""
         self._at += 2
@@ -131,7 +134,10 @@ class Words:
         return key, value
 
     def ranges(self, signed: bool) -> tuple[list[Range], list[str]]:
-        """Take a list of numbers, ranges, names and strings, separated by commas. Returns the ranges, and the names."""
+        """Take the list of a ``reserved`` or ``extensions`` statement: ``4, 8 to max`` or ``"old_name"``.
+
+        Returns the ranges and the names; a single number is a range whose ends are equal.
+        """
         ranges: list[Range] = []
         names: list[str] = []
         while not self.done:
@@ -156,7 +162,7 @@ class Words:
         return start if end is None else end
 
     def skip_brackets(self) -> None:
-        """Take the options in brackets, if the statement has any."""
+        """Take the options in brackets, if the statement has any: ``[deprecated = true]``."""
         if not self.take("["):
             return
         while not self.done and not self.next().is_symbol("]"):
@@ -166,9 +172,9 @@ class Words:
         self.closed = bool(self.take("]"))
 
     def option(self, end: str = "") -> tuple[str, str]:
-        """Take an option. Returns its name and its value, without spaces.
+        """Take an option such as ``deprecated = true``. Returns the texts of its name and value, without spaces.
 
-        The option ends before one of the characters ``end`` outside of brackets.
+        The option ends before one of the characters in ``end``, unless that stands inside brackets.
         """
         name = "".join(token.text for token in self._up_to("=" + end))
         value = self._up_to(end) if self.take("=") else []

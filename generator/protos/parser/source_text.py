@@ -25,13 +25,13 @@ class Source:
         return tuple(sorted(set(self._problems)))
 
     def problem(self, token: Token, what: str) -> None:
-        """Add a problem to the list; ``what`` is its text, and the token is its place."""
+        """Add a problem to the list; ``what`` describes the problem, and the token tells its place."""
         self._problems.append(Problem(token.line, token.column, what))
 
     def unreadable(self, statement: Statement, why: str) -> None:
-        """Add a problem about a statement that cannot be read, or only in part.
+        """Add a problem about a statement that cannot be read, or can only be read in part.
 
-        Its text quotes the statement's beginning.
+        The text of the problem is ``why``, followed by the beginning of the statement.
         """
         first = self.tokens[statement.start]
         last = statement.tokens[-1] if statement.tokens else first
@@ -40,9 +40,6 @@ class Source:
         self.problem(first, f"{why}: {quote}")
 
     def span(self, statement: Statement) -> Span:
-        """Return the place of a statement's first token.
-
-        The place has no file name, which only the parser's caller knows.
-        """
+        """Return the place of a statement's first token. Its file name is empty: the parser does not know it."""
         first = statement.tokens[0]
         return Span("", first.line, first.column)

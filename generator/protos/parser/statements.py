@@ -22,7 +22,7 @@ _OUTERMOST = frozenset(["message", "enum", "service", "extend", "import", "synta
 
 
 class Tokens:
-    """The tokens of a file, with the information which braces have no partner."""
+    """The tokens of a file. They know which opening and closing braces have no partner."""
 
     def __init__(self, tokens: Sequence[Token]) -> None:
         # The end of the file is repeated, so that no lookahead has to test for it.
@@ -42,7 +42,7 @@ class Tokens:
         """Indices of the opening braces that have no closing brace."""
 
     def __getitem__(self, index: int) -> Token:
-        """Return the token at an index. Up to four indices behind the last token are allowed."""
+        """Return the token at an index. Up to four indices after the last token are allowed."""
         return self._tokens[index]
 
     def between(self, start: int, end: int) -> Sequence[Token]:
@@ -81,7 +81,7 @@ def _names(token: Token) -> bool:
 
 
 def _needs(word: Token, second: Token, third: Token) -> bool:
-    """Return True if the two tokens behind a keyword fit it: for example ``=`` and a string behind ``syntax``."""
+    """Return True if two tokens may follow the keyword ``word``: for example ``=`` and a string after ``syntax``."""
     text = word.text
     if text in ("syntax", "edition"):
         # Indented, `syntax = 1` may be an enum value or a field.
@@ -103,7 +103,7 @@ class Statement:
 
     start: int
     end: int
-    """Index of the token behind the statement. This is the ``;`` or ``{`` if the statement has one."""
+    """Index of the first token after the statement. This is the ``;`` or ``{`` if the statement has one."""
     tokens: Sequence[Token]
     ending: str
     """The ``;`` or ``{`` that ends the statement; empty if it is missing."""
@@ -112,7 +112,7 @@ class Statement:
 
 
 class StatementReader:
-    """Reader that finds the end of one statement."""
+    """Reader of one statement: it starts at a token and finds the end of the statement."""
 
     def __init__(self, tokens: Tokens, start: int) -> None:
         self._tokens, self._start, self._index = tokens, start, start
@@ -122,7 +122,7 @@ class StatementReader:
         self._assigned = False
 
     def read(self) -> Statement:
-        """Return the statement at the index. It has at least one token, or consists only of its ending."""
+        """Return the statement. It has at least one token, or consists only of its ending, ``;`` or ``{``."""
         ending, all_tokens = None, self._tokens
         comments: list[Comment] = []
         previous = None
@@ -147,7 +147,7 @@ class StatementReader:
     def _symbol(self, text: str) -> str | None:
         """Return the ending that a symbol means: ``;``, ``{``, or an empty text if the ending is missing.
 
-        Returns None if the statement continues behind the symbol.
+        Returns None if the statement continues after the symbol.
         """
         if text == "=":
             self._assigned = True
@@ -169,14 +169,17 @@ class StatementReader:
         return None
 
     def _is_broken_off(self, token: Token, previous: Token) -> bool:
-        """Return True if a token at the start of a line cannot belong to the statement. Then the ending is missing."""
+        """Return True if a token at the start of a line cannot belong to the statement before it.
+
+        Then the ``;`` or ``{`` of that statement is missing.
+        """
         if self._braces:  # an option's value may have fields called like keywords; distrust them if a brace is missing
             return bool(self._tokens.unclosed) and self._tokens.declares(self._index)
         if token.kind is Kind.NAME and token.text != "to" and self._is_complete(previous):
             return True
         if self._tokens.declares(self._index):
             return previous.text not in VISIBILITIES
-        return token.kind is Kind.NAME and not self._brackets and self._is_hidden_behind(previous)
+        return token.kind is Kind.NAME and not self._brackets and self._begins_declaration(previous)
 
     def _is_complete(self, previous: Token) -> bool:
         """Return True if the statement is complete after a token.
@@ -191,8 +194,11 @@ class StatementReader:
             return not (self._is_option or self._brackets)
         return previous.kind in (Kind.NUMBER, Kind.STRING) or previous.text in ("]", "}")
 
-    def _is_hidden_behind(self, previous: Token) -> bool:
-        """Return True if a field or an enum value begins here that cannot be part of the broken statement before it."""
+    def _begins_declaration(self, previous: Token) -> bool:
+        """Return True if a field or an enum value begins at the current token, on the line after a broken statement.
+
+        ``previous`` is the last token of the broken statement; its end is missing.
+        """
         if self._tokens.assigns(self._index):
             return previous.kind is Kind.SYMBOL and previous.text not in (".", ">", ",")
         is_labelled = previous.text in LABELS and self._index - self._start == 1

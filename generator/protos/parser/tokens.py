@@ -34,7 +34,7 @@ class Comment:
     end: int
     line: int
     column: int
-    """Column at which the text of the comment begins, behind ``//`` or ``/*``."""
+    """Column at which the text of the comment begins, after ``//`` or ``/*``."""
 
 
 class Token(NamedTuple):
@@ -54,7 +54,7 @@ class Token(NamedTuple):
 
     @property
     def end(self) -> int:
-        """The offset in the text behind the token's last character."""
+        """The offset in the text after the token's last character."""
         return self.start + len(self.text)
 
     def is_symbol(self, text: str) -> bool:
@@ -63,7 +63,7 @@ class Token(NamedTuple):
 
 
 class Place:
-    """Line and column of an offset in the text. The offset may only grow, so that the text is read only once."""
+    """Converter of an offset in the text to line and column. The offset may only grow, so the text is read once."""
 
     def __init__(self, text: str, offset: int = 0, line: int = 1, column: int = 1) -> None:
         self._text, self._offset = text, offset

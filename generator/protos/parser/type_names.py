@@ -10,10 +10,10 @@ SCALARS = frozenset(_SCALARS.split())
 
 
 def resolve_type(type_name: str, scope: str, declared_names: Set[str]) -> str | None:
-    """Return the full name of the message or enum that a name means in a scope; None if no such type is declared.
+    """Return the full name of the message or enum that a field's type name means; None if it is not declared.
 
-    ``scope`` is the full name of the message that contains the field. The innermost scope that declares the name's
-    first part decides: if it does not contain the rest, the outer scopes are not searched.
+    ``scope`` is the full name of the message that contains the field. The search goes from this scope outwards, and the
+    first scope that declares the first part of the name decides: if it lacks the rest, the result is None.
 
     >>> resolve_type("B", "pkg.A", {"pkg.A", "pkg.A.B", "pkg.B"})
     'pkg.A.B'

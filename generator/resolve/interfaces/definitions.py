@@ -17,14 +17,15 @@ _CONSTANT = re.compile(r"(?P<type>\w+) (?P<name>\w+)=(?P<value>.*)", re.ASCII)
 
 
 class DistributionsDisagreeError(Exception):
-    """Raised for a message that has other fields in another distribution; the text names the fields."""
+    """Raised for a standard message that differs between Humble and Jazzy; the text names the difference."""
 
 
 @cache
 def _blocks() -> dict[str, tuple[str, tuple[str, ...]]]:
-    """Return the marks and the lines of the definition of each message, by the message's full name.
+    """Return the marks and the lines of each message in ``definitions.txt``, by the message's full name.
 
-    The mark ``@jazzy`` means that only Jazzy has the message.
+    The marks name the distributions that have the message: ``@jazzy`` means that only Jazzy has it. They are empty if
+    all distributions have it. A line is a field or a constant, such as ``int32 sec``.
     """
     blocks: dict[str, tuple[str, tuple[str, ...]]] = {}
     # A message starts in the first column, and its lines are indented.
@@ -48,10 +49,11 @@ def names() -> list[str]:
 
 @cache
 def interface(name: str, distribution: str) -> Interface | None:
-    """Return the definition of a message by its full name; None if there is none.
+    """Return the definition of a standard message by its full name; None if no distribution has the message.
 
-    With an empty `distribution`, the definition is the one on which all distributions agree. Raises
-    `DistributionsDisagreeError` if their fields differ. A constant that only one of them has is left out.
+    Raises `DistributionsDisagreeError` if ``distribution`` does not have the message. An empty ``distribution`` stands
+    for all of them: the error is then raised if one of them does not have the message, or if their fields differ.
+    Constants that only one of them has are left out.
     """
     if name not in _blocks():
         return None

@@ -15,7 +15,7 @@ from roverlink.generator.resolve.interfaces.definitions import DISTRIBUTIONS, FI
 _HEADER = """\
 # The messages of ROS 2's common interfaces, from the definitions in the rosbags package.
 # Made by: python -m roverlink.generator.resolve.interfaces.extract
-# A line that ends with @ and a distribution is of that one only.
+# A line that ends with @ and the name of a distribution is for this distribution only.
 """
 # rosidl adds this field to messages without fields, because C does not allow empty structs.
 _PLACEHOLDER = "structure_needs_at_least_one_member"

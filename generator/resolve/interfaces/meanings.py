@@ -2,7 +2,7 @@
 
 The sources are the comments in the .msg files of common_interfaces, which are the same in Humble and Jazzy. If these do
 not give a unit, it comes from REP 103 (SI units, radians) or REP 145 (IMU drivers). The path of a field that contains a
-message stands for all fields inside.
+message stands for all fields inside the message.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ _SENSORS = {
     "sensor_msgs/msg/Temperature": {"temperature": "degC", "variance": "K^2"},
 }
 UNITS: dict[str, dict[str, str]] = {**_GEOMETRY, **_SENSORS}
-"""Unit of each field, as ``{message: {path of a field: unit}}``."""
+"""Unit of each field with a known unit, as ``{full name of the message: {path of the field: unit}}``."""
 
 ZERO_MEANS: dict[str, dict[str, str]] = {
     "sensor_msgs/msg/FluidPressure": {"variance": "unknown"},
@@ -99,7 +99,7 @@ ZERO_MEANS: dict[str, dict[str, str]] = {
     "sensor_msgs/msg/Temperature": {"variance": "unknown"},
     "sensor_msgs/msg/TimeReference": {"source": "not named if empty"},
 }
-"""Special meaning of zero (or empty) in a field, by message and path.
+"""Special meaning of zero (or of an empty list or text) in a field, by the full name of the message and the path.
 
 Every other field must be filled or listed under `unset`, because subscribers would read zero as a measurement.
 """

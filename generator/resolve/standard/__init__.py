@@ -1,4 +1,7 @@
-"""Conversion between payloads and standard messages: checks the table's entries, and resolves them to the IR."""
+"""Conversion between payloads and standard messages, such as sensor_msgs/Imu.
+
+The package checks the table's entries for these messages and resolves them to the IR, the compiler's own model.
+"""
 
 from roverlink.generator.resolve.standard.mappings import StandardTopics
 

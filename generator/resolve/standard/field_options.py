@@ -1,6 +1,6 @@
-"""Options of an entry under `fields`, apart from the source of the value: units, scale, offset and others.
+"""Options of an entry under `fields`, such as the unit and the scale in ``{from: x, unit: cm, scale: 2}``.
 
-Options of a message also apply to the fields inside.
+An option for a field that contains a message also applies to the fields inside this message.
 """
 
 from __future__ import annotations
@@ -18,23 +18,28 @@ from roverlink.generator.resolve.standard.message_fields import Place
 from roverlink.generator.table import Form
 
 SHARED = ("unit", "to", "scale", "fixed_point", "offset", "narrow", "default")
-"""Options that can be set for a message, and then apply to all fields inside."""
+"""Options that can be set for a field that contains a message, and then apply to all fields inside the message."""
 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Options that apply to a field: its own options, and those of the messages around it."""
+    """Options that apply to a field of a standard message: its own options, and those of the messages around it."""
 
     forms: Mapping[str, Form]
+    """Value of each option, with its place in the table, by the option's name."""
     negated: bool = False
+    """True if the value changes its sign, because of a - before the path or before an axis."""
 
     def within(self, form: Form) -> Options:
-        """Return the options for the parts of a message: these options, overridden by those that stand in ``form``."""
+        """Return these options, together with or replaced by the options that the entry ``form`` sets."""
         own = {key: entry for key, entry in (form.entries or {}).items() if key in SHARED}
         return dataclasses.replace(self, forms={**self.forms, **own})
 
     def signed(self, negated: bool) -> Options:
-        """Return the options with the sign of the value changed once more, if ``negated`` is true."""
+        """Return these options; if ``negated`` is true, the value changes its sign once more.
+
+        Two changes of the sign cancel each other.
+        """
         return dataclasses.replace(self, negated=self.negated != negated)
 
     def text(self, key: str) -> str:
@@ -42,7 +47,7 @@ class Options:
         return str(self.forms[key].value) if key in self.forms else ""
 
     def number(self, key: str, otherwise: int) -> Fraction:
-        """Return the value of an option as a number; ``otherwise`` if it is missing or no number."""
+        """Return the value of an option as a number; ``otherwise`` if the option is missing or is not a number."""
         value = self.forms[key].value if key in self.forms else otherwise
         return Fraction(value) if isinstance(value, (int, Fraction)) else Fraction(otherwise)
 
@@ -56,27 +61,30 @@ class Options:
         return "narrow" in self.forms and self.forms["narrow"].value is True
 
     def stated(self, *keys: str) -> str:
-        """Return the name of the first of these options that is set; empty if none is set."""
+        """Return the first name in ``keys`` whose option is set; empty if none of them is set."""
         return next((key for key in keys if key in self.forms), "")
 
 
 class Scalings:
-    """Maker of the linear conversion of a number from its options. It checks that the units fit each other."""
+    """Builder of the linear conversion (factor and offset) from a payload field to a field of a standard message.
+
+    It follows the field's options, and checks that the units of the two fields have the same dimension.
+    """
 
     def __init__(self, report: Callable[[Diagnostic], None]) -> None:
         self._report = report
 
     def of(self, source: Source, place: Place, options: Options, span: Span) -> Scaling | None:
-        """Return the linear conversion of a payload's field to a ROS field.
+        """Return the linear conversion from the payload field ``source`` to the field ``place`` of a standard message.
 
-        Units that do not fit each other are reported, and the result is None.
+        A wrong number or unit in the options is reported, and the result is None.
         """
         for key in ("scale", "fixed_point", "offset"):
             if key in options.forms and not _is_usable(options.forms[key].value, key):
-                message = (
-                    f"`{key}` of {source.dotted!r} is {options.forms[key].value}; use a finite number other than 0"
-                )
-                self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message))
+                value = options.forms[key].value
+                message = f"`{key}` of {source.dotted!r} is {value}; it must be a finite number other than 0"
+                help = f"correct or remove `{key}`"
+                self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message, help))
                 return None
         scale = options.number("scale", 1)
         if "fixed_point" in options.forms:
@@ -161,5 +169,5 @@ def _is_usable(value: object, key: str) -> bool:
 
 
 def _told(text: str, unit: units.Unit) -> str:
-    """Return a unit as text for a message, with its base units in brackets if they are written differently."""
+    """Return a unit as text for a diagnostic, followed by its SI base units if they differ: ``N (m kg s^-2)``."""
     return text if text == unit.in_si else f"{text} ({unit.in_si})"

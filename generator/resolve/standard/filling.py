@@ -1,7 +1,8 @@
 """Filling of a standard message: the table's entries under `fields` become expressions for the message's fields.
 
-The named axes follow REP 103. ROS uses x east, y north, z up (ENU) on a map, and x forward, y left, z up (FLU) on a
-body. Many boards report north-east-down (NED) or forward-right-down (FRD).
+An expression describes how a field gets its value. The named axes, such as ``ned_to_enu``, follow REP 103. ROS uses x
+east, y north, z up (ENU) on a map, and x forward, y left, z up (FLU) on a body. Many boards report north-east-down
+(NED) or forward-right-down (FRD).
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ _SECOND = units.parse("s")
 
 
 class Filling:
-    """Collector of the expressions for the fields of one standard message."""
+    """Collector of the expressions for the fields of one standard message. An expression gives a field its value."""
 
     def __init__(self, places: Places, sources: Sources, report: Callable[[Diagnostic], None]) -> None:
         self.places, self.sources, self._report = places, sources, report
@@ -91,7 +92,9 @@ class Filling:
     def _add_parts(self, place: Place, form: Form, entries: Mapping[str, Form], options: Options) -> None:
         for key in ("from", "value", "enum"):
             if key in entries:
-                message = f"{place.shown} is a message, but `{key}` sets a single value; name a field of the message"
+                message = (
+                    f"{place.shown} is a message, but `{key}` sets a single value; write `{key}` for a field inside it"
+                )
                 self._wrong(entries[key].span, message, place.path)
         parts = {name: entry for name, entry in entries.items() if name not in OPTIONS}
         if "axes" not in entries:
@@ -102,7 +105,7 @@ class Filling:
         if axes and set(parts) != {"x", "y", "z"}:
             self._wrong(
                 form.span,
-                f"`axes` needs x, y and z, but {place.dotted!r} has {', '.join(parts) or 'none'}",
+                f"`axes` needs entries for x, y and z, but {place.dotted!r} has {', '.join(parts) or 'none'}",
                 place.path,
             )
         elif axes:
@@ -111,7 +114,10 @@ class Filling:
                 self.add((*place.path, name), entry, signed)
 
     def _axes(self, place: Place, form: Form) -> tuple[str, ...]:
-        """Return the source axes for x, y and z, such as ``-z``. Wrong axes are reported, and the result is empty."""
+        """Return the source axis for each of x, y and z: ``("y", "x", "-z")`` for ``ned_to_enu``.
+
+        Wrong axes are reported, and the result is empty.
+        """
         if isinstance(form.value, str):
             return _NAMED_AXES[form.value]
         axes = tuple(str(item.value) for item in form.items or ())
@@ -159,21 +165,25 @@ class Filling:
         entries = form.entries or {}
         if set(entries) != {"from", "unit"}:
             message = f"{place.shown} is a {place.type}: write {{from: a proto field, unit: ms}}"
-            self._report(standard_rules.WRONG_FORM.at(form.span, message, "a time can also be `receive`"))
+            self._report(
+                standard_rules.WRONG_FORM.at(
+                    form.span, message, "or write `receive` for the time at which the datagram arrived"
+                )
+            )
             return None
         source = self.sources.find(str(entries["from"].value), entries["from"].span)
         seconds = self._seconds(place, entries["unit"])
         if source is None or seconds is None:
             return None
         if source.type in ("string", "bool", "bytes") or source.enum or source.repeated or source.optional:
-            message = f"{place.shown} needs a single number that is always set, but {source.dotted!r} is not one"
+            message = f"{place.shown} needs a single number that is never absent; {source.dotted!r} is not such a field"
             self._report(standard_rules.WRONG_FORM.at(entries["from"].span, message))
             return None
         # In nanoseconds: builtin_interfaces/Time has whole seconds and whole nanoseconds.
         return Moment(source, seconds * 10**9)
 
     def _seconds(self, place: Place, form: Form) -> Fraction | None:
-        """Return the number of seconds in the unit of time that an entry names.
+        """Return the number of seconds in the unit of time that an entry names: 1/1000 for ``ms``.
 
         If the unit is no unit of time, this is reported, and the result is None.
         """

@@ -1,4 +1,4 @@
-"""Inverse of a conversion to a standard message: computes the payload's fields from the message, if possible."""
+"""Inverse of the conversion of a payload to a standard message: from the standard message back to the payload."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ from roverlink.generator.ir.interfaces import (
 
 @dataclass(frozen=True, slots=True)
 class Inverse:
-    """Result of inverting the conversion of a payload to a standard message."""
+    """Conversion from a standard message back to the payload, or the reason why this conversion is not possible."""
 
     recovered: tuple[Recovered, ...]
     obstacle: str
     """Reason why the payload cannot be computed from the message; empty if it can."""
     told: tuple[str, ...]
-    """Paths of the payload's fields that can be computed from the message, with dots."""
+    """Paths of the payload's fields that can be computed from the message, with dots: ``accel.x``."""
 
 
 def invert(fields: Iterable[TargetField]) -> Inverse:
@@ -59,7 +59,7 @@ def invert(fields: Iterable[TargetField]) -> Inverse:
         told |= {source.dotted: source for source in sources}
     oneofs = Counter(source.oneof for source in told.values() if source.oneof)
     if not obstacle and (shared := next((name for name, count in oneofs.items() if count > 1), "")):
-        obstacle = f"it uses several members of the oneof {shared!r}, but only one of them can be set"
+        obstacle = f"the mapping uses several members of the oneof {shared!r}, but only one of them can be set"
     if obstacle:
         return Inverse((), obstacle, ())
     return Inverse(tuple(recovered), "", tuple(told))
@@ -89,9 +89,9 @@ def _sources(value: Expression) -> list[Source]:
 
 
 def _obstacle(value: Expression, path: Path) -> str:
-    """Return the reason why the payload cannot be computed from a message field with this expression.
+    """Return the reason why the payload cannot be computed from the field ``path`` of a standard message.
 
-    The reason is empty if it can.
+    ``value`` is the expression that fills this field. The reason is empty if the payload can be computed.
     """
     dotted = ".".join(path)
     if isinstance(value, Taken) and value.rounded:
@@ -105,6 +105,7 @@ def _obstacle(value: Expression, path: Path) -> str:
         if value.default is not None and value.default.value in seen:
             shared = value.default.shown
             return (
-                f"{dotted!r} is {shared} for {seen[value.default.value]!r} and for every other {value.source.dotted!r}"
+                f"{dotted!r} is {shared} for {seen[value.default.value]!r} and for all other values of "
+                f"{value.source.dotted!r}"
             )
     return ""

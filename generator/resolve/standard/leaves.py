@@ -1,4 +1,8 @@
-"""Expressions for message fields with a single value: a payload's field, a constant, or a choice by an enum."""
+"""Expressions for fields of a standard message that are not messages themselves, such as numbers and texts.
+
+An expression describes how the field gets its value: from a field of the payload, from a constant, or from a choice by
+an enum value.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +21,9 @@ from roverlink.generator.table import Form
 
 
 class Leaves:
-    """Maker of the expressions for message fields that are not themselves messages.
+    """Builder of the expressions for fields of a standard message that are not messages themselves.
 
-    Mistakes in the row are reported with the function that the constructor gets.
+    Mistakes in the row are reported with the function ``report``, which the constructor gets.
     """
 
     def __init__(
@@ -31,29 +35,31 @@ class Leaves:
     # --- fields of the payload ---
 
     def taken(self, place: Place, text: str, options: Options, span: Span) -> Taken | Chosen | None:
-        """Return the expression for a path to a payload's field. A - before the path negates the value.
+        """Return the expression that takes the value from a field of the payload.
 
-        A mistake is reported, and the result is None.
+        ``text`` is the path of this field, such as ``accel.x``; a - before the path negates the value. A mistake is
+        reported, and the result is None.
         """
         source = self._sources.find(text.removeprefix("-"), span)
         if source is None:
             return None
         options = options.signed(text.startswith("-"))
         if source.enum:
-            values = ", ".join(self._sources.values_of(source.enum))
-            help = f"list the result of each value under `enum`: {{{values}}}"
+            values = ", ".join(f"{name}: ..." for name in self._sources.values_of(source.enum))
+            help = f"add the result for each value: `enum: {{{values}}}`"
             message = f"{source.dotted!r} is an enum, whose numbers have no meaning in {place.shown}"
             self._report(standard_rules.WRONG_FORM.at(span, message, help))
             return None
         if why := self._misfit(source, place):
-            self._report(standard_rules.WRONG_FORM.at(span, why))
+            help = f"use a proto field that fits a {place.type}, or fill another field of the message"
+            self._report(standard_rules.WRONG_FORM.at(span, why, help))
             return None
         if not _is_number(source.type):
             return self._unscaled(source, place, options, span)
         return self._number(source, place, options, span)
 
     def _misfit(self, source: Source, place: Place) -> str:
-        """Return the reason why the type of a payload's field does not fit a message field; empty if it fits."""
+        """Return the reason why the type of a payload field does not fit the field ``place``; empty if it fits."""
         type = place.type
         many = source.repeated or source.type == "bytes"
         if many != type.is_many:
@@ -69,8 +75,9 @@ class Leaves:
     def _unscaled(self, source: Source, place: Place, options: Options, span: Span) -> Taken | None:
         key = options.stated("unit", "to", "scale", "fixed_point", "offset")
         if key or options.negated:
-            message = f"{source.dotted!r} is a {source.type}, which has no {key or 'sign'}"
-            self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message))
+            sign = f"`{key}`" if key else "the minus sign"
+            message = f"{source.dotted!r} is a {source.type}, so {sign} has no meaning for it"
+            self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message, f"remove {sign}"))
             return None
         return self._with_default(Taken(source), place, options, span)
 
@@ -80,8 +87,11 @@ class Leaves:
             return None
         target = place.type.name
         if not options.narrow and (why := numeric_ranges.loss(source, scaling, target)):
-            message = f"{source.dotted!r} {why}, in {place.shown}"
-            help = "`narrow: true` allows it; a datagram whose value does not fit is then dropped"
+            message = f"{place.shown} cannot hold every value exactly: {source.dotted!r} {why}"
+            help = (
+                f"write `{{from: {source.dotted}, narrow: true}}` to allow it; values are then rounded, "
+                "and a datagram with a value outside of the range is dropped"
+            )
             self._report(standard_rules.NARROWING.at(span, message, help))
             return None
         rounded = not numeric_ranges.is_float(target) and not (source.is_integer and scaling.is_whole)
@@ -92,7 +102,7 @@ class Leaves:
         if not source.optional:
             return taken
         if "default" not in options.forms:
-            message = f"{source.dotted!r} may be absent, but no value is given for {place.shown} in this case"
+            message = f"{source.dotted!r} may be absent, but no `default` gives the value of {place.shown} in this case"
             self._report(
                 standard_rules.ABSENCE_UNSAID.at(
                     span, message, "add a default: `{from: " + source.dotted + ", default: 0}`"
@@ -105,7 +115,7 @@ class Leaves:
     # --- constants ---
 
     def constant(self, place: Place, form: Form, negated: bool = False) -> Constant | None:
-        """Return the constant that the table gives for a message field.
+        """Return the constant that the table gives for a field of a standard message.
 
         If the field cannot hold the constant, this is reported, and the result is None.
         """
@@ -129,7 +139,7 @@ class Leaves:
         return Constant(tuple(values)) if len(values) == len(items) else None
 
     def _value(self, place: Place, form: Form, negated: bool = False) -> Constant | None:
-        """Return a value of the table, converted to the type of a message field.
+        """Return a value of the table, converted to the type of a field of a standard message.
 
         The value may be the name of a constant that the message declares. A value that does not fit is reported, and
         the result is None.
@@ -146,7 +156,8 @@ class Leaves:
             if number is not None:
                 return Constant(number)
         shown = _shown(value)
-        self._report(standard_rules.WRONG_FORM.at(form.span, f"{shown} does not fit {place.shown}, a {type}"))
+        message = f"the value {shown} does not fit {place.shown}, which is a {type}"
+        self._report(standard_rules.WRONG_FORM.at(form.span, message, f"write a value of the type {type}"))
         return None
 
     def _constant_of(self, place: Place, name: str, span: Span) -> Constant | None:
@@ -161,15 +172,16 @@ class Leaves:
     # --- enums ---
 
     def chosen(self, place: Place, path: str, form: Form, options: Options) -> Chosen | None:
-        """Return the expression that gives a constant for each value of an enum in the payload.
+        """Return the expression that gives a constant for each value of an enum field of the payload.
 
-        Enum values for which the table has no constant are reported.
+        ``path`` is the path of this field, and ``form`` is the row's `enum` entry. Enum values without a constant are
+        reported. The result is None if the field is not a single enum value.
         """
         source, span = self._sources.find(path, form.span), form.span
         if source is None or place.type.is_many or not source.enum or source.repeated:
             if source is not None:
                 message = (
-                    f"`enum` converts a single enum value, but {source.dotted!r} or {place.shown} is something else"
+                    f"`enum` converts a single enum value, but {source.dotted!r} or {place.shown} has another type"
                 )
                 self._report(standard_rules.WRONG_FORM.at(span, message, "remove `enum`"))
             return None
@@ -188,7 +200,7 @@ class Leaves:
         if not form.entries:
             self._report(
                 standard_rules.ENUM_TABLE.at(
-                    span, f"`enum` of {place.shown} is empty, so {source.dotted!r} has no meaning"
+                    span, f"`enum` of {place.shown} is empty, so no value of {source.dotted!r} can be converted"
                 )
             )
         if missing and default is None:

@@ -1,4 +1,4 @@
-"""Topics with standard messages: resolves the table's entries for them to the IR."""
+"""Resolver of topics with standard messages, such as sensor_msgs/Imu: from the table's entries to the IR."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ _HEADER = "std_msgs/msg/Header"
 
 
 class StandardTopics:
-    """Maker of the standard topics of all rows. It keeps the definitions of the messages that the topics need."""
+    """Builder of the standard topics of all rows: the topics with a standard message, such as sensor_msgs/Imu.
+
+    It also collects the definitions of all messages that these topics need.
+    """
 
     def __init__(self, table: Table, schema: Schema, report: Callable[[Diagnostic], None]) -> None:
         self._distro, self._schema, self._report = table.ros.distro or "", schema, report
@@ -29,11 +32,15 @@ class StandardTopics:
 
     @property
     def interfaces(self) -> tuple[Interface, ...]:
-        """Definition of every ROS message that a standard topic contains, sorted by name."""
+        """Definitions of the topics' standard messages, and of all messages inside them, sorted by name."""
         return tuple(interface for _, interface in sorted(self._definitions.items()))
 
     def of(self, row: Row) -> tuple[StandardTopic | None, tuple[StandardTopic, ...]]:
-        """Return the standard topic of a row itself, if its message is a standard message, and its extra topics."""
+        """Return the row's own topic with its standard message, and the extra topics that the row lists under `also`.
+
+        The first result is None if the row has a generated message, or if its standard message is unknown. Extra topics
+        with an unknown message are left out.
+        """
         if row.standard is None:
             self._check_own_message(row)
         sources = Sources(self._schema, self._schema.messages[row.proto], self._report)
@@ -75,16 +82,16 @@ class StandardTopics:
         """Report keys that need a standard message, such as `frame_id`, in a row with a generated message."""
         for key in ("frame_id", "stamp", "unset"):
             if key in row.spans:
-                message = f"`{key}` is for standard messages, but the row's message is not one"
+                message = f"`{key}` is for standard messages, but {row.ros!r} is not a standard message"
                 help = "write a message with its package under `ros`, or move the key to an entry of `also`"
                 self._report(standard_rules.KEY_WITHOUT_STANDARD.at(row.at(key), message, help))
 
     # --- definitions ---
 
     def _root(self, settings: StandardTopicSettings) -> Interface | None:
-        """Return the definition of a topic's standard message; None, with a diagnostic, if it is unknown.
+        """Return the definition of a topic's standard message; if the message is unknown, report it and return None.
 
-        The definitions of the messages inside are kept for later, too.
+        The definition is added to `interfaces`, together with the definitions of all messages inside the message.
         """
         name, span = definitions.full_name(settings.ros), settings.at("ros")
         try:
@@ -149,22 +156,23 @@ class StandardTopics:
         for path in sources.paths():
             if not _covers(ignored, path) and path not in used:
                 message = f"no topic of the row {row.name!r} publishes the field {path!r}"
-                help = f"map the field under `fields`, or list {path!r} under `ignore`"
+                help = f"use {path!r} in an entry under `fields`, or list it under `ignore`"
                 self._report(standard_rules.UNUSED_SOURCE.at(row.at("fields"), message, help, rests_on=rests_on))
 
     def _check_inverse(self, row: Row, settings: StandardTopicSettings, obstacle: str, lost: list[str]) -> None:
-        """Report fields of the payload that cannot be computed from the standard message.
+        """Report a standard message from which the payload, or a field of the payload, cannot be computed.
 
-        This is called for a row that sends to a peer.
+        Only a row to a peer needs this computation. ``obstacle`` is the reason why the payload cannot be computed,
+        or empty. ``lost`` has the paths of the fields that cannot be computed.
         """
         span, rests_on = settings.at("fields"), [row.at("direction"), *_entries(settings)]
         if obstacle:
             message = f"{settings.ros!r} on the topic {settings.topic!r} cannot be converted to the payload: {obstacle}"
-            help = f"change the mapping, or write `direction: {row.peer}_to_ros`"
+            help = f"change the entries under `fields`, or write `direction: {row.peer}_to_ros`"
             self._report(standard_rules.NO_WAY_BACK.at(span, message, help, rests_on=rests_on))
         elif lost:
             fields = ", ".join(map(repr, lost))
-            message = f"{settings.ros!r} on {settings.topic!r} becomes the payload, but has no value for {fields}"
+            message = f"{settings.ros!r} on the topic {settings.topic!r} has no value for {fields} of the payload"
             help = f"map {fields} under `fields`, or list it under `ignore`, or write `direction: {row.peer}_to_ros`"
             self._report(standard_rules.UNUSED_SOURCE.at(span, message, help, rests_on=rests_on))
 
@@ -181,7 +189,7 @@ class StandardTopics:
 
 
 def _entries(settings: StandardTopicSettings) -> Iterator[Span]:
-    """Yield the place of each entry under `fields`, and of each entry inside it."""
+    """Yield the place in mapping.yaml of each entry under `fields`, at any depth."""
     forms = list(settings.fields.values())
     for form in forms:  # the list grows while it is read
         yield form.span
@@ -189,7 +197,7 @@ def _entries(settings: StandardTopicSettings) -> Iterator[Span]:
 
 
 def _covers(paths: Iterable[str], path: str) -> bool:
-    """Return True if ``paths`` contains the path, or the path of a message around it."""
+    """Return True if ``paths`` contains the path, or the path of a message around it: ``accel`` for ``accel.x``."""
     return any(path == other or path.startswith(f"{other}.") for other in paths)
 
 

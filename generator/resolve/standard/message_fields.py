@@ -32,7 +32,7 @@ class Place:
 
     @property
     def shown(self) -> str:
-        """Field and message in words, as diagnostics show them."""
+        """Field and message as diagnostics show them: ``'angular_velocity.x' of sensor_msgs/Imu``."""
         return f"{self.dotted!r} of {short(self.holders[0])}"
 
 
@@ -46,7 +46,7 @@ def short(name: str) -> str:
 
 
 class Places:
-    """Lookup of the fields of one standard message, and of the messages inside it."""
+    """Lookup of the fields of one standard message, and of the messages inside it, by their paths."""
 
     def __init__(
         self, root: Interface, definition: Callable[[str], Interface], report: Callable[[Diagnostic], None]
@@ -54,7 +54,7 @@ class Places:
         self.root, self.definition, self._report = root, definition, report
 
     def find(self, path: Path, span: Span) -> Place | None:
-        """Return the field at a path. If there is none, report the path at ``span`` and return None."""
+        """Return the field of the message at a path; if there is no such field, report the path and return None."""
         interface, holders = self.root, [self.root.name]
         for depth, name in enumerate(path):
             field = next((field for field in interface.fields if field.name == name), None)

@@ -1,4 +1,4 @@
-"""Ranges of numeric types, and what is lost if a number is converted from one type to another."""
+"""Ranges of numeric types, and texts about range and precision that a conversion between two types loses."""
 
 from __future__ import annotations
 
@@ -28,7 +28,11 @@ def is_float(type: str) -> bool:
 
 
 def loss(source: Source, scaling: Scaling, target: str) -> str:
-    """Return what may be lost if a payload's field is converted to a type, in words; empty if nothing is lost."""
+    """Return a text about the range or precision that a payload field may lose in a ROS type; empty if nothing is lost.
+
+    Example: ``has values from 0 to 65535, but uint8 only from 0 to 255``. ``scaling`` is the conversion of the number,
+    and ``target`` is the ROS type.
+    """
     taken = range_of(source.type)
     if is_float(target):
         return _loss_in_float(source.type, scaling, target)
@@ -42,9 +46,10 @@ def loss(source: Source, scaling: Scaling, target: str) -> str:
 
 
 def _loss_in_float(source: str, scaling: Scaling, target: str) -> str:
-    """Return what may be lost if a number is converted to a floating point type, in words; empty if nothing is lost.
+    """Return a text about the digits that a number may lose in a floating point type; empty if nothing is lost.
 
-    A scaled number has the precision of a double, another one has that of its own type.
+    An integer loses digits if it has more bits than the significand. A scaled integer of at most 16 bits fits a
+    float32, because the rounding error is far below the resolution of a sensor.
     """
     digits = _MANTISSA[target]
     taken = range_of(source)
@@ -60,7 +65,7 @@ def _loss_in_float(source: str, scaling: Scaling, target: str) -> str:
 
 
 def constant(value: Fraction | float, type: str) -> int | float | None:
-    """Return a number of the table as a value of a numeric type; None if the type cannot hold it."""
+    """Convert a number from the table to a value of a numeric type; return None if the type cannot hold it."""
     if is_float(type):
         return float(value)
     room = range_of(type)

@@ -15,7 +15,7 @@ _TYPES = {**well_known.SCALARS, "bytes": "bytes", "enum": "int32"}
 
 
 class Sources:
-    """Lookup of the payload's fields that a standard message's fields can be filled from."""
+    """Lookup of the fields of a payload by their paths. Their values fill the fields of a standard message."""
 
     def __init__(self, schema: Schema, message: ProtoMessage, report: Callable[[Diagnostic], None]) -> None:
         self._schema, self._message, self._report = schema, message, report
@@ -26,16 +26,16 @@ class Sources:
         return self._message.full_name
 
     def find(self, dotted: str, span: Span) -> Source | None:
-        """Return the field at a path.
+        """Return the payload's field at a path with dots, such as ``accel.x``.
 
-        If there is none or it cannot be used, report the path at ``span`` and return None.
+        If the field does not exist or cannot be used, report the path at ``span`` and return None.
         """
         fields = self._along(dotted.split("."))
         if fields is None:
             help = nearest(dotted, self.paths())
             self._report(UNKNOWN_SOURCE.at(span, f"the proto message {self.proto!r} has no field {dotted!r}", help))
         elif why := _obstacle(fields):
-            self._report(UNKNOWN_SOURCE.at(span, f"{dotted!r} {why}"))
+            self._report(UNKNOWN_SOURCE.at(span, f"the field {dotted!r} {why}"))
         else:
             return self._source(fields)
         return None
@@ -45,7 +45,7 @@ class Sources:
         return self._along(dotted.split(".")) is not None
 
     def _along(self, path: list[str]) -> list[ProtoField] | None:
-        """Return all fields along a path, from the payload's own field on; None if one of them does not exist."""
+        """Return the field for each name in a path, the outermost field first; None if one of them does not exist."""
         fields: list[ProtoField] = []
         message: ProtoMessage | None = self._message
         for name in path:
@@ -57,9 +57,9 @@ class Sources:
         return fields
 
     def paths(self) -> list[str]:
-        """Return the path of every field in the payload, at any depth.
+        """Return the path of every field in the payload, at any depth, such as ``accel.x``.
 
-        Fields that are a single message are replaced by theirs.
+        A field with a single nested message is not listed itself; the fields of the nested message are.
         """
         return [".".join(path) for path in self._leaves(self._message, (), ())]
 
@@ -94,7 +94,7 @@ class Sources:
 
 
 def _obstacle(fields: list[ProtoField]) -> str:
-    """Return the reason why the last field of a path cannot fill a message field; empty if it can."""
+    """Return the reason why the last field of a path cannot fill a field of a standard message; empty if it can."""
     *holders, field = fields
     if field.type in ("message", "group"):
         return "is a message; use one of its fields"
@@ -103,5 +103,5 @@ def _obstacle(fields: list[ProtoField]) -> str:
     if word := next((field.name for field in fields if keyword.iskeyword(field.name)), ""):
         return f"cannot be used by generated code, because {word!r} is a Python keyword"
     if field.repeated and field.type in ("enum", "string", "bytes"):
-        return f"is a repeated {field.type}, which mappings do not support yet"
+        return f"is a repeated {field.type}, which is not supported yet"
     return ""

@@ -9,8 +9,8 @@ KEY_WITHOUT_STANDARD = Rule(
     "key-without-standard-message",
     """A row has `frame_id`, `stamp` or `unset`, but its own message is not a standard message.
 
-These keys fill a header or leave fields of a standard message unset. A message of the table's own package has exactly
-the fields of the payload.
+These keys fill the header of a standard message, such as sensor_msgs/Imu, or leave fields of it unset. A generated ROS
+message has exactly the fields of the payload, so the keys cannot apply to it.
 
 Bad::
 
@@ -34,7 +34,7 @@ UNKNOWN_MESSAGE = Rule(
     "unknown-standard-message",
     """`ros` names a message of another package, but not one of the standard messages that roverlink knows.
 
-Only the definitions of ROS 2's common interfaces are known. The fields of other messages cannot be checked.
+roverlink only knows the definitions of ROS 2's common interfaces. It cannot check the fields of other messages.
 
 Bad::
 
@@ -126,7 +126,7 @@ UNKNOWN_SOURCE = Rule(
     "unknown-source-field",
     """A path names no field of the payload, or a field that cannot be used, such as a whole message.
 
-The topic's field would have no value.
+The field of the standard message would have no value.
 
 Bad::
 
@@ -183,10 +183,10 @@ Good::
 UNUSED_SOURCE = Rule(
     "STD107",
     "source-field-unused",
-    """A field of the payload is not carried by the row's standard messages.
+    """A field of the payload is missing in the row's standard messages.
 
-For a row from a peer, the field reaches no topic. For a row to a peer, the message does not set the field, so the peer
-would get zero. Perhaps the direction is wrong.
+For a row from a peer, the field reaches no topic. For a row to a peer, no field of the standard message sets the field
+of the payload, so the peer would get zero. Perhaps the direction is wrong.
 
 Bad::
 
@@ -210,7 +210,7 @@ SET_TWICE = Rule(
     "target-field-set-twice",
     """Two entries fill the same field, or an entry fills a field that `unset` names.
 
-One of the values would be lost.
+One of the two values would be lost.
 
 Bad::
 
@@ -237,9 +237,9 @@ Good::
 WRONG_FORM = Rule(
     "STD109",
     "mapping-does-not-fit",
-    """An entry under `fields` has another type than the field: a text for a number, or one value for a list.
+    """An entry does not fit the standard message or its field, such as a text for a number, or one value for a list.
 
-There is no conversion between the two types.
+The two types cannot be converted, or an option such as `scale`, `to` or `axes` has no meaning for this field.
 
 Bad::
 
@@ -270,7 +270,7 @@ Good::
 UNKNOWN_UNIT = Rule(
     "STD110",
     "unknown-unit",
-    """A unit cannot be read.
+    """An entry names a unit that roverlink does not know.
 
 Units are written like `m/s^2`, `deg/s`, `kPa` or `degC`; other spellings are not accepted.
 
@@ -299,9 +299,9 @@ Good::
 UNIT_MISSING = Rule(
     "STD111",
     "unit-missing",
-    """The unit of one side of a conversion is known, but the unit of the other side is not given.
+    """The unit of the proto field or of the ROS field is known, but the unit of the other field is not given.
 
-The value could be wrong by any factor. Give the unit, even if both sides use the same one.
+The value could be wrong by any factor. Give the unit, even if both fields have the same one.
 
 Bad::
 
@@ -328,9 +328,9 @@ Good::
 DIMENSION = Rule(
     "STD112",
     "dimension-does-not-fit",
-    """The units of the two sides have different dimensions.
+    """The unit of the proto field and the unit of the ROS field have different dimensions.
 
-No factor converts, for example, a speed to a length.
+For example, no factor converts a speed to a length.
 
 Bad::
 
@@ -420,9 +420,9 @@ Good::
 ENUM_TABLE = Rule(
     "STD115",
     "enum-table-incomplete",
-    """The table of an enum leaves out a declared value and has no `default`.
+    """The key `enum` of an entry leaves out a value of the enum, and the entry has no `default`.
 
-The first payload with that value could not be converted.
+The bridge could not convert a payload with that value.
 
 Bad::
 
@@ -455,9 +455,9 @@ Good::
 UNKNOWN_VALUE = Rule(
     "STD116",
     "unknown-enum-value",
-    """An enum has no such value, or a standard message has no such constant.
+    """An entry names a value that the enum does not have, or a constant that the standard message does not have.
 
-The entry would never be used; its value is misspelt.
+The name is probably misspelt, and the entry would never be used.
 
 Bad::
 
@@ -523,9 +523,9 @@ Good::
 NO_WAY_BACK = Rule(
     "STD118",
     "no-way-back",
-    """A standard message to a peer cannot be converted to the payload.
+    """The standard message of a row to a peer cannot be converted back to the payload.
 
-Several payloads would give the same message, so the payload for the peer is ambiguous.
+Several payloads would become the same standard message, so the bridge cannot tell which payload to send to the peer.
 
 Bad::
 

@@ -1,6 +1,7 @@
-"""Fields of a standard message in the order of its definition. A field that nothing fills is reported.
+"""All fields of a standard message with their expressions; a field that no entry of the table fills is reported.
 
-A field may stay unfilled if zero has a meaning there, or if the table lists it under `unset`.
+A field may stay unfilled if its definition gives zero a meaning (a covariance of zero is unknown), or if the table
+lists it under `unset`.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from roverlink.generator.table import StandardTopicSettings
 
 
 class Tree:
-    """Expressions of a standard topic, put into the order of the message's definition."""
+    """Fields of a standard topic's message with their expressions, in the order of the message's definition."""
 
     def __init__(self, filling: Filling, settings: StandardTopicSettings, report: Callable[[Diagnostic], None]) -> None:
         self._filling, self._settings, self._report = filling, settings, report
@@ -61,7 +62,7 @@ class Tree:
             return Unset()
         if not place.type.is_message or place.type.is_many or not self._is_reached(place.path):
             message = f"{place.shown} is not filled, and subscribers would read its zero as a value"
-            help = f"map a proto field to it, give it a constant, or list {place.dotted!r} under `unset`"
+            help = f"fill it with a proto field or a constant under `fields`, or list {place.dotted!r} under `unset`"
             span, rests_on = self._settings.at("fields"), self._filling.unplaced
             self._report(standard_rules.UNSET_TARGET.at(span, message, help, rests_on=rests_on))
             return Unset()

@@ -96,7 +96,7 @@ PREFIXED = {
     "G": _TESLA.scaled(_number("1/10000")),
     "bar": _PASCAL.scaled(_number("100000")),
 }
-"""Units that may stand behind a prefix such as k, by symbol."""
+"""Units that may have a prefix such as k, by symbol: ``Pa``, which also allows ``kPa``."""
 
 PLAIN = {
     "1": _ONE,

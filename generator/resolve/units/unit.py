@@ -11,7 +11,7 @@ BASES = ("m", "kg", "s", "A", "K", "mol", "cd", "rad")
 """Base units: those of the SI, and the radian, so that rad/s and Hz have different dimensions."""
 
 Dimension = tuple[int, ...]
-"""Exponent of each base unit in `BASES`."""
+"""Exponent of each base unit in `BASES`: ``(1, 0, -2, 0, 0, 0, 0, 0)`` for m/s^2."""
 
 DIMENSIONLESS: Dimension = (0,) * len(BASES)
 
@@ -49,6 +49,6 @@ class Unit:
 
 
 def conversion(source: Unit, target: Unit) -> Scaling:
-    """Return the conversion of numbers from one unit to another. Both units must have the same dimension."""
+    """Return the factor and offset from the unit ``source`` to the unit ``target``, which has the same dimension."""
     factor = source.factor / target.factor
     return Scaling(factor, (source.offset - target.offset) / target.factor, source.pi - target.pi)

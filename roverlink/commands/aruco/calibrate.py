@@ -41,7 +41,11 @@ def add(commands: Subparsers) -> None:
         "%(default)s)",
     )
     parser.add_argument(
-        "--views", type=count, default=20, metavar="N", help="take at least N views (default: %(default)s)"
+        "--views",
+        type=count,
+        default=20,
+        metavar="N",
+        help="take at least N views, that is, images of the board (default: %(default)s)",
     )
     parser.add_argument(
         "--json", action="store_true", help="print a JSON object for each view that is taken, and one for the result"
@@ -49,9 +53,8 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--page",
         action="store_true",
-        help="serve a page for a web browser, which shows the image and the coverage; there you can remove views and "
-        "save the "
-        "result",
+        help="serve a page for a web browser, which shows the image and the views that are still missing; there you "
+        "can remove views and save the result",
     )
     parser.add_argument(
         "--page-port",

@@ -32,7 +32,7 @@ def add(commands: Subparsers) -> None:
     )
     add_source(parser)
     parser.add_argument("--loop", action="store_true", help="play a video or a folder again and again, until Ctrl-C")
-    parser.add_argument("--count", type=count, metavar="N", help="stop after N camera images")
+    parser.add_argument("--count", type=count, metavar="N", help="stop after N images")
     _add_camera(parser)
     _add_markers(parser)
     _add_outputs(parser)
@@ -51,7 +51,7 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rescale",
         action="store_true",
-        help="if the camera was calibrated with another image size, scale its parameters to the present size",
+        help="if the camera was calibrated with another image size, scale its parameters to the current size",
     )
     parser.add_argument(
         "--camera-frame",
@@ -74,8 +74,8 @@ def _add_markers(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="[ID=]METRES",
-        help="length of the side of the black square; with ID=, only of the marker with this number; may be repeated "
-        "(default: 0.05)",
+        help="length of the side of a marker's black square; with ID=, only of the marker with this number; may be "
+        "repeated (default: 0.05)",
     )
     parser.add_argument(
         "--boards",
@@ -84,18 +84,22 @@ def _add_markers(parser: argparse.ArgumentParser) -> None:
         help="YAML file with boards; a board is a group of markers whose positions relative to each other are known",
     )
     parser.add_argument(
-        "--landmarks", type=Path, metavar="FILE", help="YAML file with the positions of the landmarks on the field"
+        "--landmarks",
+        type=Path,
+        metavar="FILE",
+        help="YAML file with the poses of the landmarks (markers and boards) on the field",
     )
     parser.add_argument(
         "--marker-frame",
         default="aruco_",
         metavar="PREFIX",
-        help="the frame of a marker on /tf is called PREFIX and the marker's number (default: %(default)s)",
+        help="start of the name of a landmark's coordinate frame on /tf; the number of the marker or the name of the "
+        "board follows (default: %(default)s)",
     )
 
 
 def _add_outputs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--json", action="store_true", help="print the poses as a JSON object for each camera image")
+    parser.add_argument("--json", action="store_true", help="print the poses as a JSON object for each image")
     parser.add_argument("--save", type=Path, metavar="FILE", help="save a video with the poses drawn into it")
     parser.add_argument(
         "--middleware",

@@ -7,8 +7,8 @@ The rules, from OMG DDS-XTypes 1.3, 7.4.1 (PLAIN_CDR):
 - A sequence is a uint32 count and then its elements. An array or a nested message is only its elements or fields.
 - A message without fields is one uint8, as in ROS 2's IDL (``structure_needs_at_least_one_member``).
 
-A message whose fields all have a fixed size is read and written with one `struct.Struct`. Any other message is read and
-written field by field.
+A message that consists only of primitive fields, also inside nested messages, is read and written with one
+`struct.Struct`. Any other message is read and written field by field.
 """
 
 from __future__ import annotations
@@ -48,7 +48,11 @@ def encode(message: Message) -> bytes:
 
 
 def template(message: Message, varying: Sequence[str]) -> Template:
-    """Serialize a message and return its template: the bytes without the fields at the paths in ``varying``."""
+    """Return the template of a message: its serialized bytes, with gaps for the fields at the paths in ``varying``.
+
+    A generated handler fills the gaps for each message instead of serializing the constant fields again. A path is
+    dotted, such as ``header.stamp``.
+    """
     return template_of(encode(message), message, varying)
 
 

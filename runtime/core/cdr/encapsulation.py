@@ -11,22 +11,22 @@ from roverlink.runtime.core.messages import Message
 M = TypeVar("M", bound=Message)
 
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"
-"""Encapsulation header of everything we write: PLAIN_CDR, little endian, no options."""
+"""Encapsulation header of every message that this package writes: PLAIN_CDR, little endian, no options."""
 
 BOOL = "?"
-"""`struct` format of a bool."""
+"""Format character of a bool in the module `struct`."""
 
 
 @dataclass(frozen=True)
 class Codec(Generic[M]):
-    """Encoder and decoder of one message type in one byte order."""
+    """CDR encoder and decoder of one message type in one byte order."""
 
     encode: Callable[[M], bytes]
     decode: Callable[[bytes], M]
 
 
 def check_flags(values: Iterable[Any]) -> None:
-    """Raise `TypeError` if a value is not a bool.
+    """Raise `TypeError` if a value of a bool field equals neither True nor False.
 
     `struct` would accept any object, and write True for every object that Python regards as true.
     """

@@ -1,4 +1,7 @@
-"""CDR codec of messages whose fields all have a fixed size. One `struct.Struct` packs a whole message."""
+"""CDR codec of messages that consist only of primitive fields, also inside nested messages.
+
+Such a message has a fixed size, so one `struct.Struct` packs the whole message.
+"""
 
 from __future__ import annotations
 
@@ -14,22 +17,25 @@ M = TypeVar("M", bound=Message)
 
 
 class Leaf(NamedTuple):
-    """Primitive field inside a message at any depth, with its dotted path."""
+    """Primitive field inside a message at any depth, with its dotted path, such as ``orientation.x``."""
 
     path: str
     primitive: Primitive
 
 
 def leaves_of(message_type: type[Message]) -> list[Leaf] | None:
-    """Return the primitive fields of a message class in wire order; None if a field has no fixed size."""
+    """Return the primitive fields of a message class in wire order.
+
+    Returns None if the message or a message inside it has a string, a sequence, an array, or no fields.
+    """
     leaves = list(_leaves(message_type))
     return None if None in leaves else [leaf for leaf in leaves if leaf is not None]
 
 
 def _leaves(message_type: type[Message], prefix: str = "") -> Iterator[Leaf | None]:
-    """Yield the primitive fields of a message class in wire order; None for a field without a fixed size."""
+    """Yield the primitive fields of a message class in wire order; None for each part that `leaves_of` excludes."""
     fields = fields_of(message_type)
-    # A message without fields is written as a placeholder byte, which only the codec by parts knows.
+    # A message without fields is written as a placeholder byte, which only the codec in `variable` writes.
     if not fields:
         yield None
     for field in fields:
@@ -62,8 +68,8 @@ def layout(primitives: list[Primitive]) -> str:
 def fixed_layout(message_type: type[Message]) -> struct.Struct:
     """Return the `struct.Struct` that packs a message of fixed size.
 
-    It packs the header `LITTLE_ENDIAN` and then the values in wire order. Raises `TypeError` if the message has a field
-    of variable size.
+    It packs the header `LITTLE_ENDIAN` and then the values in wire order. Raises `TypeError` if the message has a
+    string, a sequence or an array.
     """
     leaves = leaves_of(message_type)
     if leaves is None:
@@ -105,7 +111,7 @@ def _one(getter: Callable[[Any], Any]) -> Callable[[Any], tuple[Any]]:
 
 
 def _builder(message_type: type[Message]) -> Callable[[Iterator[Any]], Any]:
-    """Return a function that builds a message of fixed size; its argument yields the primitive values in wire order."""
+    """Return a function that builds a message from an iterator over its primitive values in wire order."""
     parts: list[Callable[[Iterator[Any]], Any]] = [
         _builder(field.type) if isinstance(field.type, type) else next for field in fields_of(message_type)
     ]

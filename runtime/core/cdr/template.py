@@ -23,8 +23,8 @@ from roverlink.runtime.core.messages import Sequence as RosSequence
 class Template:
     """Precomputed form of a message whose constant fields are serialized already.
 
-    Pack `layout` with the `constants` and the varying values, in the order in which they stand in the message. The
-    first constant is the encapsulation header.
+    To get a serialized message, pack `layout` with the `constants` and the varying values, in the order in which they
+    stand in the message. The first constant begins with the encapsulation header.
     """
 
     layout: struct.Struct
@@ -32,9 +32,9 @@ class Template:
 
 
 class _Stretch(NamedTuple):
-    """Byte range of a primitive, an array of primitives or another constant part.
+    """Byte range of one part of a message: a primitive, an array of primitives, a string, or a sequence's count.
 
-    Positions count from after the header.
+    Positions count from after the encapsulation header.
     """
 
     start: int
@@ -44,7 +44,7 @@ class _Stretch(NamedTuple):
 
 
 def template(serialized: bytes, message: Message, varying: Sequence[str]) -> Template:
-    """Build the template of a message from its serialized form; the fields at the paths in ``varying`` vary.
+    """Build the template of a message from its serialized form; the fields at the dotted paths in ``varying`` vary.
 
     If a path leads to a nested message, all fields of the nested message vary. Raises `TypeError` if a varying field
     has no fixed size.
@@ -66,7 +66,7 @@ def template(serialized: bytes, message: Message, varying: Sequence[str]) -> Tem
 
 
 class _Walk:
-    """Computes the byte range of every field of a message, in wire order."""
+    """Walk through the fields of a message that computes the byte range of each field in the serialized message."""
 
     def __init__(self, varying: Sequence[str]) -> None:
         self._varying = varying

@@ -1,4 +1,7 @@
-"""CDR codec of messages with a field of variable size: the fields are written and read one after the other."""
+"""CDR codec of messages with a string, a sequence or an array: the fields are written and read one after the other.
+
+It also writes messages without fields.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,7 @@ _COUNT = Primitive("uint32", "I", 4)
 
 
 class _Reader:
-    """Serialized data with the position up to which it was read, counted from after the encapsulation header."""
+    """Serialized message with the position of the next byte to read, counted from after the encapsulation header."""
 
     __slots__ = ("body", "position")
 
@@ -55,7 +58,7 @@ _Read = Callable[[_Reader], Any]
 
 
 class Part(NamedTuple):
-    """Functions for one type: `write` appends a value to a CDR body, `read` reads a value from a `_Reader`."""
+    """Functions for one field type: `write` appends a value to a CDR body, `read` reads a value from a `_Reader`."""
 
     write: _Write
     read: _Read

@@ -33,7 +33,10 @@ _COMPLETE = "Coverage is complete: calibrate now. More views do no harm."
 
 
 class LiveCalibration:
-    """Collects views from frames and carries out the user's clicks. It is the `PageBackend` of a `PageServer`."""
+    """Collects views from frames and carries out the user's clicks on the calibration page.
+
+    It is the `PageBackend` of a `PageServer`: the object from which the HTTP server gets the state of the page.
+    """
 
     def __init__(
         self,
@@ -67,11 +70,10 @@ class LiveCalibration:
     # --- frames -----------------------------------------------------------------------------------------------------
 
     def add_frame(self, image: Image, stamp_ns: int, name: str, *, chosen: bool = False) -> Offer:
-        """Examine a frame (H, W, 3).
+        """Examine a frame (H, W, 3), and return the result. A view that is taken gets the name `name`.
 
-        Take the view in it if it is useful, requested by a click, or `chosen` by the user.
-
-        `name` becomes the name of the view.
+        The view in the frame is taken if it is useful, if the user has clicked "Take now", or if `chosen` is true: then
+        the user has chosen the image.
         """
         with self._lock:
             if asked := self._asked.is_set():
@@ -97,7 +99,10 @@ class LiveCalibration:
     # --- the page: see `PageBackend` ----------------------------------------------------------------------------------
 
     def state(self, after: int) -> dict[str, Any]:
-        """Return the state that the page shows. Wait some seconds for a state whose number is greater than `after`."""
+        """Return the state that the page shows, as JSON values; its number is the value of `version`.
+
+        Waits some seconds for a state whose number is greater than `after`; then returns the newest state anyway.
+        """
         version, state = self._states.get(after, _TIMEOUT_S) or self._states.now()
         return {"version": version, **state}
 
@@ -119,9 +124,9 @@ class LiveCalibration:
         return None if calibration is None else self._report(calibration)
 
     def act(self, action: str, view: int | None) -> None:
-        """Carry out a click on the page; `PageBackend.act` lists the actions.
+        """Carry out a click on the page: `take` a view, `drop` the view with the number `view`, `calibrate`, or `save`.
 
-        Raises `RoverlinkError` if it is not possible.
+        Raises `RoverlinkError` if the action is not possible.
         """
         if action == "take":
             self._asked.set()
@@ -142,7 +147,7 @@ class LiveCalibration:
     def _drop(self, number: int | None) -> None:
         found = [one for one in self._taken if one.number == number]
         if not found:
-            raise SetupError(f"view {number} does not exist (any more)")
+            raise SetupError(f"view {number} does not exist; it may have been dropped already")
         self._collection.discard(found[0].view)
         self._taken = tuple(one for one in self._taken if one is not found[0])
 

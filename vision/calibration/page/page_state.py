@@ -23,7 +23,7 @@ class Taken:
 
 
 def collected(collection: Collection, taken: Sequence[Taken], calibration: Calibration | None) -> dict[str, Any]:
-    """Return the JSON values for the taken views, the coverage, the missing views and the result of the calibration."""
+    """Return JSON values for the page: the coverage, the goals, the taken views, and the result of the calibration."""
     fitted_views = {id(fitted.view): fitted for fitted in calibration.views} if calibration else {}
     return {
         "coverage": _coverage(collection),

@@ -25,7 +25,7 @@ def main() -> int:
             file=sys.stderr,
         )
         print(
-            "activate an environment that has it, or install it: pip install roverlink",
+            "activate an environment that has it, or install its wheel in .venv of the project",
             file=sys.stderr,
         )
         return 2

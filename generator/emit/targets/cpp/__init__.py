@@ -1,4 +1,4 @@
-"""C++17 target. It generates a handler class for each topic, and a registry of all handlers.
+"""Target `cpp`, in C++17. It generates a handler class for each topic, and a registry of all handlers.
 
 A handler converts between the class that protobuf generates for a message and the struct that rosidl generates.
 """

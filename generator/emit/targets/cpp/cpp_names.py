@@ -62,7 +62,7 @@ def struct(package: str, message: str) -> str:
 
 
 def interface_struct(message: str) -> str:
-    """Return the C++ struct of a standard message, such as sensor_msgs/msg/Imu, by its full name."""
+    """Return the name of a standard message's C++ struct: ``sensor_msgs::msg::Imu`` for ``sensor_msgs/msg/Imu``."""
     return message.replace("/", "::")
 
 

@@ -62,7 +62,9 @@ class EnumTable:
     """C++ function that converts between the values of a payload's enum and those of a field in the ROS message."""
 
     to_number: bool
+    """True if the function returns the number of the enum value, false if it returns the value of the ROS field."""
     path: str
+    """Path of the field in the ROS message."""
     source: str
     """Path of the payload's enum field."""
     type: str

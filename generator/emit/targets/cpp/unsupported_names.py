@@ -1,4 +1,4 @@
-"""Check for names in the protos that cannot be used in C++, or that get different accessors from protobuf's versions.
+"""Check for names in the .proto files that cannot be used in C++, or whose accessors differ between protobuf versions.
 
 The check is part of the generator, so that the user gets a diagnostic and not an error of the C++ compiler.
 """
@@ -17,7 +17,8 @@ CPP_NAME = Rule(
     "cpp-name",
     """A name in the protos cannot be used in C++, or gets different accessors from different versions of protobuf.
 
-The generated C++ would compile on one machine and fail on another. Names are not sent, so the name can be changed.
+The generated C++ would compile on one machine and fail on another. The encoding contains no names, except in a
+google.protobuf.Any, which contains the name of its message. So the name can usually be changed.
 
 Bad::
 
@@ -61,7 +62,7 @@ def check(bridge: ir.Bridge) -> None:
     files |= {standard.proto: standard.file for route in bridge.routes for standard in route.standard_topics}
     findings: list[Diagnostic] = []
     if bridge.package == _RUNTIME:
-        fault = f"the package {_RUNTIME!r} would have the namespace and the headers of the C++ runtime library"
+        fault = f"the package {_RUNTIME!r} would have the same C++ namespace and headers as the C++ runtime library"
         findings.append(CPP_NAME.at(Span(bridge.table), fault, "give the ROS 2 package another name"))
     for message in bridge.wire_messages:
         if message.map_entry or message.name.startswith("google.protobuf."):
@@ -70,7 +71,10 @@ def check(bridge: ir.Bridge) -> None:
         why = [_of_message(bridge, message.name), *_of_fields(message)]
         findings += [
             CPP_NAME.at(
-                span, fault, "rename it; the name is not sent, so the encoding does not change", type=message.name
+                span,
+                fault,
+                "rename the message or field; names are not sent, so the encoding does not change",
+                type=message.name,
             )
             for fault in why
             if fault
@@ -106,7 +110,7 @@ def _of_fields(message: ir.WireMessage) -> Iterator[str]:
     for field in message.fields:
         place, name = f"{message.name}.{field.name}", field.name.lower()
         if name in _KNOWN_SINCE_22:
-            yield f"the field {place!r} is a C++20 keyword; its accessor has another name in other versions of protobuf"
+            yield f"the field {place!r} has the name of a C++20 keyword; protobuf 22 and later give it another accessor"
         elif name in _METHODS_OF_EVERY_CLASS:
             yield f"the field {place!r} would have the accessor {name}(), which every protobuf class already has"
         elif name in taken and _is_there(message, taken[name]):

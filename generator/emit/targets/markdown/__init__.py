@@ -1,4 +1,7 @@
-"""Target for docs/messages.md: senders and receivers, and each message with its fields, units, sizes and an example."""
+"""Target `markdown`: the page docs/messages.md about all messages between the peers and ROS 2.
+
+The page shows senders and receivers, and each message with its fields, units, sizes and an example.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Content of the page's diagram: senders on the left, receivers on the right, and groups of rows between them."""
+"""Content of the diagram in docs/messages.md.
+
+Senders are on the left, receivers on the right, and groups of rows between them.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +46,7 @@ class Diagram:
 
 
 def peer_of(route: ir.Route) -> str:
-    """Return the name of the peer that a row's direction names."""
+    """Return the name of a row's peer: ``hardware`` for the direction ``hardware_to_ros``."""
     return route.direction.removesuffix("_to_ros") if route.inbound else route.direction.removeprefix("ros_to_")
 
 
@@ -77,9 +80,9 @@ def _as(role: str, end: End) -> End:
 
 
 def _end(peer: ir.Peer, route: ir.Route) -> End:
-    """Return the box of the board to which a row's message belongs.
+    """Return the diagram's box for the peer's end of a row: the board whose prefix the message's name starts with.
 
-    If the peer has fewer than two boards, return the box of the peer.
+    Return the box of the whole peer if the peer has fewer than two boards, or if no prefix fits.
     """
     name = route.proto.rpartition(".")[2]
     prefix = next((prefix for prefix in peer.prefixes if name.startswith(prefix)), "")

@@ -1,4 +1,7 @@
-"""Units of payload fields. They come from the table's standard messages, or from brackets at the end of a comment."""
+"""Units of payload fields.
+
+A unit comes from the table, which gives it for a standard message, or from brackets at the end of a comment: ``[V]``.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +53,7 @@ def _stated(comment: str) -> tuple[str, str]:
 
 
 def _units(standard: ir.StandardTopic) -> Iterator[tuple[Path, str]]:
-    """Yield the path and the unit of each payload field whose unit a standard topic's entries in the table give."""
+    """Yield path and unit of each payload field whose unit the table gives: ``{from: temperature, unit: degC}``."""
     for target in standard.fields:
         for taken in _taken_fields(target.value):
             if taken.scaling.unit:

@@ -15,18 +15,19 @@ from roverlink.generator.ir.msg_types import msg_type
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """Topic on the page, with its ROS message. For a standard message, `fields` tells where each value comes from."""
+    """Topic on the page docs/messages.md, with its ROS message."""
 
     name: str
     message: str
     qos: str
     """Quality of service in words; empty for the default."""
     fields: tuple[tuple[str, str], ...] = ()
+    """Path of each filled field of a standard message, and the text that tells where its value comes from."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Section of the page for a row of the table."""
+    """Section of docs/messages.md for a row of the table."""
 
     number: int
     name: str
@@ -63,7 +64,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Enum:
-    """Section of the page for an enum."""
+    """Section of docs/messages.md for an enum."""
 
     name: str
     comment: str
@@ -81,7 +82,7 @@ class Helper:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """Content of the whole page."""
+    """Content of the whole page docs/messages.md."""
 
     table: str
     package: str
@@ -96,7 +97,7 @@ class Page:
 
 
 def page(bridge: ir.Bridge) -> Page:
-    """Return the content of the page."""
+    """Return the content of docs/messages.md."""
     payloads = Payloads(bridge)
     carried = {route.proto for route in bridge.routes}
     shown = [message for message in bridge.wire_messages if message.name != bridge.envelope.message]

@@ -1,4 +1,4 @@
-"""Tables of the page for proto messages and enums: types with links, units, and the fields of the .msg files."""
+"""Tables in docs/messages.md of proto messages and enums: types with links, units, and fields of the .msg files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Payload:
-    """Section of the page for a proto message."""
+    """Section of docs/messages.md for a proto message."""
 
     name: str
     comment: str
@@ -44,7 +44,7 @@ class Value:
     number: int
     name: str
     constants: tuple[str, ...]
-    """Constants for the value in .msg files, unless they have the name of the value."""
+    """Names of the .msg constants that stand for the value, except a name that is equal to the value's own name."""
     meaning: str
 
 
@@ -75,19 +75,19 @@ class Payloads:
         return Payload(proto, message.comment, conversion.ros if conversion else "", fields, ", ".join(ranges))
 
     def values(self, enum: ir.WireEnum) -> tuple[Value, ...]:
-        """Return the lines of the table of an enum."""
+        """Return the lines of an enum's table, one for each value."""
         return tuple(Value(one.number, one.name, self._renamed(enum, one), cell(one.comment)) for one in enum.values)
 
     def _renamed(self, enum: ir.WireEnum, value: ir.WireValue) -> tuple[str, ...]:
         return tuple(name for name in self._constants.get((enum.name, value.number), ()) if name != value.name)
 
     def anchor(self, proto: str) -> str:
-        """Return the anchor of the section that shows a message or enum."""
+        """Return the anchor, for links, of the section that shows a message or enum; ``proto`` is its full name."""
         return self.anchor_of_row(self._rows[proto]) if proto in self._rows else _anchor(proto)
 
     @staticmethod
     def anchor_of_row(route: ir.Route) -> str:
-        """Return the anchor of a row's section."""
+        """Return the anchor of a row's section: ``13-imu_info`` for the heading ``13: imu_info``."""
         return _anchor(f"{route.number}: {route.name}")
 
     def _fields(self, message: ir.WireMessage, conversion: ir.Conversion | None) -> Iterator[Field]:

@@ -17,7 +17,10 @@ from roverlink.generator.emit.targets.python import (
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield handlers, serializers, message classes, conversions, protobuf's modules, the registry and its checks."""
+    """Yield the modules of the Python target.
+
+    These are handlers, serializers, message classes, conversions, protoc's modules, the registry and its checks.
+    """
     fast = serializers.serializers(bridge)
     for part in (conversions, extra_topics, handlers, interfaces, messages, pb2):
         yield from part.emit(bridge)

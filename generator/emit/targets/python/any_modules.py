@@ -1,4 +1,4 @@
-"""Conversion of a google.protobuf.Any whose possible messages the table lists."""
+"""Generated modules that convert a google.protobuf.Any. The table lists the messages that the Any may contain."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class _Member:
 
 
 def any_module(bridge: ir.Bridge, conversion: ir.AnyConversion, converter_of: Callable[[str], Converter]) -> str:
-    """Return the text of the module."""
+    """Return the text of the module that converts one Any; ``converter_of`` returns the converter of a ROS message."""
     message = spelling.message_class(conversion.ros)
     by_ros = bridge.conversions()
     held = [by_ros[member.ros] for member in conversion.members]
@@ -55,12 +55,15 @@ def any_module(bridge: ir.Bridge, conversion: ir.AnyConversion, converter_of: Ca
 
 
 def _module(generated: str, conversion: ir.Conversion) -> Import:
-    """Return the module with a conversion's proto message."""
+    """Return package and name of the module with a conversion's proto message: ``generated.pb2.arm``, ``joint_pb2``."""
     return spelling.proto_package(generated, conversion.file), spelling.proto_module(conversion.file)
 
 
 def _local_names(modules: set[Import], generated: str) -> Mapping[Import, str]:
-    """Return the local name of each module; it includes the folders if another module has the same name."""
+    """Return the local name for each protobuf module in the generated imports: ``joint_pb2``.
+
+    If several modules have the same name, the local names also contain the folders: ``pb2_arm_joint_pb2``.
+    """
     names = ["any_pb2", *(name for _, name in modules)]
     return {
         (package, name): (

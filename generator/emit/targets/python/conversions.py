@@ -1,4 +1,4 @@
-"""Modules with ``to_ros`` and ``from_ros`` of nested messages."""
+"""Generated modules with the functions ``to_ros`` and ``from_ros`` for messages inside payloads."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from roverlink.generator.emit.targets.python.imports import import_lines
 
 
 class Converters:
-    """Lookup of the conversion to a ROS message: in a row's handler, or in a module of its own."""
+    """Lookup of the handler class or the generated module that converts a ROS message."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
         self._generated = bridge.python_package
         self._handlers = {route.conversion.ros: route for route in reversed(bridge.routes) if route.conversion}
 
     def of(self, ros: str) -> Converter:
-        """Return the converter to a ROS message."""
+        """Return the converter of the ROS message named ``ros``.
+
+        This is a row's handler if the message belongs to a row, otherwise a module in ``generated/conversions``.
+        """
         route = self._handlers.get(ros)
         if route is not None:
             return Converter(f"{self._generated}.handlers.{spelling.module(route.name)}", spelling.handler_class(route))

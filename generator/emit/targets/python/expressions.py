@@ -13,7 +13,7 @@ from roverlink.generator.emit.targets.python.imports import Import
 from roverlink.generator.ir.model import ConversionKind
 
 _READ_FOR_OTHER_FIELDS = frozenset({ConversionKind.PRESENCE, ConversionKind.WHICH})
-"""ROS fields that ``from_ros`` reads only to decide about other fields."""
+"""Kinds of ROS fields without a proto field: they only tell ``from_ros`` which of the other fields are set."""
 _CONVERTED_BY_RUNTIME = frozenset({ConversionKind.WELL_KNOWN, ConversionKind.JSON})
 _FILES = {
     "google.protobuf.Empty": "google/protobuf/empty.proto",
@@ -24,16 +24,17 @@ _WRAPPERS = "google/protobuf/wrappers.proto"
 
 @dataclass(frozen=True, slots=True)
 class Converter:
-    """Module or class that converts a nested message; code calls ``name.to_ros(...)``."""
+    """Generated module or class that converts a nested message; generated code calls ``name.to_ros(...)``."""
 
     module: str
+    """Module or package from which ``name`` is imported."""
     name: str
-    """Class or module to import from ``module``."""
+    """Name of the converting class or module: ``bounding_box``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """Keyword argument of a call."""
+    """Keyword argument of a call in generated code: ``rpm=payload.rpm``."""
 
     name: str
     value: str
@@ -42,47 +43,54 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Oneof:
-    """Oneof of the payload. A field of the ROS message has the number of its member."""
+    """Oneof of the payload, and the ROS field that holds the number of the oneof's member that is set."""
 
     field: str
-    """ROS field."""
+    """Name of the ROS field: ``command``."""
     constant: str
-    """Name of the mapping from the oneof's members to their numbers."""
+    """Name of the generated dict from the names of the members to their numbers: ``COMMAND_MEMBERS``."""
     local: str
-    """Local variable in ``from_ros`` for the name of the chosen member."""
+    """Local variable in ``from_ros`` for the name of the member that is set."""
     shown: str
-    """ROS field's name in error messages, as a literal."""
+    """Name of the ROS field in error messages, as a Python literal: ``"Arm.command"`` with the quotes."""
     members: tuple[ir.Choice, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class FieldExpressions:
-    """Fields of a conversion, in both directions."""
+    """Python source for the fields of one conversion, for the functions ``to_ros`` and ``from_ros``."""
 
     to_ros: tuple[Argument, ...]
-    """Arguments of the ROS message's class."""
+    """Arguments with which ``to_ros`` constructs the ROS message."""
     from_ros: tuple[Argument, ...]
-    """Arguments of the payload's class."""
+    """Arguments with which ``from_ros`` constructs the payload."""
     from_ros_keywords: tuple[Argument, ...]
-    """Arguments of the payload's class whose names are Python keywords."""
+    """Further arguments of ``from_ros`` whose names are Python keywords, such as ``from``."""
     oneofs: tuple[Oneof, ...]
     imports: tuple[Import, ...]
 
 
 def attribute(holder: str, name: str) -> str:
-    """Spell an attribute; use `getattr` if its name is a keyword."""
+    """Return the expression for an attribute: ``payload.x``, or ``getattr(payload, "from")`` for a Python keyword."""
     return f'getattr({holder}, "{name}")' if keyword.iskeyword(name) else f"{holder}.{name}"
 
 
 def oneof_constant(field: str) -> str:
-    """Return the name of the mapping from the members of a oneof to their numbers."""
+    """Return the name of the generated dict from a oneof's members to their numbers: ``COMMAND_MEMBERS``.
+
+    ``field`` is the ROS field that holds the number: ``command``.
+    """
     return f"{field.upper()}_MEMBERS"
 
 
 def field_expressions(
     conversion: ir.Conversion, converter_of: Callable[[str], Converter], generated: str, place: str
 ) -> FieldExpressions:
-    """Spell a conversion; ``place`` precedes the names of fields in error messages."""
+    """Return the Python source for the fields of a conversion.
+
+    ``converter_of`` returns the converter of a nested ROS message by its name. ``generated`` is the import name of the
+    generated package. ``place`` is the text before a field's name in error messages: ``BoundingBox.``.
+    """
     speller = _Speller(conversion, converter_of, generated, place)
     to_ros = tuple(Argument(field.ros.name, speller.to_ros(field)) for field in conversion.fields)
     oneofs = tuple(speller.oneofs())
@@ -97,7 +105,7 @@ def field_expressions(
 
 
 class _Speller:
-    """Speller of one conversion's values. It collects the imports that they need."""
+    """Writer of the Python expressions of one conversion. It collects the imports that the expressions need."""
 
     def __init__(
         self, conversion: ir.Conversion, converter_of: Callable[[str], Converter], generated: str, place: str
@@ -114,7 +122,7 @@ class _Speller:
         return name
 
     def oneofs(self) -> Iterator[Oneof]:
-        """Yield the oneofs, each with a local variable that does not hide an imported name."""
+        """Yield the oneofs of the payload, each with a local variable whose name hides no imported name."""
         found = [field for field in self._fields if field.kind is ConversionKind.WHICH]
         if found:
             self._need("roverlink.runtime.convert", "oneof")
@@ -128,7 +136,7 @@ class _Speller:
     # --- to ROS ---
 
     def to_ros(self, field: ir.FieldConversion) -> str:
-        """Spell the value of a ROS field."""
+        """Return the expression in ``to_ros`` for the value of a ROS field: ``payload.rpm``."""
         *holders, name = field.proto_path
         holder = "payload"
         for part in holders:
@@ -156,7 +164,11 @@ class _Speller:
         return f"[{name}(key={key}, value={value}) for key, value in sorted({source}.items())]"
 
     def _to_ros_value(self, field: ir.FieldConversion, source: str, shown: str) -> str:
-        """Spell one value without its wrapper; ``shown`` is its name in error messages."""
+        """Return the expression for one ROS value: a field's value, or one value of a list or map.
+
+        ``source`` is the expression for the proto value. If a message such as google.protobuf.FloatValue wraps the
+        value, the result takes it out of the wrapper. ``shown`` is the field's name in error messages.
+        """
         source = f"{source}.{field.wrapping.field}" if field.wrapping else source
         if field.kind is ConversionKind.HELD:
             name = self._need(f"{self._generated}.messages", spelling.message_class(field.ros.type.name))
@@ -181,12 +193,15 @@ class _Speller:
     # --- from ROS ---
 
     def from_ros(self, locals: Mapping[str, str]) -> list[Argument]:
-        """Spell the arguments of the payload's class; ``locals`` are the variables of the oneofs' ROS fields."""
+        """Return the arguments with which ``from_ros`` constructs the payload.
+
+        ``locals`` maps the ROS field of each oneof to the local variable with the name of the member that is set.
+        """
         fields = [field for field in self._fields if field.kind not in _READ_FOR_OTHER_FIELDS]
         return [Argument(name, value) for name, value in self._from_ros_fields(fields, locals, 0)]
 
     def by_keyword(self, arguments: Iterable[Argument]) -> tuple[Argument, ...]:
-        """Return the arguments whose names are keywords; Python accepts them only as ``**mapping``."""
+        """Return the arguments whose names are Python keywords; Python accepts such names only in ``**mapping``."""
         found = tuple(argument for argument in arguments if keyword.iskeyword(argument.name))
         if found:
             self._need("roverlink.runtime.convert.keywords", "keywords")
@@ -195,9 +210,9 @@ class _Speller:
     def _from_ros_fields(
         self, fields: Iterable[ir.FieldConversion], locals: Mapping[str, str], depth: int
     ) -> Iterator[tuple[str, str]]:
-        """Spell fields of the payload.
+        """Yield the name and the expression of each payload field at ``depth`` of the proto paths.
 
-        Fields of a nested message that the ROS message contains directly become one dict.
+        A nested proto message whose fields stand directly in the ROS message becomes a dict: ``{"x": message.x}``.
         """
         for name, group in itertools.groupby(fields, lambda field: field.proto_path[depth]):
             first, *others = group
@@ -234,7 +249,11 @@ class _Speller:
         return f"[{self._from_ros_value(field, 'item', field.ros.name)} for item in {source}]"
 
     def _from_ros_value(self, field: ir.FieldConversion, source: str, shown: str) -> str:
-        """Spell one value with its wrapper; ``shown`` is its name in error messages."""
+        """Return the expression for one proto value: a field's value, or one value of a list or map.
+
+        ``source`` is the expression for the ROS value. If the proto field is a wrapper message such as
+        google.protobuf.FloatValue, the result is that message. ``shown`` is the field's name in error messages.
+        """
         value = source
         if field.kind is ConversionKind.HELD:
             value = f"{source}.{field.member}"
@@ -246,7 +265,7 @@ class _Speller:
         return value if wrapping is None else f"{self._google(wrapping.proto)}({wrapping.field}={value})"
 
     def _google(self, proto: str) -> str:
-        """Spell the class of a message in protobuf's library."""
+        """Return the expression for the class of a message in protobuf's library: ``wrappers_pb2.FloatValue``."""
         file = _FILES.get(proto, _WRAPPERS)
         package, module = spelling.proto_package(self._generated, file), spelling.proto_module(file)
         local = f"google_{module}" if module == self._own_module else module
@@ -255,5 +274,5 @@ class _Speller:
 
 
 def mapping(entries: Iterable[tuple[str, str]]) -> str:
-    """Return the Python source of a dict literal whose keys are the given names, as strings."""
+    """Return the Python source of a dict from names and expressions: ``{"x": message.x}``."""
     return "{" + ", ".join(f'"{name}": {value}' for name, value in entries) + "}"

@@ -1,4 +1,7 @@
-"""Handlers of topics with standard messages: extra topics, and rows with a standard message."""
+"""Generated handlers of topics with a standard message such as sensor_msgs/msg/Imu.
+
+These are the extra topics, and the topics of rows with a standard message.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from roverlink.generator.ir import StandardTopic
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield the handlers, and the package of the extra topics."""
+    """Yield a module for each handler, and the ``__init__.py`` of the extra topics' package."""
     for route in bridge.routes:
         if route.standard:
             text = _handler(bridge, route, route.standard, spelling.handler_class(route), is_extra=False)

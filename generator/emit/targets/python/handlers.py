@@ -1,4 +1,4 @@
-"""Handlers of rows: one class in one module for each row."""
+"""Generated handlers, which convert between payload and ROS message: one module with one class for each row."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from roverlink.generator.emit.targets.python.packages import package_file
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield the handlers of rows with own messages, and the package of all handlers."""
+    """Yield a module for each handler of a row with a generated ROS message, and the ``__init__.py`` of all handlers.
+
+    The module `extra_topics` yields the handlers of rows with a standard message.
+    """
     converters = Converters(bridge)
     for route in bridge.routes:
         if route.conversion:

@@ -8,11 +8,11 @@ from collections.abc import Iterable
 from roverlink.generator.emit.python_format import LINE_LENGTH
 
 Import = tuple[str, str]
-"""Module, and a name that is imported from it."""
+"""Module, and a name that is imported from it: ``("roverlink.runtime.core", "cdr")``. The name may be ``cdr as c``."""
 
 
 def import_lines(imports: Iterable[Import]) -> list[str]:
-    """Return one statement for each module. Statements for protobuf's library form a block before the others."""
+    """Return the import statements, one for each module. Statements for protobuf's library form the first block."""
     names: dict[str, set[str]] = {}
     aliased = set()
     for module, name in imports:

@@ -1,4 +1,7 @@
-"""Classes of the standard messages that the table needs, with their nested messages: one module for each package."""
+"""Generated dataclasses for the standard messages that the table needs, and for their nested messages.
+
+There is one module for each ROS 2 package: ``generated/interfaces/sensor_msgs.py``.
+"""
 
 from __future__ import annotations
 
@@ -26,12 +29,12 @@ OF_THE_RUNTIME = frozenset(
         "tf2_msgs/msg/TFMessage",
     }
 )
-"""Messages whose classes are in `roverlink.runtime.interfaces`; generated code imports them from there."""
+"""Messages whose classes `roverlink.runtime.interfaces` contains; generated code imports these classes."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Constant:
-    """Class attribute for a constant."""
+    """Class attribute of a generated dataclass, for a constant of the ROS message."""
 
     name: str
     annotation: str
@@ -40,7 +43,7 @@ class _Constant:
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """Field of a dataclass."""
+    """Field of a generated dataclass, as source code."""
 
     name: str
     annotation: str
@@ -49,7 +52,7 @@ class _Field:
 
 @dataclass(frozen=True, slots=True)
 class _Message:
-    """Dataclass of a message."""
+    """Generated dataclass of a ROS message, as the template reads it."""
 
     ros: str
     """Full name of the ROS message."""
@@ -60,7 +63,7 @@ class _Message:
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield the modules, and the package that contains them."""
+    """Yield a module for each ROS 2 package, and the ``__init__.py`` of the folder. Yield nothing if none is needed."""
     if not bridge.interfaces:
         return
     for package, interfaces in itertools.groupby(bridge.interfaces, lambda interface: interface.package):
@@ -71,14 +74,20 @@ def emit(bridge: ir.Bridge) -> Files:
 
 
 def reference(name: str, within: str = "") -> str:
-    """Return the expression of a message's class: ``sensor_msgs.Imu``, or ``Imu`` in the module of its own package."""
+    """Return the expression for a ROS message's class in generated code: ``sensor_msgs.Imu`` for sensor_msgs/msg/Imu.
+
+    ``within`` is the ROS package whose module contains the expression. In its own package, the class is only ``Imu``.
+    """
     package, _, local = name.partition("/msg/")
     bare = package in (_TIMES, within)
     return local if package == _TIMES else _class(local) if bare else f"{package}.{_class(local)}"
 
 
 def import_of(name: str, generated: str) -> Import:
-    """Return the import for `reference`: a module, and the name that is imported from it."""
+    """Return the import that the result of `reference` needs: ``("generated.interfaces", "sensor_msgs")``.
+
+    ``name`` is the full name of the ROS message, ``generated`` the import name of the generated package.
+    """
     package, _, local = name.partition("/msg/")
     return ("roverlink.runtime.interfaces", local) if package == _TIMES else (f"{generated}.interfaces", package)
 
@@ -114,7 +123,7 @@ def _module(bridge: ir.Bridge, package: str, interfaces: list[Interface]) -> str
 
 
 def _holders_last(interfaces: list[Interface]) -> Iterator[Interface]:
-    """Sort messages so that each comes after those that it contains."""
+    """Yield the messages in an order in which each message comes after the messages of its fields."""
     by_name = {interface.name: interface for interface in interfaces}
     done: set[str] = set()
 
@@ -151,7 +160,7 @@ def _constant(constant: InterfaceConstant) -> _Constant:
 
 
 def _marks(type: InterfaceType) -> Iterator[str]:
-    """Return the names that the annotation of a type needs from `roverlink.runtime.core.messages`."""
+    """Yield the names that an annotation needs from `roverlink.runtime.core.messages`: ``Float64``, ``Length``."""
     is_bytes = type.is_many and type.name == "uint8"
     if not type.is_message and type.name != "string" and not is_bytes:
         yield spelling.primitive(type.name)
@@ -182,7 +191,7 @@ def _field(field: InterfaceField, package: str) -> _Field:
 
 
 def _default(field: InterfaceField) -> str:
-    """Return a default that all messages can share; empty if each needs its own, such as a new list."""
+    """Return a field's default as source code; empty if each message needs its own value, such as a new list."""
     type = field.type
     if type.is_many and type.name == "uint8":
         return 'b""' if type.length is None else f"bytes({type.length})"

@@ -1,4 +1,4 @@
-"""Dataclasses of ROS messages: one class in one module for each message."""
+"""Generated dataclasses of the messages in the generated ROS 2 package: one module with one class for each message."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from roverlink.generator.emit.type_hashes import type_hashes
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """Field of the dataclass."""
+    """Field of a generated dataclass, as source code."""
 
     name: str
     annotation: str
@@ -30,7 +30,7 @@ class _Field:
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield the message classes, and their package."""
+    """Yield a module for each message class, and the ``__init__.py`` of their package."""
     hashes = type_hashes(bridge)
     for message in bridge.messages:
         text = _message(bridge, message, hashes[message.name])
@@ -70,7 +70,7 @@ def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
 
 
 def _classes(bridge: ir.Bridge, message: ir.RosMessage) -> set[Import]:
-    """Return the classes of the message's fields."""
+    """Return module and name of the class of each field that is a message itself."""
     types = [field.type for field in message.fields if field.type.is_message]
     return {
         (
@@ -86,7 +86,10 @@ def _classes(bridge: ir.Bridge, message: ir.RosMessage) -> set[Import]:
 
 
 def _local_classes(bridge: ir.Bridge, message: ir.RosMessage) -> Mapping[str, str]:
-    """Return the local name of each class, because a constant hides a class of the same name inside a class body."""
+    """Return the local name under which the module imports the class of each message field: ``Point``.
+
+    The name is ``Point_`` if the message has a constant ``Point``, which hides the class inside the class body.
+    """
     constants = {constant.name for constant in message.constants}
     return {name: f"{name}_" if name in constants else name for _, name in _classes(bridge, message)}
 

@@ -1,4 +1,4 @@
-"""Package files ``__init__.py`` that import the names of a package."""
+"""Files ``__init__.py`` of generated packages. They import the classes from the modules of the package."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.generator.emit.targets.python.imports import import_lines
 
 
 def package_file(bridge: ir.Bridge, package: str, docstring: str, classes: Mapping[str, str]) -> tuple[str, str]:
-    """Return path and text of a package's ``__init__``; ``classes`` maps classes to their modules."""
+    """Return path and text of a package's ``__init__.py``; ``classes`` maps the names of classes to their modules."""
     own = f"{bridge.python_package}.{package}"
     text = render(
         "package.py.j2",

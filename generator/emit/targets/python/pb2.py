@@ -7,7 +7,8 @@ The moved text differs from protoc's output in these points:
 - The module name that protoc passes to ``BuildTopDescriptorsAndMessages`` gets the same prefix; it becomes the
   ``__module__`` of the classes.
 - protoc's stubs (.pyi) do not allow a number for an enum field, although protobuf accepts it; `int` is added.
-- protoc's stubs do not allow fields that are named by keywords, which can only be given as ``**kwargs``.
+- If a message has a field whose name is a Python keyword, protoc's stubs declare ``**kwargs`` without a type; the type
+  `object` is added.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ _MAP_OF_SCALARS = re.compile(r"_containers\.ScalarMap\[(?:int|bool|str), (?P<val
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield each compiled module with its stub, and the packages that contain them."""
+    """Yield the module and the stub (.pyi) of each .proto file, and the ``__init__.py`` files of their packages."""
     packages = {"generated/pb2"}
     for path, text in bridge.modules.items():
         source = path.rpartition("_pb2")[0] + ".proto"

@@ -1,4 +1,7 @@
-"""Registry of handlers by number, and checks of the loaded protobuf modules against the generated code."""
+"""Generated modules ``registry.py`` and ``checks.py``.
+
+The registry lists the peers and the handlers. The checks compare the loaded protobuf modules with the generated code.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,8 @@ from roverlink.generator.ir.msg_types import msg_type
 def emit(bridge: ir.Bridge, fast: Mapping[str, Serializer]) -> Files:
     """Yield ``registry.py``, ``checks.py`` and the ``__init__.py`` that exports the registry and the handlers.
 
-    ``fast`` are the serializers by the names of the handlers.
+    ``fast`` contains serializers, by the names of handler classes. The registry uses the serializer in place of the
+    handler, because a serializer is a faster subclass of the handler.
     """
     module, own = spelling.proto_module(bridge.envelope.file), bridge.python_package
     handlers = {spelling.handler_class(route): f"{own}.handlers" for route in bridge.routes}
@@ -60,7 +64,8 @@ def _becomes(route: ir.Route) -> str:
 def fingerprint(bridge: ir.Bridge) -> str:
     """Return SHA-256 over the wire schema, the routes, and the conversion of each field.
 
-    If it is equal on two machines, both read the same bytes in the same way and publish the same messages.
+    If the result is equal on two machines, both machines read the same bytes in the same way, and publish the same
+    messages.
     """
     routes = [
         f"{route.number} {route.name} {route.topic} {route.direction} {route.proto} {_becomes(route)}"
@@ -76,7 +81,7 @@ def fingerprint(bridge: ir.Bridge) -> str:
 
 
 def _meanings(bridge: ir.Bridge) -> Iterator[str]:
-    """Yield the ROS messages, and the source of each of their fields."""
+    """Yield the fields of each ROS message and the proto field of each, as lines of text for `fingerprint`."""
     for message in bridge.messages:
         yield from (f"{message.name} {msg_type(field.type)} {field.name}" for field in message.fields)
         yield from (f"{message.name} {constant.name}={constant.value}" for constant in message.constants)

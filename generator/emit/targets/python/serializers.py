@@ -1,8 +1,9 @@
-"""Fast serializers: subclasses of handlers that serialize a payload with one call of `struct`.
+"""Fast serializers: generated subclasses of handlers that make the bytes of a ROS message with one call of `struct`.
 
-CDR aligns each primitive to its own size (at most 8 bytes), counted from the start of the message. The padding is
-therefore known at generation time only if nothing before it has a variable size. A message gets a serializer if
-everything in it that varies has a fixed size; strings may only be constants.
+They use the values of the payload directly, without an object for the ROS message. CDR, the encoding of ROS messages,
+aligns each primitive to its own size (at most 8 bytes), counted from the start of the message. The padding is therefore
+known at generation time only if nothing before it has a variable size. A message gets a serializer if everything in it
+that varies has a fixed size; strings may only be constants.
 """
 
 from __future__ import annotations
@@ -37,52 +38,54 @@ _MOST_VALUES = 400  # more arguments in one call would be unreadable
 
 @dataclass(frozen=True, slots=True)
 class Serializer:
-    """Module of a serializer."""
+    """Generated module with one serializer class."""
 
     file: str
+    """Name of the module, without a suffix: ``imu_info``."""
     name: str
-    """Name of the class."""
+    """Name of the class: ``FastImuInfoHandler``."""
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class _Extended:
-    """Handler class that a serializer extends."""
+    """Generated handler class that is the base class of a serializer."""
 
     route: ir.Route
     name: str
     module: str
     file: str
-    """Name of the serializer's module."""
+    """Name of the serializer's module, without a suffix: ``imu_info``."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Constants:
-    """Constant parts of a standard message, which are serialized only once."""
+    """Constant parts of a standard message. Generated code serializes them only once, when it is imported."""
 
     message: str
-    """Expression of a message with all constant values."""
+    """Python expression for a message in which only the constant fields are set."""
     names: list[str]
-    """Names of the constant bytes, in order."""
+    """Variables for the constant bytes, in the order of the message: ``_BEFORE_LATITUDE``, ``_END``."""
     varying_paths: list[str]
+    """Paths of the fields that vary, with dots: ``header.stamp``."""
 
 
 @dataclass
 class _Body:
-    """Arguments of the `struct` call, and the module's needs for them."""
+    """Arguments of the generated `struct` call, with the assignments and the imports that they need."""
 
     values: list[str] = field(default_factory=list)
     locals: list[tuple[str, str]] = field(default_factory=list)
-    """Assignments before the call."""
+    """Assignments before the call: local variables, and the expression that is assigned."""
     imports: set[Import] = field(default_factory=set)
 
 
 class _VariableSizeError(Exception):
-    """Error for a message that has a part of variable size, too many parts, or none."""
+    """Error for a message that cannot have a fast serializer, usually because a part of it has a variable size."""
 
 
 def serializers(bridge: ir.Bridge) -> dict[str, Serializer]:
-    """Return the serializers by the names of the handlers' classes."""
+    """Return the serializer of each handler that can have one, by the name of the handler's class."""
     by_ros = bridge.conversions()
     found: dict[str, Serializer | None] = {}
     for route in bridge.routes:
@@ -103,7 +106,7 @@ def serializers(bridge: ir.Bridge) -> dict[str, Serializer]:
 
 
 def emit(bridge: ir.Bridge, fast: Mapping[str, Serializer]) -> Files:
-    """Yield the serializers, and their package."""
+    """Yield the modules of the serializers in ``fast``, and the ``__init__.py`` of their package."""
     for serializer in fast.values():
         yield f"generated/serializers/{serializer.file}.py", serializer.text
     docstring = "Handlers that convert and serialize in one step; the registry loads them."
@@ -162,7 +165,7 @@ def _of_conversion(
 
 
 class _Flattener:
-    """Collector of a payload's values in the order of serialization."""
+    """Collector of the expressions for a payload's values, in the order in which CDR serializes the ROS message."""
 
     def __init__(self, payload: ir.Conversion, by_ros: Mapping[str, ir.Conversion], handler_module: str) -> None:
         self._payload, self._by_ros, self._handler_module = payload, by_ros, handler_module
@@ -171,7 +174,10 @@ class _Flattener:
         self.body = _Body()
 
     def add(self, conversion: ir.Conversion, holder: str, path: tuple[str, ...]) -> None:
-        """Add the values that a conversion takes from the payload in the variable ``holder``."""
+        """Add the expressions for the values of a proto message, which is the payload or a message inside it.
+
+        ``holder`` is the variable with the proto message in generated code. ``path`` leads to it from the payload.
+        """
         if not conversion.fields:
             raise _VariableSizeError
         for converted in conversion.fields:
@@ -209,7 +215,7 @@ class _Flattener:
             values.append(f"{value}.{converted.wrapping.field}" if converted.wrapping else value)
 
     def _hold(self, expression: str, path: tuple[str, ...]) -> str:
-        """Return a local variable for a nested payload, so that its attribute is looked up only once."""
+        """Return the local variable for a nested proto message, so that generated code reads the message only once."""
         if expression in self._held:
             return self._held[expression]
         name = spelling.module("_".join(path))
@@ -252,9 +258,10 @@ def _of_standard(bridge: ir.Bridge, handler: _Extended, standard: StandardTopic)
 def _leaves(
     fields: Iterable[TargetField], path: Path, definitions: Mapping[str, Interface]
 ) -> Iterator[tuple[Path, bool]]:
-    """Yield the path of each primitive of a message; the flag is True if its value varies.
+    """Yield the path of each leaf of a standard message, and True if its value varies between messages.
 
-    Raises `_VariableSizeError` if a varying part has no fixed size.
+    A leaf is a field without parts, or a whole field that is constant. Raises `_VariableSizeError` if a varying leaf
+    has no fixed size.
     """
     for target in fields:
         own, value, type = (*path, target.name), target.value, target.type
@@ -280,7 +287,10 @@ def _primitives(interface: Interface, path: Path, definitions: Mapping[str, Inte
 
 
 def _gaps(leaves: Iterable[tuple[Path, bool]]) -> Iterator[str]:
-    """Yield the name of the constant bytes before each varying value and at the end; empty if there are none."""
+    """Yield the variable for the constant bytes before each varying value, and for those after the last value.
+
+    The names are ``_BEFORE_LATITUDE`` and ``_END``; a name is empty if there are no constant bytes at its place.
+    """
     fixed = True  # the message starts with the four bytes of the CDR encapsulation header
     for path, varies in leaves:
         if varies:
@@ -290,7 +300,7 @@ def _gaps(leaves: Iterable[tuple[Path, bool]]) -> Iterator[str]:
 
 
 class _StandardBody(_Body):
-    """Arguments of the `struct` call for a standard message."""
+    """Arguments of the generated `struct` call for a standard message."""
 
     def __init__(self, speller: StandardSpeller, gaps: list[str], definitions: Mapping[str, Interface]) -> None:
         super().__init__()
@@ -298,7 +308,7 @@ class _StandardBody(_Body):
         self._gaps = iter(gaps)
 
     def add(self, fields: Iterable[TargetField]) -> None:
-        """Add the values of fields in the order of CDR, each after the constant bytes before it."""
+        """Add the expressions of the varying fields in the order of CDR, each after the constant bytes before it."""
         for target in fields:
             value = target.value
             if isinstance(value, Parts):
@@ -322,14 +332,20 @@ class _StandardBody(_Body):
             self.values += [part for part in (next(self._gaps), value) if part]
 
     def _unpack(self, call: str, names: Iterable[str]) -> None:
-        """Assign the results of a call to variables, which is faster than ``*call()`` among other arguments."""
+        """Add an assignment of a call's results to local variables, and add the variables as arguments.
+
+        In generated code, this is faster than ``*call()`` among other arguments.
+        """
         own = [f"{name}{len(self.locals) or ''}" for name in names]
         self.locals.append((", ".join(own), call))
         self._append(*own)
 
 
 def _varying(fields: Iterable[TargetField], path: Path) -> Iterator[str]:
-    """Yield the paths of varying parts; a message that varies completely is one path."""
+    """Yield the dotted path of each field whose value depends on the payload, and is not a constant.
+
+    If all fields of a nested message depend on the payload, the message is yielded as one path.
+    """
     for target in fields:
         own = (*path, target.name)
         if _varies(target):
@@ -339,7 +355,7 @@ def _varying(fields: Iterable[TargetField], path: Path) -> Iterator[str]:
 
 
 def _varies(target: TargetField) -> bool:
-    """Return True if every part of a field varies."""
+    """Return True if the value of a field depends on the payload; for a nested message, if every field in it does."""
     if isinstance(target.value, Parts):
         return bool(target.value.fields) and all(_varies(part) for part in target.value.fields)
     return not isinstance(target.value, (Constant, Unset))

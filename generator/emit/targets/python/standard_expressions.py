@@ -1,4 +1,4 @@
-"""Python expressions that fill a standard message from a payload, and those of the opposite direction."""
+"""Python expressions that fill a standard message from a payload, and expressions that compute the payload from it."""
 
 from __future__ import annotations
 
@@ -40,36 +40,41 @@ _PYTHON = Dialect(separator="_", pi="math.pi", power="{base}**{exponent}", const
 
 @dataclass(frozen=True, slots=True)
 class TableCase:
-    """Value of an enum and its counterpart, as expressions."""
+    """Entry of a `Table`: an enum value, ``key``, and the value of the standard message that stands for it.
+
+    Both values are Python expressions.
+    """
 
     key: str
     counterpart: str
     comment: str
-    """Name of the value if the key is its number; else empty."""
+    """Name of the enum value if ``key`` is only its number; else empty."""
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Table of an enum's values and their counterparts in the standard message."""
+    """Generated dict from the values of a payload's enum to values of the standard message."""
 
     name: str
+    """Name of the dict in generated code: ``FIX_QUALITY``."""
     field: str
-    """Payload's field in error messages."""
+    """Name of the payload's field in error messages."""
     cases: tuple[TableCase, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class InverseTable:
-    """Table for the opposite direction."""
+    """Generated dict from values of the standard message to values of a payload's enum: the inverse of a `Table`."""
 
     name: str
     of: str
+    """Name of the dict that is inverted: ``FIX_QUALITY``."""
     field: str
-    """Message's field in error messages."""
+    """Name of the standard message's field in error messages."""
 
 
 class StandardSpeller:
-    """Speller of one standard message. It collects the constants, tables and imports of the expressions."""
+    """Writer of the Python expressions for one standard message. It collects the constants, enum tables and imports."""
 
     def __init__(self, standard: StandardTopic, generated: str) -> None:
         self._standard, self._generated = standard, generated
@@ -79,24 +84,27 @@ class StandardSpeller:
         self.imports: set[Import] = {interfaces.import_of(standard.message, generated)}
         self.table_imports: set[Import] = set()
         self._enum_modules = {spelling.proto_module(standard.file): standard.file}
-        """.proto file of each module of protobuf's classes."""
+        """.proto file of each imported protobuf module, by the module's name: ``imu_pb2``."""
         self.takes_stamp = False
-        """True if a value is the time of reception."""
+        """True if a field of the message is filled with the time at which the datagram was received."""
 
     @property
     def constants(self) -> Mapping[str, str]:
-        """Names and expressions of factors with pi."""
+        """Expressions of the factors that contain π, by constant name: ``DEG_TO_RAD`` is ``math.pi / 180``."""
         return self._arithmetic.constants
 
     # --- to ROS ---
 
     def arguments(self, fields: Iterable[TargetField], *, varying: bool = True) -> tuple[Argument, ...]:
-        """Spell the arguments of a message's class; without ``varying`` only those that never change."""
+        """Return the keyword arguments that construct a message with these fields.
+
+        If ``varying`` is false, return only the arguments that are the same in every message.
+        """
         found = ((field.name, self._argument(field, varying)) for field in fields)
         return tuple(Argument(name, value) for name, value in found if value)
 
     def _argument(self, field: TargetField, varying: bool) -> str:
-        """Spell a field's value; empty if it keeps its default."""
+        """Return the expression for a field's value; empty if `arguments` leaves the field out."""
         value = field.value
         if isinstance(value, Parts):
             parts = self.arguments(value.fields, varying=varying)
@@ -123,7 +131,7 @@ class StandardSpeller:
         return f"{interfaces.reference(message)}({arguments})"
 
     def value(self, value: Taken | Chosen) -> str:
-        """Spell the value that comes from one field of the payload."""
+        """Return the expression for a value that comes from one payload field: ``payload.gyro_x * DEG_TO_RAD``."""
         if isinstance(value, Chosen):
             return self._chosen(value)
         if value.source.repeated:
@@ -137,7 +145,7 @@ class StandardSpeller:
         return f'{taken} if {".".join(("payload", *holders))}.HasField("{name}") else {default}'
 
     def items(self, value: Taken) -> str:
-        """Spell the values of a repeated field as an iterable."""
+        """Return the expression for an iterable over the converted items of a repeated field."""
         source, item = _payload(value.source), self._scaled(value, "item")
         return source if item == "item" else f"[{item} for item in {source}]"
 
@@ -154,7 +162,7 @@ class StandardSpeller:
         return f"{name}.get({_payload(value.source)}, {default})"
 
     def _table(self, value: Chosen) -> str:
-        """Return the name of an enum's table."""
+        """Return the name of the generated dict for an enum field, ``FIX_QUALITY``. Add the dict to `tables`."""
         self.table_imports.add(("roverlink.runtime.core.standard_handler", "Counterparts"))
         cases = tuple(self._cases(value))
         name = "_".join(value.source.path).upper()
@@ -172,7 +180,11 @@ class StandardSpeller:
                 yield TableCase(str(case.number), counterpart, case.name)
 
     def _enum(self, enum: SourceEnum) -> str:
-        """Spell an enum's class; empty if its name, or the module of another file, prevents it."""
+        """Return the expression for an enum's class: ``gps_pb2.FixQuality``. Add the import of its module.
+
+        Return an empty text if a part of the class's name is a Python keyword, or if the module has the same name as
+        the module of another .proto file.
+        """
         module = spelling.proto_module(enum.file)
         is_usable = not any(map(keyword.iskeyword, enum.local_name.split(".")))
         if not is_usable or self._enum_modules.setdefault(module, enum.file) != enum.file:
@@ -181,21 +193,21 @@ class StandardSpeller:
         return f"{module}.{enum.local_name}"
 
     def _constant(self, constant: Constant, imports: set[Import]) -> str:
-        """Spell a single value."""
+        """Return the expression for a constant: the name of a ROS constant, whose import is added, or a literal."""
         if not constant.name:
             return _literal(constant.value)
         imports.add(interfaces.import_of(constant.holder, self._generated))
         return f"{interfaces.reference(constant.holder)}.{constant.name}"
 
     def rotation(self, value: Rotation) -> str:
-        """Spell a call that returns a quaternion as x, y, z and w."""
+        """Return the call that computes a quaternion from roll, pitch and yaw. The call returns x, y, z and w."""
         self.imports.add(("roverlink.runtime.convert", "rotations"))
         parts = (value.roll, value.pitch, value.yaw)
         angles = [_literal(part.value) if isinstance(part, Constant) else self.value(part) for part in parts]
         return f"rotations.quaternion({', '.join(angles)})"
 
     def moment(self, value: Moment) -> str:
-        """Spell a call that returns a field's time as seconds and nanoseconds."""
+        """Return the expression that converts a payload field to a time: a pair of seconds and nanoseconds."""
         source = value.source
         text = _payload(source) if source else ""
         whole = source is not None and source.is_integer and value.nanoseconds.denominator == 1
@@ -205,7 +217,10 @@ class StandardSpeller:
     # --- from ROS ---
 
     def angles(self) -> Iterator[tuple[str, str]]:
-        """Yield the assignments of quaternions' angles, with which ``from_ros`` starts."""
+        """Yield the first assignments in ``from_ros``, which compute angles from quaternions: variables and expression.
+
+        An assignment is ``("roll, pitch, yaw", "rotations.angles(message.orientation)")``.
+        """
         for index, recovered in enumerate(self._standard.recovered):
             if isinstance(recovered.value, Rotation):
                 self.imports.add(("roverlink.runtime.convert", "rotations"))
@@ -213,7 +228,7 @@ class StandardSpeller:
                 yield ", ".join(names), f"rotations.angles({_message(recovered.path)})"
 
     def recovered(self) -> tuple[Argument, ...]:
-        """Spell the arguments of the payload's class."""
+        """Return the arguments with which ``from_ros`` constructs the payload."""
         found: dict[Path, str] = {}
         for index, recovered in enumerate(self._standard.recovered):
             for source, value in self._recovered(recovered, index):
@@ -253,7 +268,7 @@ class StandardSpeller:
 
 
 def _angles(recovered: Recovered, index: int) -> Iterator[tuple[Taken | Constant, str]]:
-    """Yield the angles of a rotation with the names of their variables; ``index`` makes the names unique."""
+    """Yield the angles of a rotation with the names of their variables. ``index`` makes the names unique: ``roll2``."""
     rotation = recovered.value
     if isinstance(rotation, Rotation):
         parts = (rotation.roll, rotation.pitch, rotation.yaw)
@@ -261,7 +276,10 @@ def _angles(recovered: Recovered, index: int) -> Iterator[tuple[Taken | Constant
 
 
 def _nested(found: list[tuple[Path, str]], depth: int) -> Iterator[tuple[str, str]]:
-    """Spell fields by path; fields of a nested message become one dict."""
+    """Yield the name and the expression of each payload field at ``depth`` of the paths in ``found``.
+
+    The fields of a nested message become one dict: ``{"x": message.position.x}``.
+    """
     for name, group in itertools.groupby(found, lambda pair: pair[0][depth]):
         members = list(group)
         if len(members[0][0]) == depth + 1:
@@ -297,7 +315,7 @@ def _list(values: tuple[Scalar, ...], type: InterfaceType) -> str:
 
 
 def _is_attribute(name: str) -> bool:
-    """Return True if an enum's class in Python gives a value by this name."""
+    """Return True if Python can read the enum value ``name`` as an attribute of the enum's class: ``Fix.NONE``."""
     return not keyword.iskeyword(name) and name not in dir(EnumTypeWrapper)
 
 

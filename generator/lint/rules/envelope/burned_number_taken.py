@@ -1,10 +1,11 @@
-"""A payload takes a number that several other payloads had in the past.
+"""A payload takes a burned number: a number that several other payloads had in the past.
 
-`roverlink lint --history --accept` burned this number: boards and recordings disagree on its meaning.
+A burned number must never be used again, because boards and recordings disagree on its meaning. The command `roverlink
+lint --history --accept` finds such numbers in git's history, and lists them as burned in the ledger (mapping.lock).
 
 Bad::
 
-    # mapping.lock, burned: `PBEnvelope 18: Foo foo | Bar bar`
+    # mapping.lock says under `burned`: `PBEnvelope 18: Foo foo | Bar bar`
     - {number: 18, name: baz, proto: Baz, topic: baz, direction: hardware_to_ros}
 
 Good::
@@ -33,6 +34,6 @@ def check(context: Context) -> Iterator[Diagnostic]:
         one = burned.get(row.number)
         if one is not None and (one.now is None or one.now[0] != row.proto):
             told = " and ".join(dict.fromkeys(repr(type) for type, _ in one.uses))
-            help = f"give {row.name!r} the number {context.next_number()}"
+            help = f"give {row.name!r} the number {context.next_number()}, which was never used"
             message = f"field {row.number} was used for {told} in the past, and must never be used again"
             yield RULE.at(row.at("number"), message, help, type=envelope, number=row.number)

@@ -35,7 +35,7 @@ from roverlink.generator.protos.schema import ProtoMessage
 from roverlink.generator.table import Row, Table
 
 RULE = Rule("ENV105", "envelope-disagrees", __doc__)
-_GENERATE = "run `roverlink generate`"
+_GENERATE = "run `roverlink generate`, which writes the envelope's file from the table"
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,9 +63,14 @@ class _HelpTexts:
 
 
 _OF_OWNER = {
-    "mapping": _HelpTexts(_GENERATE, _GENERATE, _GENERATE, _GENERATE),
+    "mapping": _HelpTexts(
+        missing=_GENERATE,
+        differs=_GENERATE,
+        no_row="add a row for the member under `messages`, or run `roverlink generate`, which removes the member",
+        retired="run `roverlink generate`, which removes the member",
+    ),
     "proto": _HelpTexts(
-        missing="correct the number, or add the member in the envelope's repository",
+        missing="correct the number of the row, or add the member in the envelope's repository",
         differs="correct the row, or the member in the envelope's repository",
         no_row="add a row for the member under `messages`",
         retired="remove the member in the envelope's repository",
@@ -196,10 +201,10 @@ def _without_row(member: _Member, context: Context, help_texts: _HelpTexts) -> I
     table, number = context.table, member.number
     envelope = table.envelope.message
     if number in {row.number for row in table.retired}:
-        message = f"{member} is retired in {table.file}"
+        message = f"{member} is still in the envelope, but its number is retired in {table.file}"
         yield RULE.at(member.span, message, help_texts.retired, type=envelope, number=number)
     elif table.whole and number not in table.numbers:
-        message = f"{member} has no row in {table.file}"
+        message = f"{member} of the envelope has no row in {table.file}"
         rests_on = [row.at("number") for row in table.rows if row.proto == member.type]
         rests_on += [entry.span for entry in context.published if entry.number == number]
         yield RULE.at(member.span, message, help_texts.no_row, type=envelope, number=number, rests_on=rests_on)

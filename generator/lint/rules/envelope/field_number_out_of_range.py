@@ -31,7 +31,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
             yield RULE.at(
                 row.at("number"),
                 f"field {row.number} {message}",
-                "take a smaller number",
+                f"choose a number below {IMPLEMENTATION_NUMBERS.start}",
                 type=envelope,
                 number=row.number,
             )

@@ -1,8 +1,9 @@
 """A published field number is given to another payload.
 
-An old board and a new rover would decode each other's bytes as the wrong message, without an error. The ledger has
-every number that was ever published, and the baseline of `--against` has its own. A number can only be retired for the
-payload that had it.
+An old board and a new rover would decode each other's bytes as the wrong message, without an error. A number is
+published when `roverlink generate` writes it to the ledger (mapping.lock), which keeps all numbers forever. With
+`--against`, the numbers of the earlier state count as published, too. An entry under `retired` must name the payload
+that had the number.
 
 Bad::
 
@@ -37,7 +38,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
     envelope = context.table.envelope.message
     for row in context.table.rows:
         for entry in _others(row, published.values()):
-            help = f"give {row.name!r} the number {context.next_number()}; keep {entry.name!r}, or move it to `retired`"
+            help = f"give {row.name!r} the number {context.next_number()}"
+            help = f"{help}; keep the row of {entry.name!r}, or move that row to `retired`"
             yield _finding(row, entry, help, envelope)
     for retired in context.table.retired:
         for entry in _others(retired, published.values()):
@@ -57,7 +59,7 @@ def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry
 
 
 def _finding(row: Row | RetiredRow, entry: Entry, help: str, envelope: str) -> Diagnostic:
-    message = f"field {row.number} was published for {entry.name!r} ({entry.proto}), not for {row.proto}"
+    message = f"field {row.number} was published for {entry.name!r} ({entry.proto}), but is given to {row.proto} here"
     also = [(entry.span, "published here")]
     rests_on = [row.at("number"), row.at("proto")]
     return RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)

@@ -1,6 +1,6 @@
 """Two payloads of the envelope have the same field number.
 
-The receiver cannot tell them apart on the wire. A retired number is taken forever, because boards that send the old
+The receiver cannot tell the two payloads apart. A retired number is taken forever, because boards that send the old
 payload may still be in use.
 
 Bad::
@@ -45,7 +45,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     next_number = context.next_number()
     for row in table.rows:
         old = published.get((row.proto, row.name))
-        help = f"the next number that was never used is {next_number}"
+        help = f"use {next_number}, the next number that was never used"
         if old is not None and old not in table.numbers:
             help = f"give {row.name!r} back its published number {old}"
         if row.number in holders:

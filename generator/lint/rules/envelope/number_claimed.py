@@ -1,7 +1,7 @@
 """A payload takes a number that a comment in the envelope names for another payload.
 
 A member that is commented out was often in use once, or is in use on another branch. Boards may still send it. Ask the
-author of the comment before you take its number.
+author of the comment before you use the number.
 
 Bad::
 

@@ -1,8 +1,8 @@
 """A number that was used in the past is not reserved in the envelope.
 
-Boards that send it may still be in use. If the next payload gets the number, it is mistaken for the old payload. This
-rule checks an envelope of another repository (`owner: proto`). If the table owns the envelope, `retired` reserves the
-number.
+Boards that send the old payload may still be in use. If a new payload gets the number, the rover mistakes the old
+payload for the new one. This rule checks an envelope of another repository (`owner: proto`). If the table owns the
+envelope (`owner: mapping`), an entry under `retired` reserves the number.
 
 Bad::
 

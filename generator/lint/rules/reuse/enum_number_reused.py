@@ -1,7 +1,7 @@
 """A number of a deleted enum value is used again.
 
-The value was deleted long ago, and its number is no longer reserved. The ledger has every number that was ever
-published. A board with old firmware may still send the old value, and the rover reads it as the new one.
+The value was deleted long ago, and its number is no longer reserved. The ledger (mapping.lock) has every number that
+was ever published. A board with old firmware may still send the old value, and the rover reads it as the new one.
 
 Bad::
 

@@ -1,7 +1,7 @@
-"""A number of an enum has the meaning that another number had.
+"""A number of an enum has the meaning that another number had before.
 
-Values were swapped or shifted. Boards with old firmware still send the old numbers. The rover reads each as another
-valid value, so there is no error.
+The values of the enum were swapped or shifted. Boards with old firmware still send the old numbers. The rover reads
+each number as another valid value, so there is no error.
 
 Bad::
 
@@ -59,10 +59,11 @@ def _quoted(names: Iterable[str]) -> str:
 def _message(pair: EnumPair, number: int, gone: tuple[str, ...], value: ProtoEnumValue) -> str:
     moved = moved_here(pair, number)
     if moved is not None:
-        return f"enum value {number} was {_quoted(gone)}; it is now {moved.name!r}, which was {moved.number} before"
-    message = f"enum value {number} was {_quoted(gone)}; it is now {value.name!r}"
+        now = f"it is now {moved.name!r}, which had the number {moved.number} before"
+        return f"number {number} of the enum {pair.new.full_name!r} was {_quoted(gone)}; {now}"
+    message = f"number {number} of the enum {pair.new.full_name!r} was {_quoted(gone)}; it is now {value.name!r}"
     away = moved_away(pair, number)
-    return f"{message}, and {away.name!r} is now {away.number}" if away else message
+    return f"{message}, and {away.name!r} now has the number {away.number}" if away else message
 
 
 def _help(context: Context, pair: EnumPair, number: int, gone: tuple[str, ...], values: list[ProtoEnumValue]) -> str:

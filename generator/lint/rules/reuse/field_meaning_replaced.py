@@ -1,7 +1,8 @@
-"""A number is given to a field with another meaning.
+"""A field number is given to a field with another meaning.
 
-The new type can read the old bytes, so there is no error: the old value is read as the new quantity. A field that only
-gets a better name shares a word with the old name, or keeps the old name as its `json_name`.
+The new type can read the old bytes, so there is no error: the old value is read as the new quantity. The lint judges
+the meaning by the names. If a field only gets a better name, let the new name share a word with the old name, or keep
+the old name as its `json_name`.
 
 Bad::
 

@@ -1,7 +1,7 @@
 """A field takes a number that a comment in the same message names for another field.
 
-A field that is commented out was often in use once, or is in use on another branch. Boards may still send it, and its
-value would be read as the new field. A comment does not protect a number: reserve it.
+A field that is commented out was often in use once, or is in use on another branch. Boards may still send it, and the
+rover would read its value as the new field. A comment does not protect a number, but `reserved` does.
 
 Bad::
 

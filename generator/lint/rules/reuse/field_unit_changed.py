@@ -1,7 +1,7 @@
 """A field was renamed, and its new name says another unit, scale or reference.
 
-Number and type are the same, so there is no error: millimetres of an old sender are read as metres, hundredths of a
-degree as degrees, or a difference as a position.
+Number and type are the same, so there is no error. The receiver reads millimetres of an old sender as metres,
+hundredths of a degree as degrees, or a difference as a position.
 
 Bad::
 
@@ -42,9 +42,8 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
 
 def _message(pair: FieldPair) -> str:
     old, new = measures(pair)
-    message = (
-        f"`{pair.old.name} = {pair.old.number}` is now called {pair.new.name!r}: {old.shown} is read as {new.shown}"
-    )
+    message = f"`{pair.old.name} = {pair.old.number}` is now called {pair.new.name!r}"
+    message = f"{message}: old values ({old.shown}) are read as {new.shown}"
     times = factor(old, new)
     if times is None or times == 1:
         return message

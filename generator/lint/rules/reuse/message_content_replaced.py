@@ -1,7 +1,7 @@
 """A message has other content than the message that had its name before.
 
-Most of its numbers belong to fields with other names and other types. The name stayed the same, so boards and rows of
-the table mistake one message for the other.
+Most field numbers of the message belong to fields with other names and other types. The name of the message stayed the
+same, so boards and rows of the table mistake one message for the other.
 
 Bad::
 

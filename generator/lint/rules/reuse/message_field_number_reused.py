@@ -1,7 +1,8 @@
 """A number of a deleted field is used again.
 
-The field was deleted long ago, and its number is no longer reserved. The ledger has every number that was ever
-published. A board with old firmware may still send the old field, and the rover reads its bytes as the new one.
+The field was deleted long ago, and its number is no longer reserved. The ledger (mapping.lock) has every number that
+was ever published. A board with old firmware may still send the old field, and the rover reads its bytes as the new
+field.
 
 Bad::
 

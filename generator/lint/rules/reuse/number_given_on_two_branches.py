@@ -1,7 +1,7 @@
 """Open branches have given the same number of the envelope to different payloads.
 
-The branch that is merged second takes the number from the first, and boards with the first branch's firmware are
-misread. Before the merge, another number costs one line.
+The branch that is merged second takes the number from the first. Then the rover misreads boards with the firmware of
+the first branch. Before the merge, it is enough to change the number in one line.
 
 Bad::
 
@@ -34,9 +34,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
     for collision in past.history.collisions(envelope):
         number, given = collision.number, collision.allocations
         message = f"number {number} of {envelope!r} is {' and '.join(map(_said, given))}"
-        help = (
-            f"keep the number for one payload, and give the other payload {context.next_number()}, which no branch has"
-        )
+        free = context.next_number()
+        help = f"keep the number for one payload, and give the other payload the number {free}, which no branch uses"
         also = [
             (
                 Span(f"{branch_name(one.refs[0])}:{one.path}", one.line),
@@ -49,4 +48,5 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _said(allocation: Allocation) -> str:
-    return f"{allocation.name!r} ({allocation.type}) on {' and '.join(branch_name(ref) for ref in allocation.refs)}"
+    branches = " and ".join(f"the branch {branch_name(ref)!r}" for ref in allocation.refs)
+    return f"{allocation.name!r} ({allocation.type}) on {branches}"

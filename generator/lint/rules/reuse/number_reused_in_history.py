@@ -1,7 +1,7 @@
 """A number had different meanings in the history of the repository.
 
 A comparison of two states cannot find this. One commit deleted the number, and a later commit or another branch gave it
-to something else. Boards, basestations and rovers that were built from these commits misread each other without an
+another meaning. Boards, basestations and rovers that were built from these commits misread each other without an
 error.
 
 Bad::
@@ -14,8 +14,8 @@ Good::
 
     message PBEnvelope { oneof payload { Bar bar = 22; } reserved 18; reserved "foo"; }
 
-The past cannot be undone. `roverlink lint --history --accept` writes these numbers into the ledger. They are then never
-used again, and the lint only reports new cases.
+The past cannot be undone. `roverlink lint --history --accept` writes these numbers into the ledger
+(mapping.lock). Then no payload may use them again, and the lint only reports new cases.
 """
 
 from __future__ import annotations

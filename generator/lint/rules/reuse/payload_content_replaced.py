@@ -1,6 +1,6 @@
 """The content of a payload was replaced in history, but its name stayed the same.
 
-The envelope looks unchanged, but the bytes of the old payload are read as fields of the new one.
+The envelope looks unchanged, but the receiver reads the bytes of the old payload as fields of the new payload.
 
 Bad::
 

@@ -1,7 +1,7 @@
-"""Consumers of the protos are pinned to commits that give one number of the envelope to different payloads.
+"""Two projects use commits of the protos that give one number of the envelope to different payloads.
 
-The rover, the boards and the basestation each build the protos from their own commit. If these commits disagree about a
-number, the receiver decodes the wrong payload without an error.
+The rover, the boards and the basestation each build the protos from the commit to which the project is pinned. If these
+commits disagree about a number, the receiver decodes the wrong payload without an error.
 
 Bad::
 
@@ -36,11 +36,11 @@ def check(context: Context) -> Iterator[Diagnostic]:
     for one, other in combinations(past.pinned, 2):
         for number in one.disagreements(other):
             message = (
-                f"number {number} of {envelope!r} is {_payload(other, number)} to {other.pin.consumer!r} "
-                f"and {_payload(one, number)} to {one.pin.consumer!r}"
+                f"number {number} of {envelope!r} is {_payload(other, number)} in the project {other.pin.consumer!r}, "
+                f"but {_payload(one, number)} in the project {one.pin.consumer!r}"
             )
             also = [(one.pin.span, f"{one.pin.consumer!r} is pinned to {one.commit}")]
-            help = f"pin both projects to one commit; {other.pin.consumer!r} is at {other.commit}"
+            help = f"pin both projects to the same commit; {other.pin.consumer!r} is pinned to {other.commit}"
             yield RULE.at(other.pin.span, message, help, also, type=envelope, number=number)
 
 

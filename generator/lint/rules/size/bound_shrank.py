@@ -1,7 +1,7 @@
-"""A field accepts less than before.
+"""A field accepts less than before, because a nanopb option that limits its size was changed.
 
-Older senders still send as much as the old bound allowed. nanopb does not shorten such a value: it rejects the whole
-message, and the board never sees it. A length or a count that became fixed also rejects everything shorter.
+Older senders still send as much as the old limit allowed. nanopb does not shorten such a value: it rejects the whole
+message, and the board never sees it. With a fixed length or count, nanopb also rejects every shorter value.
 
 Bad::
 
@@ -75,8 +75,8 @@ def _check(message: ProtoMessage, now: _Bounded, before: _Bounded) -> Iterator[D
         yield RULE.at(
             now.given.places.get(option, now.field.span),
             f"'{message.full_name}.{now.field.name}' accepts {text} before",
-            f"restore `{option}`, or add a new field with a new number",
-            [(before.given.places.get(option, before.field.span), "the earlier bound is here")],
+            f"put back the old value of `{option}`, or add a new field with a new number",
+            [(before.given.places.get(option, before.field.span), "the earlier limit is here")],
             type=message.full_name,
             number=now.field.number,
         )

@@ -1,7 +1,7 @@
 """An envelope can become larger than a peer accepts.
 
-A peer with `max_size` has a buffer of that many bytes. It cuts off or drops a larger datagram. This happens only when
-the values are long, so a test on the desk often does not show it.
+A peer with `max_size` has a buffer of that many bytes, and cuts off or drops a larger datagram. This happens only if
+the values are long, so a short test often does not show it.
 
 Bad::
 
@@ -27,7 +27,7 @@ from roverlink.generator.protos.schema import Schema
 from roverlink.generator.table import Row
 
 RULE = Rule("FIX102", "envelope-too-large", __doc__)
-_HELP = "lower a bound in the .options file, split the message, or raise max_size if the peer has the memory"
+_HELP = "lower a limit in the .options file, split the message, or raise `max_size` if the peer has the memory"
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
@@ -44,7 +44,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
         for peer in (peers[name] for name in (row.peer, *row.forward) if name in peers):
             if peer.max_size is not None and size > peer.max_size:
                 largest = _largest_fields(row, schema, bounds)
-                message = f"envelopes with {row.name!r} have up to {size} bytes; {peer.name!r} accepts {peer.max_size}"
+                message = f"envelopes with {row.name!r} have up to {size} bytes"
+                message = f"{message}; the peer {peer.name!r} accepts at most {peer.max_size}"
                 also = [(peer.at("max_size"), "the limit is here")]
                 envelope = table.envelope.message
                 text = f"{message}; {largest}"

@@ -1,7 +1,8 @@
-"""A payload of a microcontroller has a field without a bound.
+"""A payload of a microcontroller has a field without a bound, which is the limit of its size.
 
 A peer with `max_size` has fixed buffers. So nanopb's options beside the .proto file must limit the length of each
-string and the count of each repeated field. A field without a bound has no buffer, and the envelope's size is unknown.
+string and the count of each repeated field. Without a bound, nanopb cannot reserve memory for the field, and the
+largest size of the envelope is unknown.
 
 Bad::
 

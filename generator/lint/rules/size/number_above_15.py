@@ -1,8 +1,8 @@
 """A microcontroller sends fields with numbers above 15.
 
 The number and the wire type of a field take one byte up to number 15, and two bytes from 16 on (encoding guide,
-"Message Structure"). A board that sends a message many times a second over a slow link pays this byte every time.
-Choose small numbers for a new message: numbers cannot change later.
+"Message Structure"). A board that sends a message many times a second over a slow link sends this byte every time.
+Choose small numbers for a new message, because published numbers must not change later.
 
 Bad::
 

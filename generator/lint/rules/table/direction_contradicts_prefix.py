@@ -1,6 +1,6 @@
 """A row's direction names one peer, but its message's name belongs to another peer.
 
-The `prefixes` of a peer are the beginnings of its messages' names. A row that expects a board's message from the
+The key `prefixes` of a peer lists the beginnings of its messages' names. A row that expects a board's message from the
 basestation is probably a mistake: the payload would never arrive, and there would be no error.
 
 Bad::
@@ -43,7 +43,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
                 prefixed = f"{row.proto!r} has the prefix of the peer {other.name!r}"
                 message = f"{row.name!r} has direction {row.direction!r}, but {prefixed}"
                 direction = f"{other.name}_to_ros" if row.inbound else f"ros_to_{other.name}"
-                help = f"write `direction: {direction}`, or add a prefix to the peer {own.name!r}"
+                help = f"write `direction: {direction}`, or add the prefix to `prefixes` of the peer {own.name!r}"
                 also = [(other.at(f"prefixes.{prefix}"), f"the peer {other.name!r} has the prefix {prefix!r}")]
                 span, envelope = row.at("direction"), table.envelope.message
                 yield RULE.at(span, message, help, also, type=envelope, number=row.number)

@@ -1,8 +1,8 @@
 """An enum value has the name of a message.
 
 In protobuf, enum values belong to the scope around the enum: `enum Kind { Motor = 0; }` declares `Kind` and `Motor`
-(language guide, "Enum"). If a file of the same package declares a message `Motor`, the two cannot be compiled together.
-Often this shows only when a file imports both.
+(language guide, "Enum"). If a file of the same package declares a message `Motor`, the two files cannot be compiled
+together. Often protoc reports this only when a third file imports both.
 
 Bad::
 

@@ -1,7 +1,7 @@
 """A setting under `lint` has no effect.
 
-It names an unknown rule, or a severity that is not lower than the rule's own. Its author believes that the lint allows
-something, or still checks something, and is wrong.
+The setting names an unknown rule, a rule that cannot be lowered, or a severity that is not lower than that of the rule.
+The author of the setting expects that it changes what the lint reports, but it does not.
 
 Bad::
 
@@ -44,13 +44,17 @@ def _check(lowered: Lowered, type: str, number: int | None) -> Iterator[Diagnost
     rule = _rules().get(lowered.rule) or buf.rule(lowered.rule)
     if rule is None:
         message = f"the lint has no rule {lowered.rule!r}"
-        yield RULE.at(lowered.span, message, "`roverlink explain` lists the rules", type=type, number=number)
+        yield RULE.at(
+            lowered.span, message, "run `roverlink explain` for a list of the rules", type=type, number=number
+        )
     elif rule.severity is Severity.FATAL:
         message = f"{rule.id} ({rule.name}) is fatal, so its severity cannot be lowered"
         yield RULE.at(lowered.span, message, "remove this setting", type=type, number=number)
     elif lowered.severity != "off" and Severity(lowered.severity).rank <= rule.severity.rank:
         message = f"{rule.id} ({rule.name}) has severity {rule.severity.value}; {lowered.severity!r} is not lower"
-        yield RULE.at(lowered.at("severity"), message, "remove this setting", type=type, number=number)
+        yield RULE.at(
+            lowered.at("severity"), message, "write a lower severity, or remove this setting", type=type, number=number
+        )
 
 
 @cache

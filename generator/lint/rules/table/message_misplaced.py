@@ -1,8 +1,9 @@
-"""The name or the folder of a message does not match its component.
+"""The name or the folder of a message does not show to which part of the rover the message belongs.
 
-The `prefixes` of the peers name the components. The message SensorBoardGPSInfo in `sensor_board/` shows by its name and
-its folder that it belongs to the sensor board. With another name or in another folder, the board's developers do not
-find it when they change their firmware. Messages of peers without prefixes may have any name.
+The key `prefixes` of a peer lists its parts, such as `SensorBoard` for the sensor board. Names of the board's messages
+must start with this prefix, as in SensorBoardGPSInfo, and their files must be in a folder `sensor_board/`. If a message
+has another name or is in another folder, the developers of the board do not find it when they change their firmware.
+Messages of peers without `prefixes` may have any name.
 
 Bad::
 
@@ -47,8 +48,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _not_prefixed(row: Row, prefixes: list[str], context: Context) -> Iterator[Diagnostic]:
-    message = f"the name of the message {row.proto!r} does not start with a prefix of a peer"
-    help = f"start the name with one of {', '.join(prefixes)}, or add its prefix to the `prefixes` of a peer"
+    message = f"the name of the message {row.proto!r} does not start with any of the `prefixes` of the peers"
+    help = f"start the name with {' or '.join(prefixes)}, or add its prefix to the `prefixes` of a peer"
     span, also = _place(row, context)
     yield RULE.at(span, message, help, also, type=row.proto)
 
@@ -58,7 +59,8 @@ def _check_folder(row: Row, prefixes: list[str], context: Context) -> Iterator[D
     folders = [snake_case(prefix) for prefix in prefixes]
     if declared is not None and PurePosixPath(declared.file).parent.name not in folders:
         message = (
-            f"{row.proto!r} is declared in {declared.file}, which is not in a folder {' or '.join(map(repr, folders))}"
+            f"{row.proto!r} is declared in {declared.file}, but its prefix requires a folder "
+            f"{' or '.join(map(repr, folders))}"
         )
         span, also = _place(row, context)
         help = "move the message to a file in that folder, or start its name with the prefix of its present folder"

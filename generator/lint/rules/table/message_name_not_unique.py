@@ -1,7 +1,7 @@
 """Two .proto files declare messages with the same name.
 
 The table, the topics and the ROS 2 messages identify a message by its name. Sooner or later, a file imports the wrong
-one of the two. Two such files without a package cannot be compiled together.
+message. If the two files declare no package, they cannot be compiled together.
 
 Bad::
 
@@ -41,7 +41,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
                     finding = RULE.at(
                         context.place(path, message.span.line, message.span.column),
                         f"the message {message.full_name!r} has the same name as a message in {first}",
-                        "start each name with its component, such as SensorBoard",
+                        "start each name with the part of the rover to which it belongs, as in SensorBoardStatus",
                         [(context.place(first, earlier.span.line, earlier.span.column), "first declared here")],
                         type=message.full_name,
                     )

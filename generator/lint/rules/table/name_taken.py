@@ -1,7 +1,8 @@
 """Two payloads of the envelope have the same name.
 
-Members of a oneof need different names, and so do handlers: names that differ only in capitals or underscores would
-become the same class. A retired name is taken forever, like its number. The oneof's own name is taken too.
+Members of a oneof need different names, and so do the generated handler classes: names that differ only in capitals or
+underscores would become the same class. A retired name is taken forever, like its number. The oneof's own name is taken
+too.
 
 Bad::
 
@@ -44,7 +45,12 @@ def check(context: Context) -> Iterator[Diagnostic]:
         first = retired.setdefault(gone.name, gone)
         if first is not gone:
             message = f"the name {gone.name!r} is retired twice"
-            yield at(gone, message, (first.at("name"), "first retired here"), "correct one of the two entries")
+            yield at(
+                gone,
+                message,
+                (first.at("name"), "first retired here"),
+                "remove one of the two entries, or correct its name",
+            )
     seen: dict[str, Row] = {}
     for row in table.rows:
         earlier = seen.setdefault(distinct(row.name), row)

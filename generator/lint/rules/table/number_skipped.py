@@ -1,6 +1,6 @@
 """A new row skips numbers.
 
-A skipped number looks as if it had been used once, and every reader has to find out. Large numbers also cost bytes: a
+A skipped number looks as if it had been used once, and every reader has to check that. Large numbers also cost bytes: a
 number above 15 takes one more byte in every datagram.
 
 Bad::
@@ -44,7 +44,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
         smallest = context.free_number(smallest + 1, besides=new.keys())
         if number > smallest:
             row = new[number]
-            message = f"field {number} skips numbers that were never used; the next such number is {smallest}"
+            message = f"field {number} skips numbers that were never used; the next number is {smallest}"
             help = f"give {row.name!r} the number {smallest} before any program uses {number}"
             rests_on = [row.at("number"), row.at("proto")]
             yield RULE.at(

@@ -1,6 +1,7 @@
 """Two peers have the same port parameter, or a peer uses a parameter of the node itself.
 
-The parameter sets the UDP port of a peer. Setting it would change both peers, or another setting of the node.
+The parameter is a ROS 2 parameter of the bridge's node, and sets the UDP port of a peer. A shared parameter would
+change both peers, or another setting of the node.
 
 Bad::
 
@@ -37,7 +38,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
             message = (
                 f"the parameter {peer.parameter!r} of the peer {peer.name!r} already belongs to the peer {first.name!r}"
             )
-            yield RULE.at(peer.at("parameter"), message, "give each peer its own parameter")
+            yield RULE.at(peer.at("parameter"), message, "give each peer its own `parameter`")
         elif peer.parameter in of_the_node:
             message = (
                 f"the parameter {peer.parameter!r} of the peer {peer.name!r} is already a parameter of the node itself"

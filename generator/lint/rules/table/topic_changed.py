@@ -1,7 +1,7 @@
-"""A published row has another topic than before.
+"""A published row has another topic than before, or lost an extra topic.
 
-Subscribers and publishers of the old topic get no error: the topic is just silent. The next `generate` writes the new
-topic into the ledger, so this warning appears once.
+Subscribers and publishers of the old topic get no error: the topic is just silent. The next `roverlink
+generate` writes the new topic into the ledger (mapping.lock), so this warning appears once.
 
 Bad::
 
@@ -19,13 +19,15 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lock import EXTRA_TOPIC, topics_of
 
 RULE = Rule("TAB107", "topic-changed", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield a diagnostic for each row that was published with the same number and message, but with another topic."""
+    """Yield a diagnostic for each topic that a row with the same number and message was published with, and lost."""
     envelope = context.table.envelope.message
+    topics = {topic.topic for row in context.table.rows for topic, *_ in topics_of(row)}
     for row in context.table.rows:
         before: dict[str, Span] = {}
         for entry in context.published:
@@ -39,3 +41,11 @@ def check(context: Context) -> Iterator[Diagnostic]:
             also = [(span, f"{topic!r} was the topic here") for topic, span in before.items()]
             rests_on = [row.at("number"), row.at("topic")]
             yield RULE.at(row.at("topic"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)
+        for key, change in context.changed_settings(row).items():
+            topic = key.removeprefix(EXTRA_TOPIC)
+            # the key of the topic's QoS has a further word
+            if change.now is None and key.startswith(EXTRA_TOPIC) and " " not in topic and topic not in topics:
+                message = f"{row.name!r} has no extra topic {topic!r} any more; {change.published}"
+                help = "restore the extra topic, or change all nodes that use it"
+                rests_on, also = [row.at("number"), row.at("proto")], change.related()
+                yield RULE.at(row.at("topic"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)

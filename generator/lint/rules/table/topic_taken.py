@@ -1,7 +1,7 @@
 """Two rows have the same topic, or one row has it twice.
 
-A topic has one type and one meaning. Two rows with one topic would mix two payloads, or send each other's messages back
-in a loop.
+A topic has one type and one meaning. Two rows with one topic would mix two payloads. If one row receives and the other
+sends, the rows would send each other's messages back in a loop.
 
 Bad::
 

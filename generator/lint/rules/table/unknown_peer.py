@@ -1,7 +1,7 @@
-"""A row names an unknown peer or direction, or forwards to an impossible peer.
+"""A row names an unknown peer or direction, or forwards datagrams to a wrong peer.
 
 `direction` is `<peer>_to_ros` or `ros_to_<peer>`. `direction` and `forward` must name a peer under `peers`, because the
-bridge has no address for others. A row that forwards to the peer it comes from would send every datagram back.
+bridge has no address for others. A row that forwards to its own peer would send every datagram back to its sender.
 
 Bad::
 

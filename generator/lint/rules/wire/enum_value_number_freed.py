@@ -1,6 +1,6 @@
 """The number of a deleted enum value is not reserved.
 
-The number looks free. If a new value gets it, boards that still send the old value are misread.
+The number looks free. If a new value gets it, the rover misreads boards that still send the old value.
 
 Bad::
 
@@ -47,5 +47,5 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
 def _message(pair: EnumPair, number: int, names: tuple[str, ...]) -> str:
     moved = {value.name: value.number for value in pair.new.values if value.name in names}
     for name, now in moved.items():
-        return f"{name!r} moved from number {number} to {now}, but {number} is not reserved"
+        return f"{name!r} moved from number {number} to {now}, but the number {number} is not reserved"
     return f"`{', '.join(names)} = {number};` was deleted from {pair.new.full_name!r}, but its number is not reserved"

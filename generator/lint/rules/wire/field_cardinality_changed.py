@@ -1,7 +1,8 @@
 """A field changes between one value and many values.
 
 A list of numbers is packed into one length-delimited value, which is not a number (encoding guide, "Packed Repeated
-Fields"). A field with one value keeps only the last of several.
+Fields"). A receiver that expects one number skips such a list. If it gets several single values, it keeps only the last
+one.
 
 Bad::
 
@@ -48,7 +49,7 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
 
 
 def _consequence(pair: FieldPair) -> str:
-    lost = "a receiver of one value keeps the last of several"
+    lost = "a receiver that expects one value keeps only the last of several values"
     if {pair.old.type, pair.new.type} <= _WITHOUT_PACKED_LISTS:
         return lost
-    return f"{lost}, and none of a packed list"
+    return f"{lost}, and skips a packed list"

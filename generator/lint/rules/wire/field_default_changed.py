@@ -1,4 +1,4 @@
-"""An absent field is read as another value than before.
+"""The default value of a field changed, so an absent field is read as another value than before.
 
 A message does not contain the default. If the sender does not set the field, nothing is sent for it, and the receiver
 uses the default that it was compiled with. After the change, old and new programs read different values from the same
@@ -44,8 +44,8 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
             old, new = shown(pair.old, change.before), shown(pair.new, change.after)
             yield RULE.at(
                 pair.new.at("default"),
-                f"an absent `{pair.new.name} = {pair.new.number}` was read as {old}, and is now read as {new}",
-                f"{_undo(pair)}, and send {new} explicitly",
+                f"`{pair.new.name} = {pair.new.number}`, if absent, was read as {old}, and is now read as {new}",
+                f"{_undo(pair)}, and set the field to {new} in each message where this value is meant",
                 change.earlier(pair.old.at("default"), f"it was {old} here"),
                 type=pair.owner,
                 number=pair.new.number,

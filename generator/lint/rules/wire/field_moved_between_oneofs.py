@@ -1,4 +1,4 @@
-"""A field moved into a oneof, out of one, or to other members.
+"""A field moved into a oneof, out of a oneof, or to a oneof with other members.
 
 A receiver keeps only the last member of a oneof that it reads (encoding guide, "Last One Wins"). If one side sends two
 fields, and the other side has both in one oneof, all but one are lost.

@@ -1,6 +1,7 @@
 """The number of a deleted field is not reserved.
 
-The number looks free. If a new field gets it, bytes of boards that still send the old field are read as the new one.
+The number looks free. If a new field gets it, the rover reads bytes of boards that still send the old field as the new
+field.
 
 Bad::
 
@@ -48,5 +49,7 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
 def _message(pair: MessagePair, field: ProtoField) -> str:
     moved = names_in_use(pair.new).get(field.name)
     if moved is not None:
-        return f"{field.name!r} moved from number {field.number} to {moved}, but {field.number} is not reserved"
+        return (
+            f"{field.name!r} moved from number {field.number} to {moved}, but the number {field.number} is not reserved"
+        )
     return f"`{field.name} = {field.number}` was deleted from {pair.new.full_name!r}, but its number is not reserved"

@@ -1,7 +1,7 @@
 """A field has a new type that reads the same bytes differently.
 
 Bytes carry a field's number and its wire type, but not its declared type (encoding guide, "Message Structure"). A board
-with old firmware still sends the old type. The rover reads other values from its bytes, or none, without an error.
+with old firmware still sends the old type. The rover reads wrong values from its bytes, or no value, without an error.
 
 Bad::
 

@@ -1,6 +1,7 @@
 """The option `message_set_wire_format` of a message changed.
 
-The option wraps each extension in a group that contains its number. Neither format can read the other.
+With this option, each extension is encoded as a group that contains the number of the extension. A program that uses
+one of the two formats cannot read the other.
 
 Bad::
 

@@ -1,7 +1,7 @@
 """A field became required, is no longer required, or was deleted while it was required.
 
-A receiver with the field as required rejects every message without it, as a whole. Both sides would have to change at
-the same moment.
+A receiver for which the field is required rejects every message that lacks the field. So senders and receivers would
+have to change at the same moment.
 
 Bad::
 
@@ -61,7 +61,7 @@ def _not_any_more(pair: MessagePair, old: ProtoField, new: ProtoField | None) ->
     became, help = f"was deleted from {pair.new.full_name!r}", put_back(pair, old)
     if new is not None:
         declared = declaration(old, pair.change.before, pair.old.full_name, pair.syntax)
-        became, help = "is now not required", f"put back `{declared}`"
+        became, help = "is no longer required", f"put back `{declared}`"
     return RULE.at(
         new.span if new else pair.new.span,
         f"`{old.name} = {old.number}` was required, and {became}: older receivers reject messages without it",
@@ -83,7 +83,7 @@ def _added(pair: MessagePair, old: ProtoField | None, new: ProtoField) -> Diagno
     optional = dataclasses.replace(new, label="optional")
     return RULE.at(
         new.span,
-        f"`{new.name} = {new.number}` {became}: messages of older senders are rejected",
+        f"`{new.name} = {new.number}` {became}: messages of older senders, without this field, are rejected",
         f"write `{declaration(optional, pair.change.after, pair.new.full_name, pair.syntax)}`",
         pair.change.earlier(place, known),
         type=pair.new.full_name,

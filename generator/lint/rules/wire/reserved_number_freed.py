@@ -1,7 +1,7 @@
-"""Numbers are no longer reserved.
+"""A message or an enum no longer reserves a number that it reserved before.
 
-They were reserved because a field or a value had them once. If a new one gets such a number, bytes of boards that still
-send the old one are misread.
+The number was reserved because a deleted field or enum value had it. If a new field or value gets the number, the rover
+misreads bytes of boards that still send the old one.
 
 Bad::
 

@@ -1,0 +1,147 @@
+"""Reading of the files of a project, which may come from a stranger's pull request.
+
+All modules that read sources use this one. A checkout can contain a link to a device or to a private file, and other
+programs can leave a pipe in the tree. Therefore:
+
+- Links are followed only inside the git repository, and never into its folder ``.git``, which can hold passwords. In no
+  repository, links are followed only inside the folder that is read.
+- Only regular files are opened. Opening a pipe would wait forever, and a device can have no end.
+- The size of a file, and the number of entries of a folder tree, have a limit.
+"""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import stat
+from collections.abc import Callable
+from pathlib import Path
+from typing import BinaryIO
+
+LARGEST = 8 << 20
+"""Largest size of a source file in bytes. The parser needs about 13 s and 600 MB for so many bytes of declarations."""
+_MOST_ENTRIES = 100_000  # of one folder tree; links between folders can make a small tree look endless
+_LEADS_OUT = "it is a link that leads out of the repository, or of the folder if there is none"
+_NO_FILE = "it is not a regular file, but a folder, a pipe or a device"
+# Neither exists on Windows. Without O_NONBLOCK, opening a file that became a pipe after the check would wait.
+_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+
+
+class RefusedFileError(OSError):
+    """Raised for a file or folder that must not be read; ``strerror`` is the reason."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(errno.EINVAL, reason)
+
+
+def read(root: Path, name: str, largest: int = LARGEST) -> bytes:
+    """Return the content of the file ``name`` below the folder ``root``.
+
+    Raises `RefusedFileError` for a link that leads out of the repository, for anything but a regular file, and for a
+    file of more than ``largest`` bytes. Raises `OSError` if the file does not exist or cannot be read.
+    """
+    with open_file(root, name) as file:
+        size = os.fstat(file.fileno()).st_size
+        data = file.read(largest + 1) if size <= largest else b""
+    if max(size, len(data)) > largest:
+        raise RefusedFileError(f"it has {max(size, len(data))} bytes; files of more than {largest} bytes are not read")
+    return data
+
+
+def read_text(root: Path, name: str) -> str:
+    """Return the content of a UTF-8 file; the line ends of all systems become line feeds.
+
+    Raises the same errors as `read`, and `UnicodeDecodeError` if the file is not UTF-8.
+    """
+    return io.TextIOWrapper(io.BytesIO(read(root, name)), encoding="utf-8").read()
+
+
+def open_file(root: Path, name: str) -> BinaryIO:
+    """Open the file ``name`` below the folder ``root`` for reading. Raises the same errors as `read`."""
+    path = _inside(os.path.join(root, name), root)
+    if not stat.S_ISREG(os.stat(path).st_mode):
+        raise RefusedFileError(_NO_FILE)
+    file = open(os.open(path, _FLAGS), "rb")  # noqa: SIM115  # the caller closes it
+    if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        return file
+    file.close()
+    raise RefusedFileError(_NO_FILE)
+
+
+def walk(root: Path, report: Callable[[str, str], None]) -> list[str]:
+    """Return the paths of all files below a folder, relative to the folder and sorted.
+
+    Links to folders inside the repository are followed; the folder ``.git`` is left out. Pipes, devices and broken
+    links count as files. ``report`` is called with the path and the fault of each folder that is not read.
+    """
+    found: list[str] = []
+    entries = 0
+    top = _top(root)
+    # A stack instead of recursion: a path can have more levels than Python has stack frames. Each item is a folder, its
+    # real path, and the real paths of the folders in which links were followed to reach it.
+    pending: list[tuple[str, str, tuple[str, ...]]] = [("", os.path.realpath(root), ())]
+    while pending:
+        folder, real, left = pending.pop()
+        try:
+            children = list(os.scandir(real))
+        except OSError as error:
+            report(folder or ".", f"the folder cannot be listed: {error.strerror}")
+            continue
+        entries += len(children)
+        if entries > _MOST_ENTRIES:
+            report(".", f"the folder has more than {_MOST_ENTRIES} entries, links included; the rest was not read")
+            break
+        for child in children:
+            path = os.path.join(folder, child.name)
+            if child.name == ".git":
+                continue
+            try:
+                if not child.is_dir():
+                    found.append(path)
+                elif not child.is_symlink():
+                    pending.append((path, os.path.join(real, child.name), left))
+                else:
+                    target = _below(os.path.realpath(child.path), top)
+                    if any(_is_below(place, target) for place in (real, *left)):
+                        raise RefusedFileError("it is a link to a folder that contains it")
+                    pending.append((path, target, (*left, real)))
+            except OSError as error:
+                report(path, f"the folder was not read: {error.strerror}")
+    return sorted(Path(path).as_posix() for path in found)
+
+
+def leads_out(project: Path, folder: Path) -> bool:
+    """Return True if the project is in a git repository, and the folder is outside the repository."""
+    top = _repository(os.path.realpath(project))
+    return top is not None and not _is_below(os.path.realpath(folder), top)
+
+
+def _inside(path: str, root: Path) -> str:
+    """Return the real path of a file or folder that is read for ``root``. Raises `RefusedFileError` if it leads out."""
+    return _below(os.path.realpath(path), _top(root))
+
+
+def _top(root: Path) -> str:
+    """Return the real path of the folder that links must not leave: that of the git repository, or else ``root``."""
+    folder = os.path.realpath(root)
+    return _repository(folder) or folder
+
+
+def _below(real: str, top: str) -> str:
+    if not _is_below(real, top):
+        raise RefusedFileError(_LEADS_OUT)
+    if ".git" in os.path.relpath(real, top).casefold().split(os.sep):
+        raise RefusedFileError("it leads into the folder .git")
+    return real
+
+
+def _repository(folder: str) -> str | None:
+    """Return the top folder of the git repository that contains a folder; None if it is in no repository."""
+    # A submodule and a linked worktree have a file `.git` (gitrepository-layout(5)).
+    above = (folder, *map(str, Path(folder).parents))
+    return next((one for one in above if os.path.lexists(os.path.join(one, ".git"))), None)
+
+
+def _is_below(path: str, folder: str) -> bool:
+    return path == folder or path.startswith(folder.rstrip(os.sep) + os.sep)

@@ -1,0 +1,212 @@
+"""Command line of ``roverlink``: its parser, completion in a shell, and the run of a command.
+
+A command is imported only if the command line names it. Whatever is slow to import and not always needed is imported
+where it is used, so that `roverlink --version` and a misspelled command end at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import signal
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Any, NoReturn
+
+COMMANDS = (
+    "init",
+    "generate",
+    "add",
+    "lint",
+    "explain",
+    "retire",
+    "next-number",
+    "history",
+    "run",
+    "send",
+    "listen",
+    "echo",
+    "pub",
+    "simulate",
+    "record",
+    "replay",
+    "export",
+    "info",
+    "top",
+    "doctor",
+    "aruco",
+    "demo",
+)
+"""Names of all commands, in the order in which ``roverlink --help`` lists them."""
+
+
+_COMPLETION = "_ARGCOMPLETE"
+"""Environment variable that is set while a shell asks argcomplete for the completions of a command line."""
+
+
+def parse(argv: Sequence[str] | None) -> argparse.Namespace:
+    """Parse a command line, and return its options; their attribute ``run`` is the function of the command.
+
+    ``argv`` is the command line without the program's name; None for that of this process. Exits with code 2 if the
+    command line has a mistake, and with code 0 after ``--help``, ``--version`` or a completion.
+    """
+    if _COMPLETION in os.environ:
+        _complete()
+    own, ros = list(sys.argv[1:] if argv is None else argv), list[str]()
+    if "--ros-args" in own:
+        from roverlink.runtime.ros_arguments import ros_args
+
+        own, ros = ros_args.split(own)
+    parser = command_line(own)
+    arguments = parser.parse_args(own)
+    arguments.ros_args = ros
+    if ros and not arguments.takes_ros_args:
+        parser.error(f"{own[0]} does not take --ros-args")
+    return arguments
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the command of a parsed command line, and return its exit code."""
+    from roverlink.console import OK, UNABLE, print_error
+    from roverlink.runtime.core.errors import RoverlinkError
+
+    # systemd and docker stop a program with SIGTERM.
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        code = int(arguments.run(arguments))
+        sys.stdout.flush()  # here, so that a closed pipe is handled below
+    except RoverlinkError as error:
+        print_error(str(error))
+        return UNABLE
+    except KeyboardInterrupt:
+        return OK
+    except BrokenPipeError:
+        # The reader of our output has closed the pipe (`| head`). Python flushes stdout at exit, which must not fail.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OK
+    return code
+
+
+def _interrupt(*_: object) -> None:
+    """Handle the signal SIGTERM like Ctrl-C: raise KeyboardInterrupt.
+
+    So the context managers of the command close what they have opened. For example, ``roverlink demo`` ends the process
+    of its bridge.
+    """
+    raise KeyboardInterrupt
+
+
+class _Version(argparse.Action):
+    """Action of the option ``--version``: print the installed version of roverlink, and exit.
+
+    The version is looked up only if the option is given, because the look-up is slow.
+    """
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from roverlink.installed_packages import installed_version
+
+        print(f"roverlink {installed_version('roverlink') or '(not installed; running from its source files)'}")
+        parser.exit()
+
+
+class _Parser(argparse.ArgumentParser):
+    """Parser that accepts options between positional arguments, as `ros2 topic pub` does, and hints at misspellings.
+
+    A parser with subcommands needs its own options in front, because argparse cannot combine subcommands with options
+    in any order. The parsers of the subcommands still accept options in any order.
+    """
+
+    _commands: Any = None
+    _is_parsing = False
+
+    def add_subparsers(self, **options: Any) -> Any:
+        self._commands = super().add_subparsers(**options)
+        return self._commands
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        if self._is_parsing:  # parse_known_intermixed_args calls this method again
+            return super().parse_known_args(args, namespace)
+        self._refuse_unknown_options(args)
+        self._is_parsing = True
+        try:
+            if self._commands is not None:
+                return super().parse_known_args(args, namespace)
+            return self.parse_known_intermixed_args(args, namespace)
+        finally:
+            self._is_parsing = False
+
+    def _refuse_unknown_options(self, arguments: Sequence[str]) -> None:
+        """Exit with an error that suggests a similar option if a long option is unknown.
+
+        argparse would first report what is missing, and name no similar option.
+        """
+        known = [option for option in self._option_string_actions if option.startswith("--")]
+        for argument in arguments:
+            if argument == "--" or (self._commands is not None and not argument.startswith("-")):
+                return  # from here on, arguments are values, or belong to the subcommand
+            name = argument.partition("=")[0]
+            # Like argparse, take what has a space in it for a value, and the beginning of an option for the option.
+            if name.startswith("--") and " " not in argument and not any(option.startswith(name) for option in known):
+                self.error(f"unknown option {_with_hint(name, known)}")
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Raise ArgumentError with a similar choice if a value or a subcommand is not one of the choices."""
+        if action.choices is None or value in action.choices:
+            return
+        if action is self._commands:
+            raise argparse.ArgumentError(None, f"unknown command {_with_hint(value, action.choices)}")
+        raise argparse.ArgumentError(action, f"unknown value {_with_hint(value, action.choices)}")
+
+
+def _with_hint(word: str, known: Iterable[str]) -> str:
+    from roverlink.runtime.core.errors import nearest
+
+    return f"{word!r}; {nearest(word, known)}"
+
+
+def command_line(arguments: Sequence[str] | None = None) -> argparse.ArgumentParser:
+    """Return the parser for a command line, given as its ``arguments`` without the program's name.
+
+    If the first argument is the name of a command, such as ``run``, the parser knows only the options of this command.
+    If the arguments ask for help, or are None, it knows those of all commands, which are slow to import. Otherwise it
+    knows only the names of the commands.
+    """
+    return _parser(arguments, _Parser)
+
+
+def _parser(arguments: Sequence[str] | None, parser_class: type[argparse.ArgumentParser]) -> argparse.ArgumentParser:
+    parser = parser_class(
+        prog="roverlink",
+        description="Bridge between protobuf datagrams over UDP and ROS 2 topics. The table mapping.yaml lists the "
+        "bridged messages: each row has a protobuf message, its field number in the envelope, a ROS 2 topic and a "
+        "direction. `roverlink generate` compiles the table into code, and `roverlink run` runs the bridge. "
+        "`roverlink COMMAND --help` explains a command.",
+        epilog="example: roverlink generate && roverlink run",
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="show the version of roverlink and exit")
+    parser.set_defaults(takes_ros_args=False)
+    commands = parser.add_subparsers(required=True, metavar="command", parser_class=parser_class)
+    # Only the first argument names a command: `roverlink explain run` calls `explain`.
+    imported = COMMANDS if arguments is None else tuple(name for name in COMMANDS if name in arguments[:1])
+    if not imported and any(_asks_for_help(argument) for argument in arguments or ()):
+        imported = COMMANDS
+    for name in imported:
+        importlib.import_module(f"roverlink.commands.{name.replace('-', '_')}").add(commands)
+    for name in () if imported else COMMANDS:
+        commands.add_parser(name)
+    return parser
+
+
+def _asks_for_help(argument: str) -> bool:
+    return argument.startswith("-h") or (len(argument) > 2 and "--help".startswith(argument))
+
+
+def _complete() -> NoReturn:
+    """Print the completions of the command line that a shell asks for, and exit."""
+    import argcomplete
+
+    # argcomplete looks into the parser while it parses, and knows only argparse's own.
+    line = os.environ["COMP_LINE"][: int(os.environ["COMP_POINT"])]
+    argcomplete.autocomplete(_parser(line.split()[1:], argparse.ArgumentParser))
+    raise SystemExit(0)  # not reached: argcomplete exits

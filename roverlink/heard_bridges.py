@@ -1,0 +1,156 @@
+"""Bridges whose state `roverlink top` hears on the topic ``/diagnostics``."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, DiagnosticStatus
+
+LEVELS = ("OK", "WARN", "ERROR", "STALE")
+"""Names of the levels of a status, by their numbers in diagnostic_msgs/DiagnosticStatus."""
+DROPPED = "dropped."
+"""Prefix of the values that count drops by reason."""
+QUIET_S = 3.0
+"""Time in seconds without a message after which a bridge counts as quiet."""
+
+_TEXTS = ("full_name", "host", "instance", "fingerprint", "topic", "direction", "recording")
+_NODE_VALUES = frozenset(("received", "received_rate", "kernel_drops", "socket_waiting_bytes", "socket_size_bytes"))
+_ROW_VALUES = frozenset(("number", "topic", "direction", "count", "rate"))
+
+
+@dataclass
+class HeardBridge:
+    """Bridge with its last state; times are in seconds of a monotonic clock."""
+
+    page: dict[str, Any]
+    """State, a result of `page_of`."""
+    first: float
+    """Time of the first message."""
+    last: float
+    """Time of the last message."""
+
+
+class HeardBridges:
+    """All bridges that were heard. A bridge is one process: two processes with the same node name are two bridges."""
+
+    def __init__(self, nodes: Sequence[str] = (), clock: Callable[[], float] = time.monotonic) -> None:
+        """Hear only the bridges with the node names ``nodes``, with or without a namespace; for none, hear all."""
+        self._nodes, self._clock = nodes, clock
+        self._bridges: dict[tuple[str, str], HeardBridge] = {}
+
+    def take(self, message: bytes) -> dict[str, Any] | None:
+        """Take a serialized message of ``/diagnostics``; return the state in it, or None if it is of another node."""
+        try:
+            page = page_of(cdr.decode(DiagnosticArray, message))
+        except ConversionError:  # not written by a ROS 2 node
+            return None
+        if page is None or (self._nodes and not {page["node"]["name"], full_name(page)} & set(self._nodes)):
+            return None
+        now, key = self._clock(), (full_name(page), instance(page))
+        bridge = self._bridges.setdefault(key, HeardBridge(page, now, now))
+        bridge.page, bridge.last = page, now
+        # A bridge that was started again is a new process with the same name; the old one is of no more interest.
+        gone = [
+            other
+            for other, heard in self._bridges.items()
+            if other[0] == key[0] and other != key and heard.last < now - QUIET_S
+        ]
+        for other in gone:
+            del self._bridges[other]
+        return page
+
+    @property
+    def bridges(self) -> list[HeardBridge]:
+        """All bridges, sorted by name."""
+        return [self._bridges[key] for key in sorted(self._bridges)]
+
+    def is_quiet(self, bridge: HeardBridge) -> bool:
+        """Return true if a bridge has not published its state for a while."""
+        return self._clock() - bridge.last > QUIET_S
+
+    def warnings(self) -> list[str]:
+        """Return a text for each name that several running bridges have."""
+        named: defaultdict[str, list[HeardBridge]] = defaultdict(list)
+        for bridge in self.bridges:
+            named[full_name(bridge.page)].append(bridge)
+        texts = []
+        for name, bridges in named.items():
+            # A bridge that was started again is heard only after the old one; bridges that run together alternate.
+            running = [one for one in bridges if one.last > max(other.first for other in bridges)]
+            if len(bridges) > 1 and len(running) > 1:
+                places = ", ".join(place(bridge.page) for bridge in running)
+                texts.append(
+                    f"{len(running)} bridges are named {name!r}; start one with --ros-args -r __node:=NAME ({places})"
+                )
+        return texts
+
+
+def full_name(page: dict[str, Any]) -> str:
+    """Return the name of a bridge's node with its namespace."""
+    return str(page["node"].get("full_name", page["node"]["name"]))
+
+
+def place(page: dict[str, Any]) -> str:
+    """Return where a bridge runs: ``process 4711 on jetson``."""
+    return f"process {page['node'].get('pid', '?')} on {page['node'].get('host', '?')}"
+
+
+def instance(page: dict[str, Any]) -> str:
+    """Return the id of the process that a bridge is; empty if the bridge does not publish it."""
+    return str(page["node"].get("instance", ""))
+
+
+def page_of(array: DiagnosticArray) -> dict[str, Any] | None:
+    """Convert a message of ``/diagnostics`` to the state of the bridge that published it; None for another node.
+
+    The state is a dictionary for JSON: ``stamp`` (seconds since 1970), ``node`` (the bridge as a whole) and ``rows`` (a
+    list). Texts that spell numbers are converted to numbers.
+    """
+    own = next((status for status in array.status if any(pair.key == "fingerprint" for pair in status.values)), None)
+    if own is None:
+        return None
+    prefix = f"{own.name}: "
+    node = _entry(own, own.name, _NODE_VALUES)
+    rows = [
+        _entry(status, status.name.removeprefix(prefix), _ROW_VALUES)
+        for status in array.status
+        if status.name.startswith(prefix)
+    ]
+    if node is None or None in rows:
+        return None
+    return {"stamp": array.header.stamp.sec + array.header.stamp.nanosec / 1e9, "node": node, "rows": rows}
+
+
+def _entry(status: DiagnosticStatus, name: str, needed: frozenset[str]) -> dict[str, Any] | None:
+    """Return the values of a status; None if one of the ``needed`` values is missing, so that no bridge wrote it."""
+    level = LEVELS[status.level] if status.level < len(LEVELS) else str(status.level)
+    values: dict[str, Any] = {}
+    for pair in status.values:
+        value = pair.value if pair.key in _TEXTS else _number(pair.value)
+        if value is not None:
+            values[pair.key] = value
+    if not needed <= values.keys():
+        return None
+    return {"name": name, "level": level, "message": status.message, "peer": status.hardware_id, **values}
+
+
+def _number(text: str) -> float | None:
+    for kind in (int, float):
+        try:
+            number = kind(text)
+        except ValueError:
+            continue
+        return number if math.isfinite(number) else None
+    return None
+
+
+def has_problems(page: dict[str, Any]) -> bool:
+    """Return true if the state shows the bridge, or one of its rows, at another level than OK."""
+    return any(entry["level"] != "OK" for entry in (page["node"], *page["rows"]))

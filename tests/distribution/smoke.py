@@ -1,0 +1,184 @@
+"""Smoke test of the wheel and the sdist: `make test-dist`.
+
+Both are installed into an environment that has nothing else, one after the other. In an empty folder, each one must do
+the three jobs of the README: edit the table and regenerate, lint in CI, and use the handlers in a program.
+
+Only the standard library of Python is there when this script starts. Exit code 0: all jobs passed; 1: a job failed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import platform
+import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from domains import claimed_domain
+
+_PATIENCE_S = 60
+_CONTAINER = """syntax = "proto3";
+
+message ContainerInfo {
+  float mass_grams = 1;
+  bool lid_open = 2;
+}
+"""
+_ROW = """  - number: 2
+    name: container_info
+    proto: ContainerInfo
+    topic: container_info
+    direction: board_to_ros
+"""
+_PROGRAM = """
+from generated.handlers import ContainerInfoHandler
+from generated.registry import REGISTRY
+from roverlink.runtime import Translator, load_registry
+
+handler = ContainerInfoHandler()
+payload = handler.payload_type(mass_grams=212.5, lid_open=True)
+assert handler.to_ros(payload).mass_grams == 212.5
+assert handler.from_cdr(handler.to_cdr(payload)) == payload
+assert REGISTRY.by_number[2].route.topic == "container_info"
+registry = load_registry()
+envelope = registry.envelope(container_info=payload)
+name, cdr = Translator(registry).receive(envelope.SerializeToString())
+assert (name, cdr) == ("container_info", handler.to_cdr(payload))
+"""
+
+
+class _JobError(Exception):
+    """Raised when a command does not end or print as it should; the text has the command and its output."""
+
+
+class _User:
+    """A user with a new environment, a home and a folder, which are all empty."""
+
+    def __init__(self, home: Path) -> None:
+        self.folder = home / "rover"
+        self._bin = home / "environment" / "bin"
+        self._home = home
+        self.variables = {"PATH": f"{self._bin}:/usr/bin:/bin", "HOME": str(home), "LANG": "C.UTF-8"}
+        subprocess.run([sys.executable, "-m", "venv", home / "environment"], check=True)
+
+    def install(self, archive: Path) -> None:
+        """Install a wheel or an sdist in place of the earlier one, with its dependencies."""
+        pip = [self._bin / "python", "-m", "pip", "--quiet", "--disable-pip-version-check"]
+        # With the variables of the caller, for they say where pip gets packages.
+        for options in (["uninstall", "--yes", "-qq", "roverlink"], ["install", archive.resolve()]):
+            subprocess.run([*pip, *options], cwd=self._home, check=True)
+
+    def run(self, command: str, code: int = 0) -> str:
+        """Run a command in the user's folder, and return what it printed. Raises `_JobError` for another exit code."""
+        done = subprocess.run(
+            shlex.split(command),
+            cwd=self.folder,
+            env=self.variables,
+            capture_output=True,
+            text=True,
+            timeout=_PATIENCE_S,
+        )
+        if done.returncode != code:
+            raise _JobError(f"`{command}` ended with exit code {done.returncode}\n{done.stdout}{done.stderr}")
+        return done.stdout
+
+    @contextlib.contextmanager
+    def running(self, command: str) -> Iterator[subprocess.Popen[str]]:
+        """Run a command in the background, and end it with Ctrl-C."""
+        process = subprocess.Popen(
+            shlex.split(command), cwd=self.folder, env=self.variables, stdout=subprocess.PIPE, text=True
+        )
+        try:
+            yield process
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=_PATIENCE_S)
+
+
+def main(archives: list[Path]) -> int:
+    """Do the jobs with each archive. Return 1 if one fails."""
+    with tempfile.TemporaryDirectory(prefix="roverlink-smoke-") as home:
+        user = _User(Path(home))
+        for archive in archives:
+            user.folder = Path(home, "rover of " + archive.name)
+            user.folder.mkdir()
+            start = time.monotonic()
+            try:
+                user.install(archive)
+                _edit_and_regenerate(user)
+                _lint_in_ci(user)
+                _use_the_handlers(user)
+            except (_JobError, subprocess.SubprocessError, ValueError) as error:
+                print(f"{archive.name} with Python {platform.python_version()}: {error}", file=sys.stderr)
+                return 1
+            seconds = time.monotonic() - start
+            print(f"{archive.name} with Python {platform.python_version()}: passed in {seconds:.0f} s")
+    return 0
+
+
+def _edit_and_regenerate(user: _User) -> None:
+    """Start a project, add a message to its table, and send it through the bridge."""
+    user.run("roverlink --version")
+    user.run("roverlink init")
+    (user.folder / "proto" / "container.proto").write_text(_CONTAINER)
+    table = user.folder / "mapping.yaml"
+    table.write_text(table.read_text().replace("\nretired: []", _ROW + "\nretired: []"))
+    if "for 2 messages" not in user.run("roverlink generate"):
+        raise _JobError("`roverlink generate` does not know the new message")
+    if platform.machine() == "x86_64":  # elsewhere, the bridge needs an installed ROS 2
+        _bridge(user)
+
+
+def _bridge(user: _User) -> None:
+    with contextlib.ExitStack() as stack:
+        domain = str(claimed_domain(stack))
+        user.variables |= {"ROS_DOMAIN_ID": domain, "ROS_LOCALHOST_ONLY": "1"}
+        bridge = stack.enter_context(
+            user.running("roverlink run --json --ros-args -p listen_port:=0 --log-level error")
+        )
+        assert bridge.stdout is not None
+        port = json.loads(bridge.stdout.readline())["port"]
+        values = "mass_grams=212.5 lid_open=true"
+        # Sent until the test ends, so that it does not matter when the bridge and the reader find each other.
+        stack.enter_context(
+            user.running(f"roverlink send container_info {values} --to 127.0.0.1:{port} --count 100000 --rate 10")
+        )
+        printed = user.run("roverlink echo container_info --count 1")
+    if printed.split() != ["mass_grams:", "212.5", "lid_open:", "true", "---"]:
+        raise _JobError(f"`roverlink echo` printed {printed!r}")
+
+
+def _lint_in_ci(user: _User) -> None:
+    """Find that a branch gives the number of the new message to another one."""
+    user.variables |= {
+        f"GIT_{who}_{what}": "user@example.com" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")
+    }
+    for command in ("init --quiet --initial-branch main", "add --all", "commit --quiet --message 'Start the rover'"):
+        user.run(f"git {command}")
+    user.run("roverlink generate --check")
+    user.run("roverlink lint --against main --history")
+    table = user.folder / "mapping.yaml"
+    right = table.read_text()
+    table.write_text(right.replace("proto: ContainerInfo", "proto: BoardStatus", 1))
+    user.run("roverlink generate --check", code=1)
+    found = user.run("roverlink lint --against main --history --format github", code=1)
+    if "::error file=mapping.yaml" not in found:
+        raise _JobError(f"`roverlink lint` does not report the reused number\n{found}")
+    table.write_text(right)
+
+
+def _use_the_handlers(user: _User) -> None:
+    """Convert a message in a program that has its own main function."""
+    (user.folder / "program.py").write_text(_PROGRAM)
+    user.run("python program.py")
+
+
+if __name__ == "__main__":
+    sys.exit(main([Path(argument) for argument in sys.argv[1:]]))

@@ -1,0 +1,236 @@
+"""A command that is killed while it writes files: the next command finds the old tree or the new one, and no more."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from golden import Outcome, case, generate, inside, snapshot
+
+from roverlink.__main__ import main
+
+_UNFINISHED = ".roverlink-unfinished"
+_KILLS = 500
+Hook = Callable[[str], None]
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A generated project whose table has changed since, so that files have to be added, changed and removed."""
+    project = case("nested").write_inputs(tmp_path / "project")
+    assert generate(project).code == 0
+    table = project / "mapping.yaml"
+    table.write_text(table.read_text().replace("name: wrist", "name: hand").replace("package: rover", "package: robot"))
+    return project
+
+
+@pytest.fixture
+def finished(project: Path, tmp_path: Path) -> dict[str, bytes]:
+    """The content of the project after a run that nobody kills."""
+    copy = shutil.copytree(project, tmp_path / "finished")
+    assert generate(copy).code == 0
+    return snapshot(copy)
+
+
+def _roverlink(project: Path, *arguments: str) -> Outcome:
+    """`roverlink` in a project's folder, in this process."""
+    stdout, stderr = io.StringIO(), io.StringIO()
+    with inside(project), contextlib.redirect_stdout(stdout), contextlib.redirect_stderr(stderr):
+        code = main(arguments)
+    return Outcome(code, stdout.getvalue(), stderr.getvalue())
+
+
+def _started(project: Path, arguments: tuple[str, ...], hook: Hook) -> int:
+    """Start a command in a process that calls ``hook`` with the name of each audit event; return the process id.
+
+    The process is forked, because importing the generator anew for each kill would take most of the time.
+    """
+    pid = os.fork()
+    if pid == 0:
+        sys.addaudithook(lambda event, _: hook(event))
+        with contextlib.suppress(BaseException):
+            _roverlink(project, *arguments)
+        os._exit(0)
+    return pid
+
+
+def _killed_before(project: Path, event: str, count: int, *arguments: str) -> None:
+    """Run a command that is killed just before it causes an event for the ``count``-th time."""
+    seen = 0
+
+    def hook(name: str) -> None:
+        nonlocal seen
+        seen += name == event
+        if name == event and seen == count:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    _, status = os.waitpid(_started(project, arguments, hook), 0)
+    assert os.WIFSIGNALED(status)
+
+
+def _killed_within(project: Path, after_s: float, *arguments: str) -> bool:
+    """Run a command, and kill it this long after it begins to write. Return False if it was faster."""
+    reader, writer = os.pipe()
+
+    def hook(name: str) -> None:
+        if name == "fcntl.flock":  # the writer locks the project first
+            os.write(writer, b"x")
+
+    pid = _started(project, arguments, hook)
+    os.close(writer)
+    os.read(reader, 1)  # also returns when the process ends
+    os.close(reader)
+    time.sleep(after_s)
+    os.kill(pid, signal.SIGKILL)
+    _, status = os.waitpid(pid, 0)
+    return os.WIFSIGNALED(status)
+
+
+@pytest.mark.parametrize("command", [("generate", "--check"), ("lint",), ("explain", "arm"), ("send", "arm")])
+def test_the_next_command_rolls_back_what_was_only_prepared(project: Path, command: tuple[str, ...]) -> None:
+    """Killed before its journal is complete, generate has changed nothing; the next command removes its leftovers."""
+    before = snapshot(project)
+    _killed_before(project, "os.rename", 1, "generate")
+    assert (project / _UNFINISHED).is_dir()
+    outcome = _roverlink(project, *command)
+    assert "rolled back what an interrupted command had begun to write" in outcome.stderr
+    assert snapshot(project) == before
+
+
+@pytest.mark.parametrize("renamed", [2, 3, 10])
+@pytest.mark.parametrize("command", [("generate", "--check"), ("lint",), ("explain", "arm")])
+def test_the_next_command_completes_the_switch(
+    project: Path, finished: dict[str, bytes], renamed: int, command: tuple[str, ...]
+) -> None:
+    """Killed while it replaces files, generate leaves a journal, with which the next command does the rest."""
+    _killed_before(project, "os.rename", renamed, "generate")
+    outcome = _roverlink(project, *command)
+    assert "completed what an interrupted command had begun to write" in outcome.stderr
+    assert outcome.code == 0
+    assert snapshot(project) == finished
+
+
+def test_a_command_that_imports_generated_code_finds_all_of_it(project: Path, finished: dict[str, bytes]) -> None:
+    """`send`, which like `run` imports the generated code, completes the switch before it does so."""
+    _killed_before(project, "os.rename", 5, "generate")
+    done = subprocess.run(
+        [sys.executable, "-m", "roverlink", "send", "arm"], cwd=project, capture_output=True, text=True
+    )
+    assert "completed what an interrupted command had begun to write" in done.stderr
+    assert done.returncode == 0, done.stderr
+    assert {path: data for path, data in snapshot(project).items() if "__pycache__" not in path} == finished
+
+
+def test_a_project_that_was_never_finished_is_found(tmp_path: Path) -> None:
+    """After a killed `init`, there may be no mapping.yaml yet; the next command starts with the journal."""
+    _killed_before(tmp_path, "os.rename", 2, "init")
+    assert not (tmp_path / "mapping.yaml").exists()
+    assert _roverlink(tmp_path, "generate", "--check").code == 0
+    assert (tmp_path / "mapping.yaml").exists()
+
+
+def test_what_was_edited_since_is_left_as_it_is(project: Path, finished: dict[str, bytes]) -> None:
+    """A file that somebody edits between the kill and the next command keeps the edit, and is named."""
+    _killed_before(project, "os.rename", 2, "generate")
+    edited = project / "generated" / "registry.py"
+    edited.write_text("# edited by hand\n")
+    outcome = _roverlink(project, "generate", "--check")
+    assert "'generated/registry.py' was changed since then and is left as it is" in outcome.stderr
+    assert outcome.code == 1
+    assert snapshot(project) == {**finished, "generated/registry.py": b"# edited by hand\n"}
+
+
+def test_a_switch_that_cannot_be_completed_is_rolled_back(project: Path) -> None:
+    """If a file cannot be replaced after a kill, the files that were replaced before get their old content back."""
+    before = snapshot(project)
+    _killed_before(project, "os.rename", 6, "generate")
+    waiting = sorted((project / _UNFINISHED).glob("new-*"))
+    waiting[-1].write_text("damaged")
+    outcome = _roverlink(project, "generate", "--check")
+    assert "rolled back what an interrupted command had begun to write" in outcome.stderr
+    assert snapshot(project) == before
+
+
+_EVIL = b"evil\n"
+
+
+@pytest.mark.parametrize("path", ["../stolen", "{outside}/stolen", ".git/hooks/pre-commit", "link/stolen", ""])
+def test_a_journal_of_a_stranger_writes_nothing_elsewhere(project: Path, path: str) -> None:
+    """A journal that comes with a pull request names files outside the project, or git's hooks: it is refused."""
+    (project / ".git" / "hooks").mkdir(parents=True)
+    (project / "link").symlink_to(project.parent)
+    path = path.format(outside=project.parent)
+    folder = project / _UNFINISHED
+    folder.mkdir()
+    (folder / "new-0").write_bytes(_EVIL)
+    (folder / "complete.json").write_text(
+        json.dumps({"steps": [[path, None, hashlib.sha256(_EVIL).hexdigest()]], "folders": [".."]})
+    )
+    before = snapshot(project.parent)
+    outcome = _roverlink(project, "generate", "--check")
+    assert outcome.code == 2
+    assert "Traceback" not in outcome.stderr
+    after = snapshot(project.parent)
+    assert {name: data for name, data in after.items() if _UNFINISHED not in name} == {
+        name: data for name, data in before.items() if _UNFINISHED not in name
+    }
+
+
+@pytest.mark.parametrize(
+    "content", ["", "[]", "{}", '{"steps": [[1, 2, 3]], "folders": []}', '{"steps": 7, "folders": []}', "[" * 100_000]
+)
+def test_a_file_that_is_no_journal_is_named(project: Path, content: str) -> None:
+    """Other files in the place of a journal are not removed; the message says what to do."""
+    (project / _UNFINISHED).mkdir()
+    (project / _UNFINISHED / "complete.json").write_text(content)
+    before = snapshot(project)
+    outcome = _roverlink(project, "lint")
+    assert outcome.code == 2
+    assert "move it to another place" in outcome.stderr
+    assert snapshot(project) == before
+
+
+def test_a_folder_of_the_user_is_not_removed(project: Path) -> None:
+    """A folder with the journal's name that contains other files is not touched."""
+    (project / _UNFINISHED).mkdir()
+    (project / _UNFINISHED / "thesis.txt").write_text("important")
+    before = snapshot(project)
+    outcome = generate(project)
+    assert (outcome.code, "it contains 'thesis.txt'" in outcome.stderr) == (2, True)
+    assert snapshot(project) == before
+
+
+@pytest.mark.slow
+def test_random_kills(project: Path, finished: dict[str, bytes], tmp_path: Path) -> None:
+    """Killed at any moment, also while completing an earlier switch, generate leaves the old tree or the new one."""
+    start = shutil.copytree(project, tmp_path / "start")
+    before = snapshot(start)
+    begun = time.monotonic()
+    _killed_within(project, 0, "lint")
+    assert generate(project).code == 0
+    longest_s = min(time.monotonic() - begun, 0.1)
+    chance, ended = random.Random(18), {"old": 0, "new": 0}  # noqa: S311  # moments of kills, no secrets
+    for _ in range(_KILLS):
+        shutil.rmtree(project)
+        shutil.copytree(start, project)
+        _killed_within(project, chance.uniform(0, longest_s), "generate")
+        if chance.random() < 0.3:
+            _killed_within(project, chance.uniform(0, longest_s / 2), "explain", "arm")
+        _roverlink(project, "explain", "arm")
+        after = snapshot(project)
+        assert after in (before, finished)
+        assert not (project / _UNFINISHED).exists()
+        ended["old" if after == before else "new"] += 1
+    assert min(ended.values()) > _KILLS / 20, ended

@@ -1,0 +1,105 @@
+"""The page of the link in a real browser: what an operator sees, hears and clicks."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from bench.vision.browser import Visitor
+from bench.watched_link import watched_link
+from tests.vision.browsing import visiting
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def visitor() -> Iterator[Visitor]:
+    with visiting() as opened:
+        yield opened
+
+
+CURVE = """
+const canvas = document.getElementById("plot");
+const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+copy.drawImage(canvas, 0, 0);  // Chromium complains about a canvas of the page that is read often
+const pixels = copy.getImageData(0, 0, canvas.width, canvas.height).data;
+let blue = 0;
+for (let at = 0; at < pixels.length; at += 4) blue += pixels[at] < 60 && pixels[at + 2] > 150 && pixels[at + 3] > 200;
+return blue;
+"""
+
+
+def test_an_operator_watches_a_drive(visitor: Visitor) -> None:
+    """Rows, values and plot are live; a stop is a latched alarm with sound, which stays acknowledged after a reload."""
+    with watched_link() as link:
+        visitor.screen(1280, 900)
+        visitor.open(link.url)
+        link.boards_speak = link.driver_speaks = True
+        visitor.until(lambda: visitor.text("#connection") == "live" and "alive" in visitor.text("#peers"))
+        visitor.until(lambda: visitor.count("#rows [data-key='ph_info'] .fields button"))
+        visitor.click("#rows [data-key='ph_info'] .fields [data-key='voltage']")
+        visitor.until(lambda: visitor.run(CURVE) > 100)
+        assert "ph_info voltage: now 2" in visitor.text("#plot-note")
+        assert visitor.shown("#no-alarms")
+
+        visitor.click("#sound")
+        before = visitor.run("return beeps")
+        link.driver_speaks = False
+        visitor.until(lambda: "stop drive_motor" in visitor.text("#alarms"))
+        assert "told to stop" in visitor.text("#peers")
+        assert "STOP" in visitor.text("#rows [data-key='drive_motor'] .state")
+        visitor.until(lambda: visitor.run("return beeps") > before)
+        assert visitor.run("return document.title").startswith("(1) ")
+
+        link.driver_speaks = True
+        visitor.until(lambda: "is over" in visitor.text("#alarms"))  # latched, although the commands are back
+        visitor.click("#alarms button")
+        visitor.until(lambda: visitor.shown("#no-alarms"))
+        visitor.open(link.url)
+        visitor.until(lambda: visitor.text("#connection") == "live" and visitor.text("#peers"))
+        assert visitor.shown("#no-alarms")
+
+        link.send(b"\xff\xff")
+        visitor.until(lambda: "not a valid PBEnvelope" in visitor.text("#log"))
+        assert visitor.complaints() == []
+
+
+@pytest.mark.parametrize("width", [320, 390, 768, 1280])
+def test_the_page_fits_screens(visitor: Visitor, width: int) -> None:
+    """Nothing is wider than the screen, a phone's among them, with values, alarms and dropped datagrams."""
+    with watched_link() as link:
+        visitor.screen(width, 800)
+        visitor.open(link.url)
+        link.boards_speak = True
+        link.command()
+        link.send_payload("imu_info")
+        link.send(b"\xff\xff")
+        visitor.until(lambda: visitor.count("#alarms li") and visitor.count(".more"))
+        visitor.run("document.querySelectorAll('.more').forEach((button) => button.click())")
+        assert visitor.run("return document.documentElement.scrollWidth") <= width
+        assert visitor.complaints() == []
+
+
+def test_light_unless_dark_is_chosen(visitor: Visitor) -> None:
+    """The page is black on white; the choice of dark is kept when the page is opened again."""
+    ground = "return getComputedStyle(document.body).backgroundColor"
+    with watched_link() as link:
+        visitor.open(link.url)
+        assert visitor.run(ground) == "rgb(255, 255, 255)"
+        visitor.click("#theme")
+        dark = visitor.run(ground)
+        assert dark != "rgb(255, 255, 255)"
+        visitor.open(link.url)
+        assert visitor.run(ground) == dark
+
+
+def test_a_bridge_that_ends_is_noticed(visitor: Visitor) -> None:
+    """The page says that it has no connection; it does not go on showing old numbers as live."""
+    with watched_link() as link:
+        visitor.open(link.url)
+        visitor.until(lambda: visitor.text("#connection") == "live")
+    started = time.monotonic()
+    visitor.until(lambda: "NO CONNECTION" in visitor.text("#connection"))
+    assert time.monotonic() - started < 20

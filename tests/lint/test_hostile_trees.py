@@ -1,0 +1,350 @@
+"""Pull requests of strangers: nothing endless or private is read, and none of their files is run."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+_ROOT = Path(__file__).parents[2]
+_TABLE = """\
+version: 1
+proto: {root: proto}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload}
+ros: {package: rover}
+peers: {board: {}}
+messages:
+  - {number: 1, name: probe, proto: Probe, topic: probe, direction: board_to_ros}
+targets: [python, nanopb]
+"""
+_PROBE = 'syntax = "proto3";\n\nmessage Probe {\n  float depth_m = 1;\n}\n'
+_SECRET = 'syntax = "proto3";\n\nmessage TopSecret {\n  float hunter_two = 1\n}\n'
+_COMMIT = ["git", "-c", "user.name=A", "-c", "user.email=a@example.com", "commit", "--quiet", "-m", "Change"]
+_MEMORY = 1 << 30  # bytes; a run without hostile files needs 0.4 GB of address space
+_SECONDS = 60
+
+# What the installed script does: unlike `python -m`, it does not import from the current folder.
+_SCRIPT = "import sys; sys.path.remove(''); from roverlink.__main__ import main; sys.exit(main())"
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A generated project in a git repository, beside a file that is none of its business."""
+    (tmp_path / "secret").write_text(_SECRET)
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "secret.proto").write_text(_SECRET)
+    folder = tmp_path / "project"
+    (folder / "proto").mkdir(parents=True)
+    (folder / "mapping.yaml").write_text(_TABLE)
+    (folder / "proto" / "probe.proto").write_text(_PROBE)
+    subprocess.run(["git", "init", "--quiet", str(folder)], check=True)
+    with (folder / ".git" / "config").open("a") as config:
+        config.write("# TopSecret hunter_two\n")
+    assert _run(folder, "generate").returncode == 0
+    return folder
+
+
+def _run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """A command that ends in bounded time, in bounded memory, and says nothing of the secret."""
+    done = subprocess.run(
+        [sys.executable, "-c", _SCRIPT, *arguments],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(_ROOT), "MARK": str(folder / "MARK")},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY)),
+        capture_output=True,
+        text=True,
+        timeout=_SECONDS,
+    )
+    assert "Traceback" not in done.stderr
+    assert "hunter_two" not in done.stdout + done.stderr
+    assert "TopSecret" not in done.stdout + done.stderr
+    assert not (folder / "MARK").exists(), "a file of the pull request was run"
+    return done
+
+
+def _huge(path: Path) -> None:
+    with path.open("wb") as file:
+        file.truncate(100_000_000)
+
+
+_OUT = "it is a link that leads out of the repository"
+# Each test compiles a project and runs commands on it.
+pytestmark = pytest.mark.slow
+
+_KINDS: dict[str, tuple[Callable[[Path], object], str]] = {
+    "pipe": (os.mkfifo, "it is not a regular file"),
+    "endless device": (lambda path: path.symlink_to("/dev/zero"), _OUT),
+    "link out of the repository": (
+        lambda path: path.symlink_to(path.parents[path.parts[::-1].index("project")] / "secret"),
+        _OUT,
+    ),
+    "link to git's settings": (
+        lambda path: path.symlink_to(os.path.relpath(_top(path) / ".git" / "config", path.parent)),
+        "it leads into the folder .git",
+    ),
+    "100 MB": (_huge, "it has 100000000 bytes; files of more than"),
+    "folder": (Path.mkdir, "it is not a regular file"),
+}
+
+
+def _top(path: Path) -> Path:
+    return next(folder for folder in path.parents if (folder / ".git").exists())
+
+
+def _plant(path: Path, kind: str) -> str:
+    """Put a hostile file in the place of ``path``, and return what roverlink has to say of it."""
+    path.unlink(missing_ok=True)
+    _KINDS[kind][0](path)
+    return _KINDS[kind][1]
+
+
+@pytest.mark.parametrize("kind", _KINDS)
+def test_lint_names_and_skips_hostile_files(project: Path, kind: str) -> None:
+    """A hostile ledger, .options file and .proto file are each named with the reason; the rest is still checked."""
+    names = ["mapping.lock", "proto/probe.options"] + (["proto/planted.proto"] if kind != "folder" else [])
+    for name in names:
+        fault = _plant(project / name, kind)
+    (project / "proto" / "wrong.proto").write_text('syntax = "proto3";\n\nmessage Wrong {\n  Missing x = 1;\n}\n')
+    done = _run(project, "lint")
+    assert done.returncode == 2
+    assert {
+        name for name in names if any(f"{name}: " in line and fault in line for line in done.stdout.splitlines())
+    } == set(names)
+    assert '"Missing" is not defined' in done.stdout
+
+
+@pytest.mark.parametrize("command", [("lint",), ("generate", "--check")])
+@pytest.mark.parametrize("kind", _KINDS)
+def test_a_hostile_table(project: Path, kind: str, command: tuple[str, ...]) -> None:
+    """A table that is no file of the repository is named with the reason, and not read."""
+    fault = _plant(project / "mapping.yaml", kind)
+    done = _run(project, *command)
+    assert done.returncode == 2
+    assert f"mapping.yaml: fatal[MAP101] the table cannot be read: {fault}" in done.stderr
+
+
+@pytest.mark.parametrize("kind", _KINDS)
+def test_check_compares_no_hostile_file(project: Path, kind: str) -> None:
+    """A generated file that became hostile is named; its content does not appear in the differences."""
+    planted = project / "generated" / "registry.py"
+    fault = _plant(planted, kind)
+    done = _run(project, "generate", "--check")
+    if planted.is_symlink():
+        said = 1, "generated/registry.py: error[OUT109] cannot write 'generated/registry.py': a symbolic link"
+    else:
+        said = 2, f"generated/registry.py: fatal[OUT101] cannot read the file: {fault}"
+    assert done.returncode == said[0]
+    assert said[1] in done.stderr
+
+
+@pytest.mark.parametrize("kind", _KINDS)
+def test_no_hostile_file_is_imported(project: Path, kind: str) -> None:
+    """Protoc does not read what an import names, if it is no file of the repository; the import is an error."""
+    _plant(project / "proto" / "planted", kind)
+    (project / "proto" / "probe.proto").write_text(_PROBE.replace("\n\n", '\n\nimport "planted";\n', 1))
+    for command in (("lint",), ("generate", "--check")):
+        done = _run(project, *command)
+        assert done.returncode == 1
+        assert 'proto/probe.proto:3:1: error[PRO101] Import "planted" was not found' in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("imported", ["../../secret", "/etc/passwd", "./probe.proto", "../proto/probe.proto"])
+def test_imports_stay_below_the_proto_root(project: Path, imported: str) -> None:
+    """An import with an absolute path or dots is protoc's error, and no file is written anywhere."""
+    before = sorted(project.parent.rglob("*"))
+    (project / "proto" / "probe.proto").write_text(_PROBE.replace("\n\n", f'\n\nimport "{imported}";\n', 1))
+    done = _run(project, "lint")
+    assert done.returncode == 1
+    assert "proto/probe.proto" in done.stdout
+    assert "error[PRO101]" in done.stdout
+    assert sorted(project.parent.rglob("*")) == before
+
+
+@pytest.mark.parametrize("root", ["../elsewhere", "proto/link", "/"])
+@pytest.mark.parametrize("command", [("lint",), ("generate", "--check")])
+def test_the_proto_root_is_in_the_repository(project: Path, root: str, command: tuple[str, ...]) -> None:
+    """A `root` outside the repository, be it through a link, is one message at the key; nothing of it is read."""
+    (project / "proto" / "link").symlink_to(project.parent / "elsewhere")
+    (project / "mapping.yaml").write_text(_TABLE.replace("root: proto", f"root: {root}"))
+    done = _run(project, *command)
+    assert done.returncode in (1, 2)
+    assert "mapping.yaml:2:15: " in done.stderr
+    assert f"{root!r} is outside the git repository" in done.stderr
+
+
+def test_links_inside_the_repository(project: Path) -> None:
+    """Links to a file and to a folder of the same repository are followed."""
+    (project / "shared").mkdir()
+    (project / "proto" / "probe.proto").rename(project / "shared" / "probe.proto")
+    (project / "shared" / "wind.proto").write_text('syntax = "proto3";\n\nmessage Wind {\n  Missing x = 1;\n}\n')
+    (project / "proto" / "probe.proto").symlink_to("../shared/probe.proto")
+    (project / "proto" / "weather").symlink_to("../shared")
+    (project / "mapping.yaml").write_text(_TABLE.replace("root: proto", "root: proto, exclude: [weather/probe.proto]"))
+    done = _run(project, "lint")
+    assert (done.returncode, done.stdout.count("error[")) == (1, 1)
+    assert 'proto/weather/wind.proto:4:3: error[PRO101] "Missing" is not defined' in done.stdout
+
+
+def test_a_link_to_a_folder_out_of_the_repository(project: Path) -> None:
+    """The link is named, and no file behind it is read."""
+    (project / "proto" / "weather").symlink_to("../../elsewhere")
+    done = _run(project, "lint")
+    assert done.returncode == 2
+    assert f"proto/weather: fatal[PRO102] the folder was not read: {_OUT}" in done.stdout
+
+
+def test_folders_that_multiply_through_links(project: Path) -> None:
+    """30 folders with two links each make a thousand million paths; the walk ends, and says so."""
+    for level in range(30):
+        here = project / "proto" / f"level{level}"
+        here.mkdir()
+        for name in ("left", "right"):
+            (here / name).symlink_to(f"../level{level + 1}")
+    (project / "proto" / "level30").mkdir()
+    done = _run(project, "lint")
+    assert done.returncode == 2
+    assert "fatal[PRO102] the folder has more than 100000 entries" in done.stdout
+
+
+def test_folders_nested_deeper_than_python_calls(project: Path) -> None:
+    """A file below 1,500 folders is read like any other."""
+    folder = os.open(project / "proto", os.O_RDONLY)
+    for _ in range(1500):
+        os.mkdir("d", dir_fd=folder)
+        inner = os.open("d", os.O_RDONLY, dir_fd=folder)
+        os.close(folder)
+        folder = inner
+    with open(os.open("deep.proto", os.O_CREAT | os.O_WRONLY, dir_fd=folder), "w") as file:
+        file.write("\0")
+    os.close(folder)
+    done = _run(project, "lint")
+    assert done.returncode == 2
+    assert "/d/d/deep.proto: fatal[PRO102] the file is binary" in done.stdout
+
+
+def test_a_tree_with_too_many_bytes(project: Path) -> None:
+    """Many files that are each small enough are read up to 32 MiB; the first one that is left out is named."""
+    for number in range(6):
+        (project / "proto" / f"large{number}.proto").write_text('syntax = "proto3";\n//' + "x" * 7_000_000 + "\n")
+    done = _run(project, "lint")
+    assert done.returncode == 2
+    assert "proto/large5.proto: fatal[PRO102] the .proto files have more than 33554432 bytes" in done.stdout
+
+
+def test_hostile_files_among_the_pins(project: Path) -> None:
+    """A pipe, a device and a link out, as CMake files or as .gitmodules of a consumer, are named or left out."""
+    consumer = project / "consumer"
+    consumer.mkdir()
+    faults = {
+        f"CMakeLists{number}.cmake": _plant(consumer / f"CMakeLists{number}.cmake", kind)
+        for number, kind in enumerate(("pipe", "endless device", "link out of the repository", "100 MB"))
+    }
+    (consumer / ".gitmodules").symlink_to("/dev/zero")
+    subprocess.run([*_COMMIT, "--allow-empty"], cwd=project, check=True)
+    done = _run(project, "lint", "--pins", "consumer")
+    assert done.returncode == 2
+    for name, fault in faults.items():
+        assert f"consumer/{name}: fatal[PIN101] cannot be read: {fault}" in done.stdout
+
+
+def test_a_huge_file_in_the_history(project: Path) -> None:
+    """A version of 300 MB that is no longer there is named as unread, and does not fill the memory."""
+    with (project / "proto" / "huge.proto").open("wb") as file:
+        file.truncate(300_000_000)
+    subprocess.run(["git", "-c", "core.bigFileThreshold=1m", "add", "."], cwd=project, check=True)
+    subprocess.run([*_COMMIT, "--all"], cwd=project, check=True)
+    (project / "proto" / "huge.proto").unlink()
+    subprocess.run([*_COMMIT, "--all"], cwd=project, check=True)
+    done = _run(project, "lint", "--history")
+    assert done.returncode == 1
+    assert "huge.proto: warning[STA106] some earlier versions of this file are binary, too large" in done.stdout
+
+
+# --- nothing is run ---------------------------------------------------------------------------------------------
+
+_MARK = "import os\nopen(os.environ['MARK'], 'w').close()\n"
+
+
+def test_no_module_of_the_pull_request_is_imported(project: Path) -> None:
+    """Modules with the names of libraries, Python's own start files and the generated package are not imported."""
+    for name in ("google", "jinja2", "black", "grpc_tools", "roverlink", "yaml"):
+        (project / name).mkdir()
+        (project / name / "__init__.py").write_text(_MARK)
+    for name in ("sitecustomize.py", "usercustomize.py", "json.py", "re.py", "pickle.py", "conftest.py"):
+        (project / name).write_text(_MARK)
+    (project / "generated" / "__init__.py").write_text(_MARK)
+    for root in ("own", "proto"):
+        (project / root / "jinja2").mkdir(parents=True)
+        (project / root / "jinja2" / "__init__.py").write_text(_MARK)
+    (project / "own" / "text.j2").write_text("{{ bridge.package }}\n")
+    (project / "mapping.yaml").write_text(_TABLE + "templates: [own]\n")
+    assert _run(project, "generate", "--check").returncode == 1
+    assert _run(project, "lint").returncode == 0
+
+
+def test_no_target_of_the_pull_request_is_loaded(project: Path) -> None:
+    """Only an installed package can add a target, not one that lies in the current folder."""
+    (project / "evil.py").write_text(_MARK)
+    (project / "evil-1.0.dist-info").mkdir()
+    (project / "evil-1.0.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: evil\nVersion: 1.0\n")
+    (project / "evil-1.0.dist-info" / "entry_points.txt").write_text("[roverlink.targets]\nevil = evil:emit\n")
+    (project / "mapping.yaml").write_text(_TABLE.replace("[python, nanopb]", "[python, evil]"))
+    done = _run(project, "generate", "--check")
+    assert done.returncode == 1
+    assert "'evil'" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [("lint",), ("lint", "proto"), ("lint", "--history"), ("lint", "--against", "main"), ("generate", "--check")],
+)
+def test_no_program_of_an_embedded_repository_is_run(project: Path, arguments: tuple[str, ...]) -> None:
+    """Files that look like a bare repository are not one: the programs that their config names are not run."""
+    proto = project / "proto"
+    mark = f"touch '{project / 'MARK'}'"
+    subprocess.run(["git", "init", "--quiet", "--bare", "--initial-branch", "main", str(proto)], check=True)
+    git = [
+        "git",
+        "--git-dir",
+        str(proto),
+        "--work-tree",
+        str(proto),
+        "-c",
+        "user.name=A",
+        "-c",
+        "user.email=a@example.com",
+    ]
+    subprocess.run([*git, "add", "probe.proto"], check=True)
+    subprocess.run([*git, "commit", "--quiet", "-m", "Begin"], check=True)
+    (proto / ".gitattributes").write_text("* filter=evil diff=evil\n")
+    (proto / "config").write_text(
+        "[core]\n\trepositoryformatversion = 0\n\tbare = false\n\tworktree = .\n"
+        f'\tfsmonitor = "{mark}"\n\tpager = "{mark}"\n\tsshCommand = "{mark}"\n\thooksPath = hooks\n'
+        f'[filter "evil"]\n\tclean = "{mark}; cat"\n\tsmudge = "{mark}; cat"\n'
+        f'[diff]\n\texternal = "{mark}"\n[diff "evil"]\n\ttextconv = "{mark}; cat"\n\tcommand = "{mark}"\n'
+        f'[log]\n\tshowSignature = true\n[gpg]\n\tprogram = "{mark}"\n'
+    )
+    (proto / "probe.proto").write_text(_PROBE.replace("1;", "1 [deprecated = ];"))
+    assert _run(project, *arguments).returncode in (1, 2)
+
+
+# --- a misspelt key ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("key", "place", "typo"), [("proto:", "2:1", "porto:"), ("root:", "2:9", "rot:")])
+def test_a_misspelt_key_does_not_widen_the_search(project: Path, key: str, place: str, typo: str) -> None:
+    """Without `proto.root`, no folder is searched: the first message names the key, and none names a file below."""
+    (project / "wrong.proto").write_text("this would be an error")
+    os.mkfifo(project / "pipe.proto")
+    (project / "mapping.yaml").write_text(_TABLE.replace(key, typo, 1))
+    for command in (("lint",), ("generate", "--check")):
+        done = _run(project, *command)
+        assert done.stderr.startswith(f"mapping.yaml:{place}: error[MAP104] unknown key {typo[:-1]!r}")
+        assert f"help: did you mean {key[:-1]!r}?" in done.stderr
+        assert ".proto" not in done.stderr.replace("envelope.proto", "")
+        assert done.returncode == (2 if command == ("lint",) else 1)
