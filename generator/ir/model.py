@@ -450,8 +450,8 @@ class Bridge:
     """Size limits from the table; .options files beside the .proto files may contain more limits."""
     interfaces: tuple[Interface, ...]
     """Standard messages that the rows need, sorted by name."""
-    modules: Mapping[str, str]
-    """Text of each Python module that protoc generated, by the module's path."""
+    modules: Mapping[str, Mapping[str, str]]
+    """Python module and stub that protoc generated of each .proto file: the file, then path and text of both."""
     descriptors: bytes
     """Serialized FileDescriptorSet of the envelope and its imports, without comments."""
 

@@ -119,19 +119,19 @@ Good::
 UNIMPORTABLE_PROTO = Rule(
     "PRO106",
     "unimportable-proto-path",
-    """A part of a file's path cannot be the name of a Python module.
+    """A part of a file's path cannot be the name of a Python module, or two files have one module.
 
-protoc makes a Python module of each file. A hyphen, a leading digit or a keyword in the path makes it impossible to
-import that module.
+protoc makes a Python module of each file, with underscores in place of hyphens. A leading digit, a space or a keyword
+in the path makes it impossible to import that module.
 
 Bad::
 
-    # proto/imu-sensor.proto
+    # proto/2d/imu.proto
     message Imu { float x = 1; }
 
 Good::
 
-    # proto/imu_sensor.proto
+    # proto/flat/imu.proto
     message Imu { float x = 1; }
 """,
 )

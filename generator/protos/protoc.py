@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import re
 import subprocess
 import sys
@@ -16,9 +17,10 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
+from roverlink.generator.ir.pb2_paths import module_path
 from roverlink.generator.protos.descriptors import schema_of
 from roverlink.generator.protos.files import declarations
-from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
+from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE, UNIMPORTABLE_PROTO
 from roverlink.generator.protos.schema import Schema
 
 # The same as `python -m grpc_tools.protoc`, which takes three times as long to start: it loads modules not needed here.
@@ -36,28 +38,48 @@ class Compilation:
     """Result of a protoc run: the schema and the Python modules of the compiled files and their imports."""
 
     schema: Schema
-    modules: Mapping[str, str]
-    """The text of each Python module (pb2) and stub that protoc generated, by the path of the module."""
+    modules: Mapping[str, Mapping[str, str]]
+    """The Python module (pb2) and the stub that protoc generated of each file: its path, then path and text of both."""
 
 
 def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str], shown_root: str) -> Compilation:
     """Compile .proto files and their imports with protoc, to a schema and to Python modules.
 
     ``overlay`` has texts, by path, that protoc reads instead of the files on disk. ``shown_root`` is the name of the
-    folder ``root`` in diagnostics. Raises `DiagnosticsError` with protoc's own messages.
+    folder ``root`` in diagnostics. Raises `DiagnosticsError` with protoc's own messages, and for files whose modules
+    Python could not import.
     """
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
         staged, out, result = Path(folder, "staged"), Path(folder, "out"), Path(folder, "set")
         out.mkdir()
         options = [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
         # protoc generates modules for the files in its arguments only, not for their imports.
-        wanted = [*files, *(name for name in _stage(root, files, overlay, staged) if not name.startswith(_OF_PROTOBUF))]
-        _protoc(staged, list(dict.fromkeys(wanted)), options, out, shown_root)
+        found = _stage(root, files, overlay, staged)
+        wanted = list(dict.fromkeys([*files, *(name for name in found if not name.startswith(_OF_PROTOBUF))]))
+        if findings := [*_unimportable(wanted, shown_root)]:
+            raise DiagnosticsError(findings)
+        _protoc(staged, wanted, options, out, shown_root)
         compiled = FileDescriptorSet.FromString(result.read_bytes())
-        modules = {
-            path.relative_to(out).as_posix(): path.read_text(encoding="utf-8") for path in sorted(out.rglob("*.py*"))
-        }
+        modules = {file: _modules(out, file) for file in sorted(wanted)}
     return Compilation(schema_of(compiled, shown_root), modules)
+
+
+def _modules(out: Path, file: str) -> dict[str, str]:
+    paths = [f"{module_path(file)}{suffix}" for suffix in (".py", ".pyi")]
+    return {path: (out / path).read_text(encoding="utf-8") for path in paths}
+
+
+def _unimportable(files: Sequence[str], shown_root: str) -> Iterator[Diagnostic]:
+    """Report .proto files whose Python modules could not be imported, such as ``2d/imu.proto``, or have one path."""
+    first: dict[str, str] = {}
+    for file in files:
+        span, module = Span(shown(shown_root, file)), module_path(file)
+        if bad := [part for part in module.split("/") if not part.isidentifier() or keyword.iskeyword(part)]:
+            message = f"protoc makes the Python module '{module}.py' of this file, but {bad[0]!r} cannot be imported"
+            yield UNIMPORTABLE_PROTO.at(span, message, "rename this folder or file")
+        elif (other := first.setdefault(module, file)) != file:
+            message = f"protoc makes the Python module '{module}.py' of this file and of {other!r}"
+            yield UNIMPORTABLE_PROTO.at(span, message, "rename one of the two files")
 
 
 def _stage(root: Path, files: Iterable[str], overlay: Mapping[str, str], staged: Path) -> list[str]:

@@ -6,18 +6,14 @@ A row or field that cannot be converted is reported as a diagnostic; no field is
 from __future__ import annotations
 
 import dataclasses
-import keyword
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import PurePosixPath
 
 from roverlink.generator import ir
-from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.generator.diagnostics import Diagnostic
 from roverlink.generator.ir import StandardTopic
 from roverlink.generator.lock import Ledger
-from roverlink.generator.protos.proto_rules import (
-    EXCLUDED_PROTO,
-    UNIMPORTABLE_PROTO,
-)
+from roverlink.generator.protos.proto_rules import EXCLUDED_PROTO
 from roverlink.generator.protos.protoc import Compilation
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.messages import RosMessages
@@ -81,7 +77,6 @@ def resolve(
     if table.whole:
         messages.check_enums()
         findings += check_peers(table)
-    findings += _unimportable(table, schema)
     findings += _excluded(table, schema)
     listed = {proto for row in table.rows for types in row.anys.values() for proto in types}
     reached, enums = schema.reachable(envelope.message, *sorted(listed))
@@ -120,17 +115,6 @@ def _completed(
     route: ir.Route, standard_topics: tuple[StandardTopic | None, tuple[StandardTopic, ...]], size: ir.WireSize | None
 ) -> ir.Route:
     return dataclasses.replace(route, standard=standard_topics[0], extra_topics=standard_topics[1], size=size)
-
-
-def _unimportable(table: Table, schema: Schema) -> Iterator[Diagnostic]:
-    """Report .proto files whose generated Python modules could not be imported, such as ``2d/imu.proto``."""
-    for file in schema.files:
-        parts = file.removesuffix(".proto").split("/")
-        if bad := [part for part in parts if not part.isidentifier() or keyword.iskeyword(part)]:
-            span = Span(f"{table.proto.root}/{file}")
-            yield UNIMPORTABLE_PROTO.at(
-                span, f"{bad[0]!r} in the path cannot be the name of a Python module", "rename this folder or file"
-            )
 
 
 def _excluded(table: Table, schema: Schema) -> Iterator[Diagnostic]:

@@ -75,7 +75,7 @@ def _import_fault(name: str) -> tuple[str, str]:
 
 
 _DOTTED = r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*"
-_PROTO_FILE = r"([A-Za-z_][A-Za-z0-9_]*/)*[A-Za-z_][A-Za-z0-9_]*\.proto"
+_PROTO_FILE = r"([A-Za-z_][A-Za-z0-9_-]*/)*[A-Za-z_][A-Za-z0-9_-]*\.proto"
 _MAINTAINER = r"[^<>&\"]+ <[^<>&\" ]+@[^<>&\" ]+>"
 
 ProtoName = Annotated[str, Text("message name", _DOTTED, "SensorBoardIMUInfo")]

@@ -33,7 +33,7 @@ def cmake(bridge: ir.Bridge, sources: list[str]) -> tuple[str, str]:
         package=bridge.package,
         envelope=bridge.envelope.file,
         packages=sorted(packages - {""}),
-        protos=sorted({f"{path.rpartition('_pb2')[0]}.proto" for path in bridge.modules}),
+        protos=sorted(bridge.modules),
         sources=sorted(sources),
     )
     return f"{FOLDER}/CMakeLists.txt", text

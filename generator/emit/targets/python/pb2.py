@@ -32,11 +32,11 @@ _MAP_OF_SCALARS = re.compile(r"_containers\.ScalarMap\[(?:int|bool|str), (?P<val
 def emit(bridge: ir.Bridge) -> Files:
     """Yield the module and the stub (.pyi) of each .proto file, and the ``__init__.py`` files of their packages."""
     packages = {"generated/pb2"}
-    for path, text in bridge.modules.items():
-        source = path.rpartition("_pb2")[0] + ".proto"
-        yield f"generated/pb2/{path}", f"{header(source)}\n{_moved(text, f'{bridge.python_package}.pb2')}"
-        parts = path.split("/")[:-1]
-        packages |= {"/".join(["generated/pb2", *parts[: depth + 1]]) for depth in range(len(parts))}
+    for source, modules in bridge.modules.items():
+        for path, text in modules.items():
+            yield f"generated/pb2/{path}", f"{header(source)}\n{_moved(text, f'{bridge.python_package}.pb2')}"
+            parts = path.split("/")[:-1]
+            packages |= {"/".join(["generated/pb2", *parts[: depth + 1]]) for depth in range(len(parts))}
     for package in sorted(packages):
         yield f"{package}/__init__.py", header(bridge.table) + "\n"
 

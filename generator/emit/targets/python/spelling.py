@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from roverlink.generator import ir
 from roverlink.generator.emit.targets.python.imports import Import
 from roverlink.generator.ir import ros_names
+from roverlink.generator.ir.pb2_paths import module_path
 
 _ANNOTATIONS = {
     "bool": "Bool",
@@ -102,7 +103,7 @@ def conversion_module(message: str) -> str:
 
 def proto_module(file: str) -> str:
     """Return the name of the module with a .proto file's classes: ``imu_pb2`` for ``sensors/imu.proto``."""
-    return f"{file.removesuffix('.proto').rpartition('/')[2]}_pb2"
+    return module_path(file).rpartition("/")[2]
 
 
 def proto_package(generated: str, file: str) -> str:
@@ -111,7 +112,7 @@ def proto_package(generated: str, file: str) -> str:
     For ``sensors/imu.proto``, this is ``generated.pb2.sensors``. The argument ``generated`` is the import name of the
     generated package.
     """
-    folder = file.rpartition("/")[0]
+    folder = module_path(file).rpartition("/")[0]
     if folder == "google/protobuf":  # these modules are part of Python's protobuf library
         return "google.protobuf"
     return ".".join([generated, "pb2", *filter(None, folder.split("/"))])
