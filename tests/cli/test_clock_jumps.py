@@ -149,6 +149,7 @@ def test_every_part_of_a_recording_knows_the_jump(tmp_path: Path, caplog: pytest
     assert [jump.by for jump in Recording(alone).jumps] == [-_HOUR]
 
 
+@pytest.mark.slow
 def test_a_bridge_whose_clock_is_set_records_in_order(
     start: Start, done: Start, peer: socket.socket, tmp_path: Path
 ) -> None:
@@ -243,6 +244,7 @@ def test_a_recording_of_another_program_is_replayed(done: Start, peer: socket.so
 
 @needs_dds
 @pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
+@pytest.mark.slow
 def test_a_replay_publishes_the_clock(run: Path, start: Start, done: Start, jump: int) -> None:
     """Nodes hear the time of the run as its clock showed it, jump included, so that it fits the stamps of messages."""
     options = ("--as", "ros", "--clock", "--topic", "imu_data", "--middleware", "dds")
@@ -352,6 +354,7 @@ def test_a_replay_shows_its_progress_and_obeys_keys(run: Path, peer: socket.sock
 
 
 @pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
+@pytest.mark.slow
 def test_ctrl_c_ends_a_paused_replay(run: Path, peer: socket.socket) -> None:
     """Cleanly, and the terminal echoes again."""
     with _Terminal("replay", run, *_to(peer)) as terminal:
@@ -366,6 +369,7 @@ def test_ctrl_c_ends_a_paused_replay(run: Path, peer: socket.socket) -> None:
 
 
 @pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
+@pytest.mark.slow
 def test_a_replay_on_the_terminal_of_another_session_takes_no_keys(run: Path, peer: socket.socket) -> None:
     """It shows its progress, promises no keys, and replays to the end."""
     with _Terminal("replay", run, "--speed", 50, *_to(peer), own=False) as terminal:

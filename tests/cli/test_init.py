@@ -67,7 +67,7 @@ _STARTED = {
 }
 
 
-@pytest.mark.parametrize("within_a_repository", [False, True])
+@pytest.mark.parametrize("within_a_repository", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_an_empty_folder_becomes_a_project_that_runs(
     within_a_repository: bool, tmp_path: Path, start: Start, done: Start
 ) -> None:
@@ -124,6 +124,7 @@ def test_a_project_is_not_started_over_another(
     assert [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()] == [*there]
 
 
+@pytest.mark.slow
 def test_what_the_workflow_runs_compares_with_the_base_branch(tmp_path: Path, done: Start) -> None:
     """The lint of the workflow passes where the base branch has no project yet, and finds what breaks one."""
     plant(tmp_path, {"README.md": "A rover.\n"})
@@ -166,6 +167,7 @@ def _lint_of_the_workflow(folder: Path) -> tuple[int, str]:
         ("file:///somewhere/rover", ""),  # GitHub cannot reach it
     ],
 )
+@pytest.mark.slow
 def test_the_workflow_installs_from_the_repository_that_roverlink_came_from(
     url: str, source: str, tmp_path: Path, done: Start
 ) -> None:

@@ -59,7 +59,7 @@ def _imu(number: float = 1.0) -> bytes:
     return REGISTRY.envelope(imu_info={"accel_x": number}).SerializeToString()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("middleware", ["memory", pytest.param("dds", marks=needs_dds)])
 def test_a_signal_stops_it_well(start: Start, peer: socket.socket, middleware: str, number: signal.Signals) -> None:
     """SIGINT and SIGTERM end it with exit code 0 and the account, after what had arrived was handled."""

@@ -96,7 +96,14 @@ def _is_stop(distance: float) -> bool:
     return distance == 0.0
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP, signal.SIGTERM], ids=["killed", "paused", "leaves"])
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(signal.SIGKILL, id="killed"),
+        pytest.param(signal.SIGSTOP, id="paused", marks=pytest.mark.slow),
+        pytest.param(signal.SIGTERM, id="leaves", marks=pytest.mark.slow),
+    ],
+)
 def test_a_rover_whose_commander_is_gone_stops(
     start: Start, bridge: Any, board: _Board, number: signal.Signals
 ) -> None:

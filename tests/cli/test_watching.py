@@ -205,6 +205,7 @@ def test_top_obeys_keys_on_a_small_terminal(start: Start, environment: dict[str,
 
 
 @needs_dds
+@pytest.mark.slow
 def test_top_warns_of_two_bridges_with_one_name(start: Start, done: Start) -> None:
     """With both processes; exit code 1; of two names, each bridge is shown, and `--node` selects one."""
     programs = [start("run", "--middleware", "dds", *_FREE_PORT, *more) for more in ((), (), ("-r", "__node:=another"))]

@@ -28,6 +28,9 @@ def _build(project: Path, site: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
+pytestmark = pytest.mark.slow  # they build the site
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build the site of this project."""

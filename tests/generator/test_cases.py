@@ -16,13 +16,19 @@ from roverlink.generator.diagnostics import Rule
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_case(case: CaseFile, tmp_path: Path, request: pytest.FixtureRequest) -> None:
-    """The project compiles to the expected files, or the expected findings are all that comes of it."""
+    """The project compiles to the expected files, or the expected findings are all that comes of it.
+
+    Every module that was generated, protoc's included, is Python.
+    """
     project = case.write_inputs(tmp_path / "project")
     before = snapshot(project)
     run = generate(project)
     after = snapshot(project)
     assert (run.code == 0) == bool(expected_files(case)), run.stderr
     assert run.code == 0 or after == before
+    for path, data in after.items():
+        if path.endswith((".py", ".pyi")):
+            compile(data, path, "exec")
     found = outcome(run.code, stderr=run.stderr)
     found |= {f"expected/{path}": after[path].decode() for path in expected_files(case)}
     if request.config.getoption("update_cases"):

@@ -38,6 +38,7 @@ def _roverlink(
 # --- the same input gives the same output -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_output_depends_on_nothing_but_the_input(tmp_path: Path) -> None:
     """Two runs over this repository's table, with other hash seeds, from other folders, write the same bytes."""
     results = []

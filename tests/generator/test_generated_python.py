@@ -91,14 +91,6 @@ def test_black_leaves_any_text_and_any_length_as_it_is(
     assert made == {path: black.format_str(text, mode=_MODE) for path, text in made.items()}
 
 
-@_CASES
-def test_it_compiles(case: CaseFile) -> None:
-    """Every module, protoc's included, is Python."""
-    for path, text in files_of(case).items():
-        if path.endswith((".py", ".pyi")):
-            compile(text, path, "exec")
-
-
 @pytest.mark.slow
 def test_ruff_finds_nothing(tmp_path: Path) -> None:
     """The linter, with this repository's settings, has nothing to say about the modules of any case."""

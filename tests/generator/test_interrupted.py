@@ -109,7 +109,7 @@ def test_the_next_command_rolls_back_what_was_only_prepared(project: Path, comma
     assert snapshot(project) == before
 
 
-@pytest.mark.parametrize("renamed", [2, 3, 10])
+@pytest.mark.parametrize("renamed", [2, *(pytest.param(count, marks=pytest.mark.slow) for count in (3, 10))])
 @pytest.mark.parametrize("command", [("generate", "--check"), ("lint",), ("explain", "arm")])
 def test_the_next_command_completes_the_switch(
     project: Path, finished: dict[str, bytes], renamed: int, command: tuple[str, ...]

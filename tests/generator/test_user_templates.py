@@ -120,6 +120,7 @@ def test_a_template_without_end_is_stopped(
     assert reason in said
 
 
+@pytest.mark.slow
 def test_a_template_that_python_cannot_interrupt_is_killed(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A single operation that never ends is stopped too; only its line is not known."""
     monkeypatch.setattr(user_templates, "LIMITS", Limits(seconds=1))
@@ -128,7 +129,16 @@ def test_a_template_that_python_cannot_interrupt_is_killed(project: Path, monkey
     assert "error[OUT106] cannot render the template" in _refused(project)
 
 
-@pytest.mark.parametrize("how", ["include {}", "import {} as one", "from {} import one", "extends {}"])
+@pytest.mark.parametrize(
+    "how",
+    [
+        "include {}",
+        *(
+            pytest.param(how, marks=pytest.mark.slow)
+            for how in ("import {} as one", "from {} import one", "extends {}")
+        ),
+    ],
+)
 @pytest.mark.parametrize(
     "name", ["../../secret.j2", "/etc/passwd", "a/../../../secret.j2", ".hidden/one", "link", "links/secret.j2"]
 )

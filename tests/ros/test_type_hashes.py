@@ -54,7 +54,11 @@ def test_standard_messages_have_their_hashes(name: str) -> None:
     assert encode(message())  # it is no field
 
 
-@pytest.mark.parametrize("case", [None, *passing_cases()], ids=lambda case: case.name if case else "this_project")
+@pytest.mark.parametrize(
+    "case",
+    [None, *(pytest.param(case, marks=pytest.mark.slow) for case in passing_cases())],
+    ids=lambda case: case.name if case else "this_project",
+)
 def test_an_independent_implementation_agrees(case: CaseFile | None) -> None:
     """The package rosbags computes the same hash from the .msg texts, of every message of every golden case."""
     project = compiled(case) if case else compile_table(ROOT / "mapping.yaml")

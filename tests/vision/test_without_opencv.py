@@ -35,7 +35,7 @@ def test_an_old_opencv_is_told_so() -> None:
     assert "4.8.1 is installed" in done.stdout
 
 
-@pytest.mark.parametrize("missing", ["cv2", "numpy"])
+@pytest.mark.parametrize("missing", ["cv2", pytest.param("numpy", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("command", ["track 0", "calibrate 0", "board --out board.pdf"])
 def test_commands_say_what_they_need(command: str, missing: str, tmp_path: Path) -> None:
     """A camera command names the extra that it needs, with exit code 2; its help is there all the same."""
@@ -57,6 +57,7 @@ def _main(words: list[str], missing: str, folder: Path) -> subprocess.CompletedP
 
 
 @pytest.mark.parametrize("missing", ["cv2", "numpy"])
+@pytest.mark.slow
 def test_the_demo_does_without_a_camera(missing: str) -> None:
     """It shows the rest, and says how to get the camera."""
     done = _main(["demo", "--seconds", "1", "--middleware", "memory"], missing, ROOT)
