@@ -46,10 +46,12 @@ class Span:
 def shown(folder: str, path: str) -> str:
     """Join a folder and a path to the file name that diagnostics show.
 
-    The folder ``proto`` and the path ``imu.proto`` give ``proto/imu.proto``. The folder may also be a git ref with a
-    colon: ``main:`` gives ``main:imu.proto``.
+    The folder ``proto`` and the path ``imu.proto`` give ``proto/imu.proto``; the folder ``.`` gives ``imu.proto``. The
+    folder may also be a git ref with a colon: ``main:`` gives ``main:imu.proto``.
     """
-    return f"{folder}{path}" if not folder or folder.endswith(":") else f"{folder}/{path}"
+    if folder in ("", "."):
+        return path
+    return f"{folder}{path}" if folder.endswith(":") else f"{folder}/{path}"
 
 
 @dataclass(frozen=True, slots=True)

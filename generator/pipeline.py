@@ -35,8 +35,11 @@ class Compiled:
     bridge: ir.Bridge
     files: dict[str, str]
     """Text of each generated file, by its path relative to the table."""
-    folders: tuple[str, ...]
-    """Folders of generated files. A generated file there that is not in `files` is left from an earlier run."""
+    folders: Mapping[str, str]
+    """Folders of generated files, and what the names of generated files there end with.
+
+    A generated file there that is not in `files` is left from an earlier run.
+    """
     own: tuple[str, ...]
     """Paths of files that belong to roverlink although they carry no header: the ledger, and those that it lists."""
     warnings: tuple[Diagnostic, ...]
@@ -146,7 +149,8 @@ def _compiled(
         bridge = resolve(table, compilation, envelope, bounds, sizes, findings)
     if has_errors(findings) or bridge is None:
         raise DiagnosticsError(in_order(findings))
-    folders = (bridge.folder, *([table.proto.root] if envelope.ours else []))
+    # The proto root may be the whole project, with virtual environments in it: only an envelope is ours there.
+    folders = {**({table.proto.root: ".proto"} if envelope.ours else {}), bridge.folder: ""}
     # Nothing is emitted from a table with errors: a half right envelope on disk would be worse than an old one.
     files = emitter.emit(bridge, table.and_further(*further), published, project)
     own = (lock.NAME, *published.files)

@@ -8,6 +8,7 @@ from typing import Any
 
 from roverlink.generated_code import load_project
 from roverlink.generator import ir
+from roverlink.generator.diagnostics import shown
 from roverlink.generator.emit import extra_topic_text
 from roverlink.generator.emit.emitter import FOLDER, placed
 from roverlink.generator.emit.extra_topic_names import named_extra_topics
@@ -117,7 +118,7 @@ class Project:
         }
 
     def _proto(self, file: str) -> str:
-        return f"{self.context.table.proto.root}/{file}"
+        return shown(self.context.table.proto.root, file)
 
     def _peer(self, name: str) -> dict[str, Any]:
         peer = self.context.table.peers_by_name()[name]

@@ -15,7 +15,7 @@ from roverlink.generator.adopt.lint_levels import lower
 from roverlink.generator.adopt.proto_tree import Tree, owner, read_tree
 from roverlink.generator.adopt.retired_numbers import AdoptedPast, read_past
 from roverlink.generator.adopt.table_text import text_of
-from roverlink.generator.diagnostics import Diagnostic, in_order
+from roverlink.generator.diagnostics import Diagnostic, in_order, shown
 from roverlink.generator.emit import envelope_file
 from roverlink.generator.emit.writer import Change
 from roverlink.generator.lint.context import Context
@@ -96,7 +96,7 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
     lower(draft, lint(context), context.schema or tree.schema)
     text = text_of(draft)
     compiled, changes = compile_text(table_path, text)
-    envelope = f"{shown_root}/{tree.envelope.file}"  # the table has all its content, so it may be replaced
+    envelope = shown(shown_root, tree.envelope.file)  # the table has all its content, so it may be replaced
     changes = [dataclasses.replace(one, foreign=False) if one.path == envelope else one for one in changes]
     refuse_overwriting(changes)
     findings += lint(dataclasses.replace(context, table=reader.parse(text, table_path.name, [])))

@@ -7,7 +7,7 @@ from importlib.metadata import EntryPoint
 from pathlib import Path, PurePosixPath
 
 from roverlink.generator import ir, lock
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest, shown
 from roverlink.generator.emit import envelope_file, mapping_json_schema, targets, user_templates
 from roverlink.generator.emit.output_rules import FORBIDDEN_PATH, TARGET_FAILED, UNKNOWN_TARGET
 from roverlink.generator.emit.python_format import format_python
@@ -35,7 +35,7 @@ def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path)
     collected = _Collected()
     collected.add(Span(bridge.table), [(f"{bridge.folder}/{mapping_json_schema.FILE}", mapping_json_schema.text())])
     if bridge.envelope.ours:
-        path = f"{table.proto.root}/{bridge.envelope.file}"
+        path = shown(table.proto.root, bridge.envelope.file)
         collected.add(Span(bridge.table), [(path, envelope_file.text(bridge.envelope, bridge.table))])
     for name in table.targets:
         span = table.at(f"targets.{name}")

@@ -54,17 +54,20 @@ def _lines(text: str | None) -> list[str]:
     return [line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines]
 
 
-def compare(project: Path, files: Mapping[str, str], folders: Iterable[str], own: Collection[str] = ()) -> list[Change]:
+def compare(
+    project: Path, files: Mapping[str, str], folders: Mapping[str, str], own: Collection[str] = ()
+) -> list[Change]:
     """Return the changes that make the files on disk equal to ``files``: the generated texts by path.
 
-    ``folders`` are the folders of the project that may contain generated files. If a generated file in these folders is
-    not in ``files``, it is removed. ``own`` are the paths of files that belong to roverlink although they do not carry
-    the header of generated files, such as the ledger. Raises `DiagnosticsError` for paths outside the project, and for
-    a file that cannot be read.
+    ``folders`` are the folders of the project that may contain generated files, with what the names of these files end
+    with. If a generated file in these folders is not in ``files``, it is removed. ``own`` are the paths of files that
+    belong to roverlink although they do not carry the header of generated files, such as the ledger. Raises
+    `DiagnosticsError` for paths outside the project, and for a file that cannot be read.
     """
     _must_be_inside(project, files)
     changes = [_change(project, path, text, own) for path, text in files.items()]
-    stale = [Change(path, _text(project, path), None) for path in _generated(project, folders) if path not in files]
+    generated = {path for folder, suffix in folders.items() for path in _generated(project, folder, suffix)}
+    stale = [Change(path, _text(project, path), None) for path in sorted(generated - files.keys())]
     return sorted(
         (change for change in (*changes, *stale) if change.before != change.after), key=lambda change: change.path
     )
@@ -144,17 +147,17 @@ def _text(project: Path, path: str) -> str | None:
             return None
 
 
-def _generated(project: Path, folders: Iterable[str]) -> Iterable[str]:
-    """Yield the paths of files in folders of the project whose header says that roverlink generated them.
+def _generated(project: Path, top: str, suffix: str) -> Iterable[str]:
+    """Yield the paths of files in a folder of the project whose header says that roverlink generated them.
 
-    Links, and folders that belong to another project or another repository, are left out.
+    ``suffix`` is the end of their names. Links, and folders that belong to another project or another repository, are
+    left out.
     """
-    for top in folders:
-        for folder, folders_in, names in os.walk(project / top):
-            folders_in[:] = sorted(one for one in folders_in if not _is_other_project(Path(folder, one)))
-            for path in (Path(folder, name) for name in sorted(names)):
-                if path.suffix != ".pyc" and not path.is_symlink() and path.is_file() and _is_ours(path):
-                    yield path.relative_to(project).as_posix()
+    for folder, folders_in, names in os.walk(project / top):
+        folders_in[:] = [one for one in folders_in if not _is_other_project(Path(folder, one))]
+        for path in (Path(folder, name) for name in names if name.endswith(suffix) and not name.endswith(".pyc")):
+            if not path.is_symlink() and path.is_file() and _is_ours(path):
+                yield path.relative_to(project).as_posix()
 
 
 def _is_other_project(folder: Path) -> bool:

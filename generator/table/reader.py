@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from posixpath import normpath
 from string import ascii_lowercase
 
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
@@ -38,7 +39,10 @@ def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
     rows = tuple(replace(row, ros=row.ros or ros_names.camel_case(row.proto.rpartition(".")[2])) for row in table.rows)
     mistakes = [mistake for row in rows for mistake in _mistakes(row)]
     findings += mistakes
-    return replace(table, whole=table.whole and not mistakes, peers=tuple(_with_ports(table.peers)), rows=rows)
+    # One spelling for each folder, because paths of files are compared: `./proto/` is `proto`.
+    proto = replace(table.proto, root=normpath(table.proto.root) if table.proto.root else "")
+    whole = table.whole and not mistakes
+    return replace(table, whole=whole, proto=proto, peers=tuple(_with_ports(table.peers)), rows=rows)
 
 
 def _numbers(table: Form) -> Iterator[int]:

@@ -74,6 +74,28 @@ def test_an_envelope_that_moves_leaves_nothing_behind(project: Path) -> None:
     assert {path for path in gone if path.startswith("proto/")} == {"proto/envelope.proto"}
 
 
+@pytest.mark.parametrize(
+    ("root", "folder"), [(".", ""), ("./", ""), ("./proto/", "proto"), ("proto/../proto", "proto")]
+)
+def test_the_proto_root_may_be_spelled_in_any_way(root: str, folder: str, tmp_path: Path) -> None:
+    """The envelope stays, and so do files elsewhere in the project that carry the header of generated files."""
+    project = case("nested").write_inputs(tmp_path / "project")
+    for file in (project / "proto").iterdir():
+        file.rename(project / folder / file.name)
+    installed = project / "venv" / "generated" / "registry.py"
+    installed.parent.mkdir(parents=True)
+    installed.write_text(_HEADER)
+    table = project / "mapping.yaml"
+    table.write_text(table.read_text().replace("root: proto", f"root: {root}"))
+    assert f"   added {folder and f'{folder}/'}envelope.proto" in generate(project).stdout.splitlines()
+    before = snapshot(project)
+    for options in ((), ("--check",)):
+        outcome = generate(project, *options)
+        assert (outcome.code, outcome.stderr) == (0, "")
+    assert snapshot(project) == before
+    assert installed.exists()
+
+
 def test_the_nearest_table_above_is_compiled(project: Path) -> None:
     """As every other command, `generate` finds its project from a folder within it, and says whose it is."""
     below = project / "proto" / "deep"
