@@ -6,6 +6,7 @@ It imports nothing before it has prepared for Ctrl-C, because imports are the lo
 
 import os
 
+_INTERRUPTED = 130  # `console.INTERRUPTED`, which is slow to import
 TYPE_CHECKING = False  # type checkers know the name
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,8 +16,8 @@ def main(argv: "Sequence[str] | None" = None) -> int:
     """Run the command that ``argv`` names, and return its exit code.
 
     ``argv`` is the command line without the program's name, such as ``["lint", "--history"]``; None for that of this
-    process. Exit code 0 means success, 1 that the command found problems, and 2 that it could not run. Ctrl-C ends a
-    command with exit code 0.
+    process. Exit code 0 means success, 1 that the command found problems, 2 that it could not run, and 130 that Ctrl-C
+    ended it before its work was done.
     """
     try:
         import signal  # may be interrupted already
@@ -37,16 +38,16 @@ def main(argv: "Sequence[str] | None" = None) -> int:
             if takes_interrupts:
                 signal.signal(signal.SIGINT, signal.SIG_IGN if argv is None else signal.default_int_handler)
     except KeyboardInterrupt:
-        return 0
+        return _INTERRUPTED
 
 
 def _end_at_once(*_: object) -> None:
-    """Handle Ctrl-C until the command line is parsed: end this process with exit code 0.
+    """Handle Ctrl-C until the command line is parsed: end this process.
 
     Nothing is open yet that must be closed. An exception instead would pass through the imports of other packages, and
     some of them print or swallow it.
     """
-    os._exit(0)
+    os._exit(_INTERRUPTED)
 
 
 if __name__ == "__main__":

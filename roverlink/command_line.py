@@ -67,8 +67,12 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the command of a parsed command line, and return its exit code."""
-    from roverlink.console import OK, UNABLE, print_error
+    """Run the command of a parsed command line, and return its exit code.
+
+    Ctrl-C is the normal end of a command like `run`. A command like `generate` has not done its work then, so that a
+    script must not go on as if it had: ``roverlink generate --check && deploy``.
+    """
+    from roverlink.console import INTERRUPTED, OK, UNABLE, print_error
     from roverlink.runtime.core.errors import RoverlinkError
 
     # systemd and docker stop a program with SIGTERM.
@@ -80,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_error(str(error))
         return UNABLE
     except KeyboardInterrupt:
-        return OK
+        return OK if arguments.runs_until_stopped else INTERRUPTED
     except BrokenPipeError:
         # The reader of our output has closed the pipe (`| head`). Python flushes stdout at exit, which must not fail.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -185,7 +189,7 @@ def _parser(arguments: Sequence[str] | None, parser_class: type[argparse.Argumen
         epilog="example: roverlink generate && roverlink run",
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="show the version of roverlink and exit")
-    parser.set_defaults(takes_ros_args=False)
+    parser.set_defaults(takes_ros_args=False, runs_until_stopped=False)
     commands = parser.add_subparsers(required=True, metavar="command", parser_class=parser_class)
     # Only the first argument names a command: `roverlink explain run` calls `explain`.
     imported = COMMANDS if arguments is None else tuple(name for name in COMMANDS if name in arguments[:1])

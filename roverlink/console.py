@@ -25,6 +25,8 @@ FINDINGS = 1
 """Exit code of a command that found problems, such as diagnostics of ``roverlink lint``."""
 UNABLE = 2
 """Exit code of a command that could not run, for example because a file is missing."""
+INTERRUPTED = 130
+"""Exit code of a command that a signal ended before its work was done: 128 plus SIGINT, as shells have it."""
 
 TABLE = "mapping.yaml"
 """File name of the table, which lists the bridged messages."""

@@ -59,7 +59,7 @@ def add(commands: Subparsers) -> None:
         help="subscribe with best-effort reliability, even if all publishers are reliable",
     )
     add_middleware(parser)
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, runs_until_stopped=True)
 
 
 def run(arguments: argparse.Namespace) -> int:

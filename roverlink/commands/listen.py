@@ -42,7 +42,7 @@ def add(commands: Subparsers) -> None:
         help="IPv4 address of this machine to listen on (default: all its addresses)",
     )
     parser.add_argument("--count", type=count, metavar="N", help="stop after N datagrams")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, runs_until_stopped=True)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -30,4 +30,4 @@ def add(commands: Subparsers) -> None:
         help=RECORDING_HELP,
     )
     add_options(parser)
-    parser.set_defaults(run=run, takes_ros_args=True)
+    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)

@@ -118,7 +118,7 @@ def add(commands: Subparsers) -> None:
         help="with --as ros: wait at most S seconds for a subscriber, then publish anyway (default: 3)",
     )
     add_middleware(parser)
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, runs_until_stopped=True)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -54,7 +54,7 @@ def add(commands: Subparsers) -> None:
         help=f"record all topics and datagrams; FILE: {observers.RECORDING_HELP}",
     )
     add_options(parser)
-    parser.set_defaults(run=run, takes_ros_args=True)
+    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -106,7 +106,7 @@ def add(commands: Subparsers) -> None:
         help="stop after S seconds (default: send until Ctrl-C)",
     )
     parser.add_argument("--json", action="store_true", help="print the report as a JSON object")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, runs_until_stopped=True)
 
 
 def _summary(name: str) -> str:

@@ -86,7 +86,7 @@ def add(commands: Subparsers) -> None:
         "--timeout", type=seconds, default=10.0, metavar="S", help="wait at most S seconds for a bridge (default: 10)"
     )
     add_middleware(parser)
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, runs_until_stopped=True)
 
 
 def run(arguments: argparse.Namespace) -> int:

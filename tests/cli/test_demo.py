@@ -66,6 +66,13 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
         assert re.search(rf"{handler.route.number} . {handler.route.name} ", output)
 
 
+def test_an_interrupted_demo_is_exit_code_130(start: Start) -> None:
+    """A script does not take it for a demo that has shown all messages."""
+    demo = start("demo", "--seconds", 60, "--middleware", "memory")
+    demo.wait_for("messages were bridged", demo.output)
+    assert demo.interrupt() == 130
+
+
 @pytest.mark.usefixtures("own_environment")
 def test_messages_that_do_not_cross_are_exit_code_1(capsys: pytest.CaptureFixture[str]) -> None:
     """Without any time nothing crosses: each message is named, and the exit code is 1."""

@@ -65,7 +65,7 @@ def _is_python_s_own(code: int, errors: str) -> bool:
     """True if the signal came while Python itself started or looked for `roverlink`, before any of our code ran."""
     # The environment with the other packages may be in a folder of the repository.
     ours = re.search(rf'File "{re.escape(str(_ROOT))}/(roverlink|generator|runtime|vision)/', errors)
-    return code in (1, -signal.SIGINT, 128 + signal.SIGINT) and not ours
+    return (code in (1, -signal.SIGINT) or "KeyboardInterrupt" in errors) and not ours
 
 
 @pytest.mark.slow
@@ -73,7 +73,7 @@ def _is_python_s_own(code: int, errors: str) -> bool:
 def test_ctrl_c_at_any_moment_of_the_start_ends_a_command_cleanly(
     command: str, tmp_path: Path, environment: dict[str, str]
 ) -> None:
-    """At random moments of the first half second, Ctrl-C gives exit code 0 and no traceback."""
+    """At random moments of the first half second, Ctrl-C gives no traceback, and tells whether the work was done."""
     moments = random.Random(command)  # noqa: S311  # repeatable, not secret
     reached = 0
     for attempt in range(_TIMES):
@@ -83,7 +83,7 @@ def test_ctrl_c_at_any_moment_of_the_start_ends_a_command_cleanly(
         code, errors = _interrupted(command.replace("{tmp}", str(folder)).split(), delay_s, environment)
         if not _is_python_s_own(code, errors):
             assert "Traceback" not in errors, f"after {delay_s:.3f} s:\n{errors}"
-            assert code == 0, f"after {delay_s:.3f} s:\n{errors}"
+            assert code in (0, 130), f"after {delay_s:.3f} s:\n{errors}"
             reached += 1
     assert reached >= _TIMES // 2
 

@@ -37,7 +37,7 @@ def add(commands: Subparsers) -> None:
     _add_markers(parser)
     _add_outputs(parser)
     add_project(parser)
-    parser.set_defaults(run=run, takes_ros_args=True)
+    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
 
 
 def _add_camera(parser: argparse.ArgumentParser) -> None:
