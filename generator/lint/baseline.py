@@ -94,10 +94,7 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic])
         commit = repository.resolve(ref)
     except GitError as error:
         message = f"{ref!r} is not a folder, a file, or a git ref"
-        help = (
-            str(error)
-            or f"`git branch --all` and `git tag` list the refs; a shallow clone gets all of them with {DEEPEN}"
-        )
+        help = str(error) or _other_refs(repository, ref)
         raise DiagnosticsError([NO_SUCH_STATE.at(Span("--against"), message, help)]) from error
     with tempfile.TemporaryDirectory(prefix="roverlink-state-") as folder:
         try:
@@ -116,6 +113,15 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic])
             return repository.commit_of_line(file, span.line, commit) if span.line else None
 
         return dataclasses.replace(_baseline_in(Path(folder), f"{ref}:", layout, commit_of, findings), commit=commit)
+
+
+def _other_refs(repository: Repository, ref: str) -> str:
+    """Return the help for a git ref that does not exist: which refs there are."""
+    try:
+        repository.resolve(f"origin/{ref}")
+    except GitError:
+        return f"`git branch --all` and `git tag` list the refs; a shallow clone gets all of them with {DEEPEN}"
+    return f"write 'origin/{ref}': this clone has {ref!r} only as a branch of the remote"
 
 
 def _is_wanted(file: str) -> bool:

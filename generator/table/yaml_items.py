@@ -50,7 +50,10 @@ def read_text(path: Path, file: str) -> str:
     try:
         return source_files.read_text(path.parent, path.name)
     except OSError as error:
-        help = "give the table with --table, run this in a project, or start one with `roverlink init`"
+        help = (
+            "give the table with --table, run this in a project, or start one with `roverlink init`; "
+            "`roverlink lint PROTO_ROOT` checks .proto files without a table"
+        )
         raise DiagnosticsError(
             [UNREADABLE.at(Span(file), f"the table cannot be read: {error.strerror}", help)]
         ) from error

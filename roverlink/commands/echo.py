@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import queue
 import sys
 import time
@@ -18,6 +19,7 @@ from roverlink.console import (
     command,
     count,
     counted,
+    print_note,
     project_folder,
     seconds,
 )
@@ -28,6 +30,7 @@ from roverlink.runtime.middleware import Endpoint, Middleware, open_middleware
 from roverlink.runtime.text.values import message_to_values
 
 _LOOK_S = 0.02
+_NOTE_S = 2.0
 _SETTLE_S = 0.1  # publishers that exist when the command starts become known one after the other
 _QUEUE = 1000  # messages; printing is slower than a burst
 
@@ -105,9 +108,13 @@ def _publishers(middleware: Middleware, topic: str, deadline: float | None) -> S
     ``deadline`` is a time of `time.monotonic`, or None to wait without limit. If no publisher appears before the
     deadline, return an empty sequence.
     """
+    note_at = time.monotonic() + _NOTE_S
     while not middleware.endpoints(topic, True):
         if deadline is not None and time.monotonic() > deadline:
             return ()
+        if time.monotonic() > note_at:
+            print_note(f"waiting: nothing publishes on {topic} yet")
+            note_at = math.inf
         time.sleep(_LOOK_S)
     time.sleep(_SETTLE_S)
     return middleware.endpoints(topic, True)

@@ -157,10 +157,12 @@ def _print_adoption(adoption: Adoption) -> None:
     changed = [change.path for change in adoption.changes if change.verb != "added"]
     print(f"wrote {TABLE} and {added - 1} generated files" + "".join(f"; changed {path}" for path in changed))
     print("next:")
-    print(f"  check {TABLE}: {counted(guessed, 'direction')} and the peers' ports are guessed")
-    print("  roverlink generate    run after each change of the table")
-    print("  roverlink lint        check numbers, names and sizes")
-    print("  roverlink run         run the bridge")
+    directions = f"{counted(guessed, 'direction')} and " if guessed else ""
+    print(f"  check {TABLE}: {directions}the peers' ports are guessed")
+    print("  roverlink generate                            run after each change of the table")
+    print("  roverlink lint                                check numbers, names and sizes")
+    print("  roverlink lint --against origin/main          in CI, after `roverlink generate --check`")
+    print("  roverlink run                                 run the bridge")
 
 
 def _print_findings(adoption: Adoption) -> None:

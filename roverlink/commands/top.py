@@ -109,7 +109,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     with open_middleware(arguments.middleware, topic_types.identity("top")) as middleware:
         middleware.subscribe(diagnostic_array.TOPIC, DiagnosticArray, diagnostic_array.QOS, keep)
-        page = _next_page(arrived, heard, arguments.timeout)
+        page = _next_page(arrived, heard, min(_HEAR_S, arguments.timeout))
+        if page is None and arguments.timeout > _HEAR_S:
+            print_note(f"waiting for a bridge, at most {arguments.timeout:g} s")
+            page = _next_page(arrived, heard, arguments.timeout - _HEAR_S)
         if page is None:
             bridges = " or ".join(f"named {name!r}" for name in arguments.node)
             print(

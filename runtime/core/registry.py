@@ -100,8 +100,10 @@ def load_registry(project: str | Path | None = None, package: str = "generated")
     # VersionError: the protobuf runtime is older than the one that generated the modules. TypeError: descriptors clash.
     except (ImportError, SyntaxError, TypeError, AttributeError, VersionError) as error:
         if isinstance(error, ModuleNotFoundError) and _concerns(str(error.name), package):
-            where = project if project is not None else "the import path"
-            raise RegistryError(f"no generated code in {where} ({error}); run `roverlink generate`") from error
+            if project is not None:
+                raise RegistryError(f"no generated code in {project} ({error}); run `roverlink generate`") from error
+            help = "give the folder of mapping.yaml, load_registry(folder), and run `roverlink generate` there"
+            raise RegistryError(f"no generated code in the import path ({error}); {help}") from error
         raise RegistryError(f"the generated code cannot be imported: {error}; run `roverlink generate`") from error
     if not isinstance(registry, Registry):
         raise RegistryError(f"{package}.registry.REGISTRY is not a Registry; run `roverlink generate`")

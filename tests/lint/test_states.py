@@ -180,6 +180,17 @@ def test_no_such_state(tree: Path, lint: Lint) -> None:
     assert "fatal[STA101] 'mian' is not a folder, a file, or a git ref" in out
 
 
+def test_a_branch_of_the_remote_is_offered(tree: Path, lint: Lint, tmp_path: Path) -> None:
+    """A clone of a CI server has no branch main of its own; the help names the one that it has."""
+    clone = tmp_path / "clone"
+    _git(tmp_path, "clone", "--quiet", str(tree), str(clone))
+    _git(clone, "switch", "--quiet", "--detach")
+    _git(clone, "branch", "--quiet", "--delete", "--force", "main")
+    code, out, _ = lint(clone, "--against", "main", *_TREE)
+    assert code == 2
+    assert "  help: write 'origin/main': this clone has 'main' only as a branch of the remote" in out.splitlines()
+
+
 def test_the_rest_is_looked_at_without_the_other_state(tree: Path, lint: Lint) -> None:
     """Where there is no such state, it is one finding among those of the present, in any format."""
     _replace(tree / "imu.proto", "latitude = 1;", "latitude = 1;\n  // double age = 2;\n  float hdop = 2;")

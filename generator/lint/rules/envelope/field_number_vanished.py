@@ -20,6 +20,7 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lock import NAME
 
 RULE = Rule("ENV103", "field-number-vanished", __doc__)
 
@@ -43,4 +44,6 @@ def check(context: Context) -> Iterator[Diagnostic]:
         span = entry.span if of_ledger else Span(table.file)  # an earlier state cannot be edited
         also = [] if of_ledger else [(entry.span, "published here")]
         moved = [row.at("number") for row in table.rows if row.proto == entry.proto]
+        if of_ledger and moved:
+            help += f"; if no program has used {entry.number} yet, restore the earlier {NAME}"
         yield RULE.at(span, message, help, also, type=table.envelope.message, number=entry.number, rests_on=moved)

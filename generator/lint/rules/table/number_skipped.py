@@ -21,6 +21,7 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lock import NAME
 
 RULE = Rule("TAB106", "number-skipped", __doc__, Severity.HINT)
 
@@ -45,7 +46,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
         if number > smallest:
             row = new[number]
             message = f"field {number} skips numbers that were never used; the next number is {smallest}"
-            help = f"give {row.name!r} the number {smallest} before any program uses {number}"
+            help = f"give {row.name!r} the number {smallest}, and restore {NAME} if it has {number} already"
             rests_on = [row.at("number"), row.at("proto")]
             yield RULE.at(
                 row.at("number"), message, help, type=table.envelope.message, number=number, rests_on=rests_on

@@ -65,7 +65,8 @@ def _unknown_direction(row: Row, peers: list[str], malformed: bool) -> _Fault:
     message = f"unknown direction {row.direction!r} (known: {', '.join(known) or 'none'})"
     if malformed:
         return "direction", message, nearest(row.direction, known, "write `<peer>_to_ros` or `ros_to_<peer>`"), []
-    return "direction", message, nearest(row.peer, peers, f"add the peer {row.peer!r} under `peers`"), []
+    other = f"{'write a known direction, or ' if peers else ''}add the peer {row.peer!r} under `peers`"
+    return "direction", message, nearest(row.peer, peers, other), []
 
 
 def _unknown_targets(row: Row, peers: list[str]) -> Iterator[_Fault]:
