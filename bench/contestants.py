@@ -155,7 +155,8 @@ def _compile_for_same_work(script: Path, proto: Path, project: Path) -> None:
         row.pop("forward", None)
         row.pop("also", None)
     shutil.copytree(proto, project / table["proto"]["root"], dirs_exist_ok=True)
-    shutil.copy(ROOT / "mapping.lock", project)
+    # The ledger would refuse rows whose forwards and extra topics were published.
+    (project / "mapping.lock").unlink(missing_ok=True)
     mapping = project / "mapping.yaml"
     mapping.write_text(yaml.safe_dump(table, sort_keys=False), encoding="utf-8")
     command = (str(script), "generate", "--table", str(mapping))

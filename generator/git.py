@@ -2,7 +2,7 @@
 
 - Inside a git hook, the variable ``GIT_DIR`` overrides the folder that is passed to git. Such variables are removed.
 - ``git ls-tree`` lists links and submodules too; only the modes 100644 and 100755 are files.
-- A clone may lack objects (``--depth``, ``--filter``); reading them raises `GitError`.
+- A clone may lack objects (``--depth``, ``--filter``). In a partial clone, git fetches a missing blob when it is read.
 """
 
 from __future__ import annotations
@@ -10,15 +10,21 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
+from itertools import islice
 from pathlib import Path
+
+from roverlink.generator.source_files import LARGEST, too_large
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 # git sets these variables for a hook (githooks(5)). They select the hook's repository; the folder may be in another.
 _OF_A_HOOK = ("GIT_DIR", "GIT_WORK_TREE", "GIT_COMMON_DIR", "GIT_INDEX_FILE", "GIT_PREFIX")
 _FILES = ("100644", "100755")  # modes of regular files; a link has 120000, a submodule 160000
+_BATCH = (
+    256  # ids per request: 256 * 41 bytes fit into the pipe (64 KiB on Linux), so git and this process never both wait
+)
 
 
 class GitError(Exception):
@@ -96,31 +102,35 @@ class Repository:
         entries = (entry.split("\t", 1) for entry in listed if entry)
         return [(about.split()[0], about.split()[2], path.removeprefix(prefix)) for about, path in entries]
 
-    def files(self, commit: str) -> list[str]:
-        """Return the paths of the files below the folder in a commit, without links and submodules."""
-        return [path for mode, _, path in self.entries(commit) if mode in _FILES]
+    def contents(self, commit: str, wanted: Callable[[str], bool]) -> Iterator[tuple[str, bytes | str]]:
+        """Yield path and content of the files below the folder in a commit that ``wanted`` accepts by their path.
 
-    def contents(self, commit: str, paths: Iterable[str]) -> Iterator[tuple[str, bytes]]:
-        """Yield path and content of the given files in a commit.
-
-        Raises `GitError` if the clone does not contain a file.
+        Links and submodules are left out. Instead of a content that cannot be read, the reason is yielded, as a text.
         """
-        paths = list(paths)
-        # One process for all files: starting git once per file would cost more than reading it. A path with `./` in
-        # front is relative to the current folder, others to the top of the repository (gitrevisions(7)).
-        asked = "".join(f"{commit}:./{path}\n" for path in paths)
-        # The answer to each line is `<id> <type> <size> LF <content> LF`, or `<what was asked> missing LF`
-        # (git-cat-file(1), BATCH OUTPUT). A content may contain line feeds, so only the size tells where it ends.
-        answer = self._run_bytes("cat-file", "--batch", input=asked.encode())
-        position = 0
-        for path in paths:
-            head_end = answer.index(b"\n", position)
-            about = answer[position:head_end].split()
-            if about[-1] == b"missing":
-                raise GitError(f"{path} is not in this clone")
-            size = int(about[2])
-            yield path, answer[head_end + 1 : head_end + 1 + size]
-            position = head_end + 1 + size + 1
+        paths = [(path, id) for mode, id, path in self.entries(commit) if mode in _FILES and wanted(path)]
+        for (path, _), (_, data) in zip(paths, self.blobs([id for _, id in paths])):
+            yield path, data
+
+    def blobs(self, ids: Sequence[str]) -> Iterator[tuple[str, bytes | str]]:
+        """Yield id and content of blobs (file contents in git), in the order of ``ids``.
+
+        Instead of a content that is missing in this clone, or larger than `LARGEST`, the reason is yielded, as a text.
+        """
+        if not ids:
+            return
+        try:
+            git = subprocess.Popen(  # noqa: S603  # no shell
+                command(self.folder, "cat-file", "--batch"),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                env=environment(),
+            )
+        except OSError as error:
+            raise GitError(f"git cannot be run: {error.strerror}") from error
+        with git:
+            left = iter(ids)
+            while batch := list(islice(left, _BATCH)):
+                yield from _answers(git, batch)
 
     def commit_of_line(self, path: str, line: int, commit: str | None = None) -> Commit | None:
         """Return the commit that last changed a line of a file.
@@ -143,18 +153,41 @@ class Repository:
         return commit_of(id, facts["author-time"], facts["summary"])
 
     def _run(self, *arguments: str) -> str:
-        return self._run_bytes(*arguments).decode("utf-8", errors="replace")
-
-    def _run_bytes(self, *arguments: str, input: bytes = b"") -> bytes:
         try:
             done = subprocess.run(  # noqa: S603  # no shell
-                command(self.folder, *arguments), input=input, capture_output=True, check=False, env=environment()
+                command(self.folder, *arguments), capture_output=True, check=False, env=environment()
             )
         except OSError as error:
             raise GitError(f"git cannot be run: {error.strerror}") from error
         if done.returncode:
             raise GitError(done.stderr.decode("utf-8", errors="replace").strip())
-        return done.stdout
+        return done.stdout.decode("utf-8", errors="replace")
+
+
+def _answers(git: subprocess.Popen[bytes], ids: Sequence[str]) -> Iterator[tuple[str, bytes | str]]:
+    assert git.stdin is not None, "it was asked for"  # noqa: S101  # for mypy
+    assert git.stdout is not None, "it was asked for"  # noqa: S101  # for mypy
+    try:
+        git.stdin.write("".join(f"{id}\n" for id in ids).encode("ascii"))
+        git.stdin.flush()
+    except BrokenPipeError as error:
+        raise GitError("git cat-file ended early") from error
+    for id in ids:
+        head = git.stdout.readline().split()
+        if not head:
+            raise GitError("git cat-file ended early")
+        # The head is `<id> <type> <size>`, or `<id> missing` (git-cat-file(1), BATCH OUTPUT).
+        if len(head) < 3:
+            yield id, "it is missing in this clone"
+            continue
+        size = int(head[2])
+        if size <= LARGEST:
+            yield id, git.stdout.read(size + 1)[:-1]
+            continue
+        left = size + 1
+        while left and (part := git.stdout.read(min(left, LARGEST))):  # in parts: a blob can be larger than the memory
+            left -= len(part)
+        yield id, too_large(size)
 
 
 def command(folder: Path, *arguments: str) -> list[str]:

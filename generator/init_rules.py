@@ -7,9 +7,9 @@ from roverlink.generator.diagnostics import Rule, Severity
 NOTHING_TO_TAKE_OVER = Rule(
     "ADO101",
     "nothing-to-take-over",
-    """The folder given to `roverlink init --from` contains no `.proto` file.
+    """The folder given to `roverlink init --from` contains no `.proto` file, or is outside the git repository.
 
-`roverlink init` drafts the rows of the table from the envelope, which is declared in a `.proto` file.
+`roverlink init` drafts the rows of the table from the envelope, which is declared in a `.proto` file of the repository.
 
 Bad::
 
@@ -43,9 +43,10 @@ Good::
 IN_THE_WAY = Rule(
     "ADO103",
     "file-in-the-way",
-    """`roverlink init` would overwrite a file that it did not generate.
+    """`roverlink init` would overwrite a file that it did not generate, or cannot read a file that it would keep.
 
-Files that were not generated are never replaced. Move the file, or generate into another folder.
+Files that were not generated are never replaced. Move the file, or generate into another folder. A link out of the git
+repository, a pipe and a device are not read.
 
 Bad::
 

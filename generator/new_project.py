@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from roverlink.generator import lock
+from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.emit.render import render
 from roverlink.generator.emit.writer import Change
@@ -60,14 +60,22 @@ def new_project(folder: Path, package: str, source: str = "") -> NewProject:
         prefix="roverlink-"
     ) as copy:  # so that an error does not leave half a project behind
         for path in (*kept, lock.NAME):  # without a table, the ledger still knows the taken numbers
-            if (folder / path).is_file():
-                _put(Path(copy, path), (folder / path).read_bytes())
+            if (folder / path).exists():
+                _put(Path(copy, path), _content(folder, path))
         for path, text in own.items():
             _put(Path(copy, path), text.encode())
         compiled = compile_table(Path(copy, _TABLE))
     changes = compiled.changes(folder, own)
     refuse_overwriting(changes)
     return NewProject(tuple(changes), kept, source)
+
+
+def _content(folder: Path, path: str) -> bytes:
+    try:
+        return source_files.read(folder, path)
+    except OSError as error:
+        message = f"the file cannot be read: {error.strerror}"
+        raise DiagnosticsError([IN_THE_WAY.at(Span(path), message, "move it to another place")]) from error
 
 
 def _put(target: Path, data: bytes) -> None:

@@ -45,8 +45,13 @@ def read(root: Path, name: str, largest: int = LARGEST) -> bytes:
         size = os.fstat(file.fileno()).st_size
         data = file.read(largest + 1) if size <= largest else b""
     if max(size, len(data)) > largest:
-        raise RefusedFileError(f"it has {max(size, len(data))} bytes; files of more than {largest} bytes are not read")
+        raise RefusedFileError(too_large(max(size, len(data)), largest))
     return data
+
+
+def too_large(size: int, largest: int = LARGEST) -> str:
+    """Return the reason why a file of ``size`` bytes is not read."""
+    return f"it has {size} bytes; files of more than {largest} bytes are not read"
 
 
 def read_text(root: Path, name: str) -> str:
@@ -109,6 +114,12 @@ def walk(root: Path, report: Callable[[str, str], None]) -> list[str]:
             except OSError as error:
                 report(path, f"the folder was not read: {error.strerror}")
     return sorted(Path(path).as_posix() for path in found)
+
+
+def printable(path: str) -> str:
+    """Return a path as text for messages and files: bytes that are not UTF-8 are escaped."""
+    # Python reads such bytes as lone surrogates (PEP 383). They cannot be written to JSON or to a terminal.
+    return os.fsencode(path).decode("utf-8", errors="backslashreplace")
 
 
 def leads_out(project: Path, folder: Path) -> bool:

@@ -198,7 +198,7 @@ def _parser(arguments: Sequence[str] | None, parser_class: type[argparse.Argumen
     for name in imported:
         importlib.import_module(f"roverlink.commands.{name.replace('-', '_')}").add(commands)
     for name in () if imported else COMMANDS:
-        commands.add_parser(name)
+        commands.add_parser(name, help="")  # without a help, zsh would show the completion as `None`
     return parser
 
 

@@ -70,15 +70,21 @@ def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
     ``project`` is the folder of the project; None for the nearest one, from the current folder upwards. ``ros`` holds
     the parameters of the bridge to check, such as its UDP port.
     """
-    found = list(_python())
+    found, registry = list(_python()), None
+    examined = "generated code"
     try:
         registry = load_project(project_folder(project))
+        messages, fingerprint = len(registry.handlers), registry.fingerprint[:12]
+        found.append(Diagnosis("ok", examined, f"{messages} messages, fingerprint of the table {fingerprint}"))
+        examined = "parameters"
         settings = parameters.read(registry, ros.parameters)
     except RoverlinkError as error:
-        return [*found, Diagnosis("error", "generated code", str(error)), *_ros(None)]
-    messages, fingerprint = len(registry.handlers), registry.fingerprint[:12]
-    found.append(Diagnosis("ok", "generated code", f"{messages} messages, fingerprint of the table {fingerprint}"))
-    return [*found, *_network(settings), *_firewall(settings), *_multicast(), *_ros(registry)]
+        found.append(Diagnosis("error", examined, str(error)))
+        says = "UDP port, receive buffer, dst_ip and firewall were not checked, because the parameters are unknown"
+        found.append(Diagnosis("warning", "not checked", says, "correct the error above, and run the command again"))
+    else:
+        found += [*_network(settings), *_firewall(settings)]
+    return [*found, *_multicast(), *_ros(registry)]
 
 
 # --- this Python ------------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from roverlink.generator import source_files
 from roverlink.generator.adopt.draft import Draft
 from roverlink.generator.adopt.fitting import fit
 from roverlink.generator.adopt.guesses import guess_rows
@@ -15,9 +16,10 @@ from roverlink.generator.adopt.lint_levels import lower
 from roverlink.generator.adopt.proto_tree import Tree, owner, read_tree
 from roverlink.generator.adopt.retired_numbers import AdoptedPast, read_past
 from roverlink.generator.adopt.table_text import text_of
-from roverlink.generator.diagnostics import Diagnostic, in_order, shown
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, in_order, shown
 from roverlink.generator.emit import envelope_file
 from roverlink.generator.emit.writer import Change
+from roverlink.generator.init_rules import NOTHING_TO_TAKE_OVER
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lock import Ledger
@@ -67,6 +69,10 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
     total. Raises `DiagnosticsError` with all mistakes if the draft cannot be compiled.
     """
     project, root = table_path.resolve().parent, wanted.root.resolve()
+    if source_files.leads_out(project, root):
+        message = "the folder is outside the git repository"
+        help = "move the .proto files into the repository, or add their repository as a submodule"
+        raise DiagnosticsError([NOTHING_TO_TAKE_OVER.at(Span(str(wanted.root)), message, help)])
     shown_root = Path(os.path.relpath(root, project)).as_posix()
     tree = read_tree(root, shown_root, wanted.file, wanted.message, wanted.oneof)
     peers, rows = guess_rows(tree)

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from roverlink.generator.emit.render import carries_header
 from roverlink.generator.init_rules import NO_SUCH_ENVELOPE, NOTHING_TO_TAKE_OVER
@@ -202,7 +203,7 @@ def owner(tree: Tree, reserved: Iterable[int], reserved_names: Iterable[str], fo
     numbers = {number for first, last in envelope.reserved for number in range(first, min(last, first + 10_000) + 1)}
     beside = [field.name for field in envelope.fields if field.oneof != tree.oneof]
     declared = [one for one in file.messages if one.full_name == envelope.full_name]
-    text = (tree.root / tree.envelope.file).read_text(encoding="utf-8", errors="replace")
+    text = source_files.read(tree.root, tree.envelope.file).decode("utf-8", errors="replace")
     lexer = Lexer(text)
     lexer.run()
     commented = not carries_header(text) and any(token.comments for token in lexer.tokens)

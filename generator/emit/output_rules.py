@@ -132,10 +132,11 @@ Good::
 FOREIGN_TEMPLATE = Rule(
     "OUT107",
     "foreign-template",
-    """A template is a link out of its template folder, or the template folder is a link out of the project.
+    """A template cannot be read, or it is a link out of its template folder, or that folder is one out of the project.
 
 A symbolic link can lead to any file of the computer, whose text would then be in a generated file. Strangers can add
-such a link in a pull request. Links to hidden files such as `.git/config` are refused for the same reason.
+such a link in a pull request. Links to hidden files such as `.git/config` are refused for the same reason. A pipe or a
+device could be endless, so only regular files of at most 8 MiB are read.
 
 Bad::
 

@@ -13,16 +13,17 @@ import json
 import pickle
 import signal
 import sys
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
-from jinja2 import Environment, FileSystemLoader, TemplateError, TemplateSyntaxError
+from jinja2 import Environment, FunctionLoader, TemplateError, TemplateSyntaxError
 from jinja2.exceptions import SecurityError
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 
-from roverlink.generator import ir
+from roverlink.generator import ir, source_files
 from roverlink.generator.emit.render import SETTINGS, header
 from roverlink.generator.ir import ros_names
 
@@ -99,7 +100,7 @@ def _answers(request: Request) -> Iterator[list[str | int]]:
 
 
 def _environment(root: Path) -> Environment:
-    own = _Sandbox(loader=_InsideFolder(root), **SETTINGS)
+    own = _Sandbox(loader=FunctionLoader(partial(_source, root)), **SETTINGS)
     own.filters |= {"snake_case": ros_names.snake_case, "camel_case": ros_names.camel_case}
     own.globals["header"] = header
     del own.globals["lipsum"], own.filters["random"]  # the same table must give the same text
@@ -118,14 +119,19 @@ class _Sandbox(ImmutableSandboxedEnvironment):
         return super().call_binop(context, operator, left, right)
 
 
-class _InsideFolder(FileSystemLoader):
-    """Loader for the templates of one folder. It refuses symbolic links that lead out of the folder."""
+def _source(root: Path, template: str) -> tuple[str, str, None] | None:
+    """Return text and path of a template below the folder ``root``; None if it does not exist.
 
-    def get_source(self, environment: Environment, template: str) -> tuple[str, str, Callable[[], bool]]:
-        root = Path(self.searchpath[0]).resolve()
-        if not is_inside(root / template, root):
-            raise TemplateError(f"{template!r} is not a visible file inside the folder of the templates")
-        return super().get_source(environment, template)
+    Raises `TemplateError` for a file that templates may not read, such as a link that leads out of the folder.
+    """
+    if not is_inside(root / template, root):
+        raise TemplateError(f"{template!r} is not a visible file inside the folder of the templates")
+    try:
+        return source_files.read_text(root, template), str(root / template), None
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise TemplateError(f"{template!r} cannot be read: {error.strerror}") from error
 
 
 def is_inside(path: Path, root: Path) -> bool:

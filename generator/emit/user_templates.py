@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from roverlink.generator import ir
-from roverlink.generator.diagnostics import DiagnosticsError, Span
+from roverlink.generator import ir, source_files
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.emit.output_rules import FOREIGN_TEMPLATE, NO_TEMPLATES, TEMPLATE_FAILED
 from roverlink.generator.emit.render import Files
 from roverlink.generator.emit.template_process import SUFFIX, Limits, Request, is_inside
@@ -67,25 +67,31 @@ def _root(project: Path, folder: str, span: Span) -> Path:
 
 
 def _templates(root: Path, folder: str, span: Span) -> tuple[str, ...]:
-    found = sorted(root.rglob(f"*{SUFFIX}"))
-    if not found:
+    faults: list[Diagnostic] = []
+
+    def refuse(path: str, fault: str) -> None:
+        span = Span(f"{folder}/{source_files.printable(path)}")
+        faults.append(FOREIGN_TEMPLATE.at(span, fault, "replace a link by a copy of the file"))
+
+    found = [path for path in source_files.walk(root, refuse) if path.endswith(SUFFIX)] if root.is_dir() else []
+    if not found and not faults:
         why = f"contains no file that ends with {SUFFIX}" if root.is_dir() else "is not a folder"
         raise DiagnosticsError(
             [NO_TEMPLATES.at(span, f"{folder!r} {why}", "check the path; it is relative to the folder of the table")]
         )
-    names = [path.relative_to(root).as_posix() for path in found]
-    foreign = [
-        FOREIGN_TEMPLATE.at(
-            Span(f"{folder}/{name}"),
-            f"the link does not lead to a visible file inside the folder {folder!r}",
-            "replace the link by a copy of the file",
-        )
-        for path, name in zip(found, names)
-        if not path.is_file() or not is_inside(path, root)
-    ]
-    if foreign:
-        raise DiagnosticsError(foreign)
-    return tuple(names)
+    for path in found:
+        if source_files.printable(path) != path:
+            refuse(path, "the name of the template is not UTF-8")
+        elif not (root / path).exists() or not is_inside(root / path, root):
+            refuse(path, f"the link does not lead to a visible file inside the folder {folder!r}")
+        else:
+            try:
+                source_files.read(root, path)
+            except OSError as error:
+                refuse(path, f"the template cannot be read: {error.strerror}")
+    if faults:
+        raise DiagnosticsError(faults)
+    return tuple(found)
 
 
 def _rendered(request: Request, folder: str) -> Iterator[tuple[str, str]]:

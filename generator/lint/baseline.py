@@ -98,11 +98,17 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic])
         raise DiagnosticsError([NO_SUCH_STATE.at(Span("--against"), message, help)]) from error
     with tempfile.TemporaryDirectory(prefix="roverlink-state-") as folder:
         try:
-            wanted = [file for file in repository.files(commit) if _is_wanted(file)]
-            for file, data in repository.contents(commit, wanted):
-                target = Path(folder, file)
-                target.parent.mkdir(parents=True, exist_ok=True)
-                target.write_bytes(data)
+            for file, data in repository.contents(commit, _is_wanted):
+                if isinstance(data, str):
+                    fault = f"the file cannot be read: {data}"
+                elif not {"", ".."}.isdisjoint(file.split("/")):  # git can store such a path, but never checks it out
+                    fault = "the path leads out of the folder of the state"
+                else:
+                    target = Path(folder, file)
+                    target.parent.mkdir(parents=True, exist_ok=True)
+                    target.write_bytes(data)
+                    continue
+                findings.append(UNREADABLE_STATE.at(Span(f"{ref}:{file}"), fault))
         except (GitError, OSError) as error:
             raise DiagnosticsError(
                 [UNREADABLE_STATE.at(Span(ref), f"the earlier state cannot be read: {error}")]

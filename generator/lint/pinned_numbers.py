@@ -62,7 +62,8 @@ def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, find
 def _pinned(pin: Pin, repository: Repository, envelope: str) -> Pinned:
     """Return the envelope's numbers at the commit of a pin.
 
-    Raises `LookupError` if the repository does not contain the commit, or if the commit does not declare the envelope.
+    Raises `LookupError` if the repository does not contain the commit, if a file of the commit cannot be read, or if
+    the commit does not declare the envelope.
     """
     try:
         commit = repository.commit(pin.commit)
@@ -88,12 +89,15 @@ def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Diagnostic]:
 def _numbers_at(repository: Repository, commit: str, envelope: str) -> dict[int, tuple[str, str]] | None:
     """Return type and name of each payload by number, at a commit; None if the commit does not declare the envelope.
 
-    If no message has the full name ``envelope``, a message of the same name in another package is used.
+    If no message has the full name ``envelope``, a message of the same name in another package is used. Raises
+    `LookupError` if a .proto file cannot be read.
     """
     name = envelope.rpartition(".")[2]
-    protos = [file for file in repository.files(commit) if file.endswith(".proto")]
     found: dict[str, dict[int, tuple[str, str]]] = {}
-    for _, data in repository.contents(commit, protos):
+    for file, data in repository.contents(commit, lambda path: path.endswith(".proto")):
+        if isinstance(data, str):
+            why = f"has a file that cannot be read, {file!r}: {data}"
+            raise LookupError(why)  # noqa: TRY004  # the repository's fault, not a caller's
         # A file without the envelope's name cannot declare it, and need not be parsed.
         if name.encode() in data:
             for message in parse(data.decode("utf-8", errors="replace")).messages:

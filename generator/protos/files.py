@@ -6,7 +6,6 @@ imports, so a broken file that no row needs causes no error.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -52,22 +51,16 @@ def proto_files(root: Path, shown_root: str, findings: list[Diagnostic]) -> list
     """
 
     def unread(path: str, fault: str) -> None:
-        findings.append(UNREADABLE_PROTO.at(Span(shown(shown_root, _text(path))), fault, _HELP))
+        findings.append(UNREADABLE_PROTO.at(Span(shown(shown_root, source_files.printable(path))), fault, _HELP))
 
     found = [path for path in source_files.walk(root, unread) if path.endswith(".proto")]
     visible = [path for path in found if not path.rpartition("/")[2].startswith(".")]
     return [name for name in visible if _is_text(name, shown_root, findings)]
 
 
-def _text(name: str) -> str:
-    """Return a path that can be printed: bytes that are not UTF-8 are escaped."""
-    # Python reads such bytes as lone surrogates (PEP 383). They cannot be written to JSON or to a terminal.
-    return os.fsencode(name).decode("utf-8", errors="backslashreplace")
-
-
 def _is_text(name: str, shown_root: str, findings: list[Diagnostic]) -> bool:
     """Return True if a file's name is UTF-8, which protoc and JSON need; report it otherwise."""
-    readable = _text(name)
+    readable = source_files.printable(name)
     if readable != name:
         span = Span(shown(shown_root, readable))
         findings.append(UNREADABLE_PROTO.at(span, "the name of the file is not UTF-8", "rename the file"))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import dataclasses
-import importlib.util
 import itertools
 import json
 import math
@@ -145,9 +144,12 @@ def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) 
     totals = RunTotals()
     with contextlib.ExitStack() as stack:
         arrivals = stack.enter_context(Arrivals(world.registry))
-        host = stack.enter_context(_host(arguments, world.registry, arrivals))
-        senders = stack.enter_context(Senders(("127.0.0.1", host.port)))
+        project = project_folder(arguments.project)
+        host = bridge_with(arguments.bridge, project, world.registry, arrivals.ports, _LOG_LEVEL)
+        # Before the bridge, so that only this process reports a package that is not installed.
         middleware = stack.enter_context(host.middleware(topic_types.identity("simulate")))
+        stack.enter_context(host)
+        senders = stack.enter_context(Senders(("127.0.0.1", host.port)))
         nodes = _Nodes(world.registry, middleware)
         with contextlib.suppress(KeyboardInterrupt):
             for now in _play(stream, arguments.seconds, senders, totals, world):
@@ -158,12 +160,6 @@ def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) 
         totals.account = host.stop()
         _wait_for(arrivals, totals)
     return _report(totals, as_json=arguments.json)
-
-
-def _host(arguments: argparse.Namespace, registry: Registry, arrivals: Arrivals) -> BridgeHost:
-    without_dds = arguments.bridge == "dds" and not importlib.util.find_spec("cyclonedds")
-    middleware = "memory" if without_dds else arguments.bridge
-    return bridge_with(middleware, project_folder(arguments.project), registry, arrivals.ports, _LOG_LEVEL)
 
 
 class _Nodes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -156,23 +157,46 @@ def test_shells_complete_commands_options_and_choices(
     done = subprocess.run(command, env={**environment, **asked, **output}, capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     words = re.split(r"\n", answer.read_text()) if answer.exists() else []
+    assert "None" not in "".join(words)
     assert {re.split(r"[:\t]", word)[0].strip() for word in words} - {""} == expected
 
 
-def test_bash_completes_after_the_line_of_the_readme(tmp_path: Path, environment: dict[str, str]) -> None:
+@pytest.fixture
+def in_shell(tmp_path: Path, environment: dict[str, str]) -> Callable[[str, str], list[str]]:
+    """Runs a script in a shell that finds `roverlink` and argcomplete's program; returns the words that it prints."""
+    for name, module in (
+        ("roverlink", "roverlink"),
+        ("register-python-argcomplete", "argcomplete.scripts.register_python_argcomplete"),
+    ):
+        (tmp_path / name).write_text(f'#!/bin/sh\nexec {sys.executable} -m {module} "$@"\n')
+        (tmp_path / name).chmod(0o755)
+
+    def in_shell(shell: str, script: str) -> list[str]:
+        if not shutil.which(shell):
+            pytest.skip(f"{shell} is not installed")
+        path = {"PATH": f"{tmp_path}:{environment['PATH']}", "HOME": str(tmp_path)}
+        done = subprocess.run([shell, "-c", script], env={**environment, **path}, capture_output=True, text=True)
+        assert done.stderr == ""
+        return done.stdout.split()
+
+    return in_shell
+
+
+def test_fish_completes_after_the_line_of_the_readme(in_shell: Callable[[str, str], list[str]]) -> None:
+    """In a real fish, the registration makes the tab key complete a command."""
+    registered = "register-python-argcomplete --shell fish roverlink | source"
+    assert in_shell("fish", f"{registered}; complete --do-complete 'roverlink gene'") == ["generate"]
+
+
+def test_bash_completes_after_the_line_of_the_readme(in_shell: Callable[[str, str], list[str]]) -> None:
     """In a real bash, the registration makes the tab key complete a command."""
-    program = tmp_path / "roverlink"
-    program.write_text(f'#!/bin/sh\nexec {sys.executable} -m roverlink "$@"\n')
-    program.chmod(0o755)
-    script = f"""
-        eval "$({sys.executable} -m argcomplete.scripts.register_python_argcomplete roverlink)"
+    script = """
+        eval "$(register-python-argcomplete roverlink)"
         COMP_LINE='roverlink gene' COMP_POINT=14 COMP_TYPE=9 COMP_KEY=9 COMP_WORDS=(roverlink gene) COMP_CWORD=1
         "$(complete -p roverlink | sed 's/.*-F \\([^ ]*\\).*/\\1/')" roverlink gene roverlink
-        echo "${{COMPREPLY[@]}}"
+        echo "${COMPREPLY[@]}"
     """
-    path = f"{tmp_path}:{environment['PATH']}"
-    done = subprocess.run(["bash", "-c", script], env={**environment, "PATH": path}, capture_output=True, text=True)
-    assert (done.stdout.split(), done.stderr) == (["generate"], "")
+    assert in_shell("bash", script) == ["generate"]
 
 
 def test_the_version_and_an_unknown_command_import_no_command(environment: dict[str, str]) -> None:

@@ -399,7 +399,19 @@ def test_doctor_goes_on_where_there_is_no_generated_code(done: Start, tmp_path: 
     found = {diagnosis["check"]: diagnosis for diagnosis in json.loads(output)}
     assert code == 1
     assert "run `roverlink generate` there" in found["generated code"]["says"]
-    assert found["python"]["verdict"] == "ok"
+    assert found["not checked"]["says"].startswith("UDP port, receive buffer, dst_ip and firewall were not checked")
+    assert {"python", "multicast"} <= found.keys()
+
+
+def test_doctor_tells_what_a_wrong_parameter_keeps_from_being_checked(done: Start) -> None:
+    """The parameter is named, not the generated code; the checks that need no parameters are made."""
+    code, output, _ = done("doctor", "--ros-args", "-p", "listen_port:=70000")
+    assert code == 1
+    assert re.search(r"^ok +generated code: ", output, re.MULTILINE)
+    assert re.search(r"^error +parameters: .*listen_port", output, re.MULTILINE)
+    assert re.search(r"^warning +not checked: UDP port, ", output, re.MULTILINE)
+    assert " multicast: " in output
+    assert "UDP port 70000" not in output
 
 
 def test_a_foxglove_port_in_use_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -139,14 +140,11 @@ def test_a_template_that_python_cannot_interrupt_is_killed(project: Path, monkey
         ),
     ],
 )
-@pytest.mark.parametrize(
-    "name", ["../../secret.j2", "/etc/passwd", "a/../../../secret.j2", ".hidden/one", "link", "links/secret.j2"]
-)
+@pytest.mark.parametrize("name", ["../../secret.j2", "/etc/passwd", "a/../../../secret.j2", ".hidden/one", "link"])
 def test_a_template_reads_only_templates_of_its_folder(project: Path, how: str, name: str) -> None:
     """No template can include, import or extend a file outside the folder, or a hidden one."""
     _plant(project, {"a.txt.j2": f"\n{{% {how.format(repr(name))} %}}\n", ".hidden/one": "the secret"})
     (project / "own" / "link").symlink_to(project.parent / "secret.j2")
-    (project / "own" / "links").symlink_to(project.parent)
     assert _refused(project).startswith("own/a.txt.j2:2: error[OUT106] cannot render the template: ")
 
 
@@ -157,6 +155,20 @@ def test_a_template_that_is_a_link_out_of_the_folder_is_refused(project: Path, t
     (project / "own" / "users.txt.j2").symlink_to(target)
     said = "own/users.txt.j2: error[OUT107] the link does not lead to a visible file inside the folder 'own'"
     assert _refused(project) == said
+
+
+def test_a_link_to_a_folder_is_refused_if_it_leads_out(project: Path) -> None:
+    """No template can be read through a link to a folder elsewhere."""
+    _plant(project, {"a.txt.j2": "{% include 'links/secret.j2' %}"})
+    (project / "own" / "links").symlink_to(project.parent)
+    said = "own/links: error[OUT107] the folder was not read: it is a link that leads out of the repository"
+    assert _refused(project).startswith(said)
+
+
+def test_a_template_whose_name_is_no_text_is_refused(project: Path) -> None:
+    """Generated files and the ledger have names in UTF-8."""
+    _plant(project, {os.fsdecode(b"l\xe4tin.txt.j2"): "the text"})
+    assert _refused(project) == r"own/l\xe4tin.txt.j2: error[OUT107] the name of the template is not UTF-8"
 
 
 def test_a_folder_that_is_a_link_out_of_the_project_is_refused(project: Path) -> None:

@@ -6,6 +6,7 @@ import os
 import resource
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -252,17 +253,147 @@ def test_hostile_files_among_the_pins(project: Path) -> None:
         assert f"consumer/{name}: fatal[PIN101] cannot be read: {fault}" in done.stdout
 
 
-def test_a_huge_file_in_the_history(project: Path) -> None:
-    """A version of 300 MB that is no longer there is named as unread, and does not fill the memory."""
-    with (project / "proto" / "huge.proto").open("wb") as file:
-        file.truncate(300_000_000)
+def _commit_huge(project: Path, *names: str) -> None:
+    """Commit files of 300 MB, and then their removal."""
+    for name in names:
+        with (project / name).open("wb") as file:
+            file.truncate(300_000_000)
     subprocess.run(["git", "-c", "core.bigFileThreshold=1m", "add", "."], cwd=project, check=True)
     subprocess.run([*_COMMIT, "--all"], cwd=project, check=True)
-    (project / "proto" / "huge.proto").unlink()
+    for name in names:
+        (project / name).unlink()
     subprocess.run([*_COMMIT, "--all"], cwd=project, check=True)
+
+
+def test_a_huge_file_in_the_history(project: Path) -> None:
+    """A version of 300 MB that is no longer there is named as unread, and does not fill the memory."""
+    _commit_huge(project, "proto/huge.proto")
     done = _run(project, "lint", "--history")
     assert done.returncode == 1
     assert "huge.proto: warning[STA106] some earlier versions of this file are binary, too large" in done.stdout
+
+
+def test_huge_files_in_an_earlier_state(project: Path) -> None:
+    """Files of 300 MB in the state of `--against` are each named and skipped; the rest is still compared."""
+    names = ["mapping.lock", "proto/huge.proto", "proto/probe.options"]
+    ledger = (project / "mapping.lock").read_text()
+    _commit_huge(project, *names)
+    (project / "mapping.lock").write_text(ledger)
+    (project / "proto" / "probe.proto").write_text(_PROBE.replace("float", "double"))
+    done = _run(project, "lint", "--against", "HEAD~1")
+    assert done.returncode == 2
+    for name in names:
+        assert f"HEAD~1:{name}: fatal[STA102] the file cannot be read: it has 300000000 bytes" in done.stdout
+    assert "HEAD~1:proto/probe.proto:4:3" in done.stdout
+
+
+def test_an_earlier_state_with_paths_out_of_its_folder(project: Path) -> None:
+    """A tree in git can have an entry `..`, which git never checks out: its files are named and written nowhere."""
+
+    def stored(kind: str, data: bytes) -> bytes:
+        command = ["git", "hash-object", "-t", kind, "-w", "--literally", "--stdin"]
+        said = subprocess.run(command, cwd=project, input=data, capture_output=True, check=True).stdout
+        return bytes.fromhex(said.decode())
+
+    file = stored("blob", _PROBE.encode())
+    inner = stored("tree", b"100644 planted.proto\0" + file)
+    tree = stored("tree", b"40000 ..\0" + inner + b"100644 probe.proto\0" + file)
+    command = ["git", "-c", "user.name=A", "-c", "user.email=a@example.com", "commit-tree", "-m", "Add", tree.hex()]
+    commit = subprocess.run(command, cwd=project, capture_output=True, check=True, text=True).stdout.strip()
+    done = _run(project, "lint", "--against", commit)
+    assert done.returncode == 2
+    assert f"{commit}:../planted.proto: fatal[STA102] the path leads out of the folder" in done.stdout
+    assert not (Path(tempfile.gettempdir()) / "planted.proto").exists()
+
+
+# --- templates of the project's own -----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def templates(project: Path) -> Path:
+    """A folder of templates that the project's table names, with one template."""
+    (project / "mapping.yaml").write_text(_TABLE + "templates: [own]\n")
+    (project / "own").mkdir()
+    (project / "own" / "all.txt.j2").write_text("{% include 'part' %}\n")
+    return project / "own"
+
+
+_NOT_IN_FOLDER = "the link does not lead to a visible file inside the folder 'own'"
+_FILES = [kind for kind in _KINDS if kind != "folder"]
+
+
+@pytest.mark.parametrize("kind", _FILES)
+def test_hostile_templates(project: Path, templates: Path, kind: str) -> None:
+    """A template that must not be read is named with the reason, and nothing is rendered."""
+    fault = _plant(templates / "planted.j2", kind)
+    if (templates / "planted.j2").is_symlink():
+        fault = _NOT_IN_FOLDER
+    done = _run(project, "generate", "--check")
+    assert done.returncode == 1
+    assert any(line.startswith("own/planted.j2: error[OUT107] ") and fault in line for line in done.stderr.splitlines())
+
+
+@pytest.mark.parametrize("kind", _KINDS)
+def test_hostile_parts_of_templates(project: Path, templates: Path, kind: str) -> None:
+    """A file that a template includes is refused for the same reasons."""
+    fault = _plant(templates / "part", kind)
+    if (templates / "part").is_symlink():
+        fault = "'part' is not a visible file inside the folder of the templates"
+    done = _run(project, "generate", "--check")
+    assert done.returncode == 1
+    assert any(
+        line.startswith("own/all.txt.j2:1: error[OUT106] ") and fault in line for line in done.stderr.splitlines()
+    )
+
+
+def test_no_template_reads_gits_settings(project: Path) -> None:
+    """The folder `.git` is no folder of templates, even if a template is in it."""
+    (project / "mapping.yaml").write_text(_TABLE + "templates: [.git]\n")
+    (project / ".git" / "all.txt.j2").write_text("{% include 'config' %}\n")
+    assert _run(project, "generate", "--check").returncode == 1
+
+
+# --- starting a project -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", _FILES)
+def test_adoption_of_hostile_files(project: Path, kind: str) -> None:
+    """A hostile .proto file is named and no table is written; a hostile .options file is named and left out."""
+    for name in ("mapping.yaml", "mapping.lock"):
+        (project / name).unlink()
+    fault = _plant(project / "proto" / "planted.proto", kind)
+    done = _run(project, "init", "--from", "proto")
+    assert done.returncode == 2
+    assert f"proto/planted.proto: fatal[PRO102] the file cannot be read: {fault}" in done.stderr
+    assert not (project / "mapping.yaml").exists()
+    (project / "proto" / "planted.proto").unlink()
+    fault = _plant(project / "proto" / "probe.options", kind)
+    done = _run(project, "init", "--from", "proto")
+    assert f"proto/probe.options: error[NPB101] the file cannot be read: {fault}" in done.stdout
+
+
+@pytest.mark.parametrize("folder", ["proto/link", "../elsewhere"])
+def test_adoption_of_a_folder_out_of_the_repository(project: Path, folder: str) -> None:
+    """A folder outside the repository, be it through a link, is refused; nothing of it is read."""
+    (project / "mapping.yaml").unlink()
+    (project / "proto" / "link").symlink_to(project.parent / "elsewhere")
+    done = _run(project, "init", "--from", folder)
+    assert done.returncode in (1, 2)
+    assert "is outside the git repository" in done.stderr
+    assert not (project / "mapping.yaml").exists()
+
+
+@pytest.mark.parametrize("name", ["mapping.lock", "proto/board.proto"])
+@pytest.mark.parametrize("kind", _KINDS)
+def test_a_new_project_beside_hostile_files(project: Path, kind: str, name: str) -> None:
+    """A hostile file in the place of one that `roverlink init` keeps is named with the reason; nothing is written."""
+    for path in ("mapping.yaml", "mapping.lock", "proto/probe.proto", "proto/envelope.proto"):
+        (project / path).unlink()
+    fault = _plant(project / name, kind)
+    done = _run(project, "init")
+    assert done.returncode == 2
+    assert any(f"{name}: " in line and fault in line for line in done.stderr.splitlines()), done.stderr
+    assert not (project / "mapping.yaml").exists()
 
 
 # --- nothing is run ---------------------------------------------------------------------------------------------

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import pytest
 from needs import NO_RCLPY
 from programs import Start
+
+if TYPE_CHECKING:
+    from judge import Bridge  # importing it skips a module where there is no rclpy
 
 pytest.importorskip("rclpy", reason=NO_RCLPY)
 
@@ -28,3 +33,14 @@ def test_the_sums_of_a_simulation_agree(done: Start, middleware: str) -> None:
     assert code == 0, f"{output}\n{errors}"
     said = json.loads(output)
     assert said["commands"] > 0, said
+
+
+def test_top_shows_a_bridge_of_another_process(bridge: Callable[..., Bridge], done: Start) -> None:
+    """An rclpy node of its own hears the state on /diagnostics, counts included, whatever middleware the bridge has."""
+    running = bridge()
+    running.send(imu_info={})
+    code, output, errors = done("top", "--once", "--json", "--middleware", "rclpy", "--timeout", 30)  # type: ignore[misc]
+    assert code == 0, f"{output}\n{errors}"
+    page = json.loads(output)
+    row = next(row for row in page["rows"] if row["name"] == "imu_info")
+    assert (page["node"]["pid"], row["topic"], row["count"]) == (running.program.pid, "imu_data", 1)

@@ -1,17 +1,13 @@
 """Access to all commits and file contents of a git repository; needs git 2.31 or later.
 
-No commit is checked out. In a partial clone (``--filter``), git fetches missing blobs when they are read.
+No commit is checked out.
 """
 
 from __future__ import annotations
 
-import subprocess
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice
 
-from roverlink.generator.git import Commit, GitError, Repository, command, commit_of, environment
-from roverlink.generator.source_files import LARGEST
+from roverlink.generator.git import Commit, GitError, Repository, commit_of
 
 # %P lists the parents. %ct is the committer's time, which tells when a state appeared on its branch; %at, the author's
 # time, is the date that people know the change by.
@@ -29,9 +25,6 @@ _LOG = (
     # --raw prints the ids of the blobs, which are the keys of the cache, instead of texts. -z: no path is quoted.
     *("--raw", "--diff-merges=first-parent", "--no-renames", "--no-abbrev", "--relative", "-z", "--no-color"),
     *("--encoding=UTF-8", "--no-show-signature", f"--format={'%x00'.join(_FIELDS)}", "--", "*.proto"),
-)
-_BATCH = (
-    256  # ids per request: 256 * 41 bytes fit into the pipe (64 KiB on Linux), so git and this process never both wait
 )
 
 
@@ -111,54 +104,6 @@ class PastRepository(Repository):
         # folder, which --git-path knows.
         file = self.folder / self._run("rev-parse", "--git-path", "shallow").strip()
         return frozenset(file.read_text(encoding="ascii").split())
-
-    def blobs(self, ids: Sequence[str]) -> Iterator[tuple[str, bytes | None]]:
-        """Yield id and content of blobs (file contents in git), in the order of ``ids``.
-
-        The content is None if the blob is missing or larger than `LARGEST`.
-        """
-        if not ids:
-            return
-        try:
-            git = subprocess.Popen(  # noqa: S603  # no shell
-                command(self.folder, "cat-file", "--batch"),
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                env=environment(),
-            )
-        except OSError as error:
-            raise GitError(f"git cannot be run: {error.strerror}") from error
-        with git:
-            left = iter(ids)
-            while batch := list(islice(left, _BATCH)):
-                yield from _answers(git, batch)
-
-
-def _answers(git: subprocess.Popen[bytes], ids: Sequence[str]) -> Iterator[tuple[str, bytes | None]]:
-    assert git.stdin is not None, "it was asked for"  # noqa: S101  # for mypy
-    assert git.stdout is not None, "it was asked for"  # noqa: S101  # for mypy
-    try:
-        git.stdin.write("".join(f"{id}\n" for id in ids).encode("ascii"))
-        git.stdin.flush()
-    except BrokenPipeError as error:
-        raise GitError("git cat-file ended early") from error
-    for id in ids:
-        head = git.stdout.readline().split()
-        if not head:
-            raise GitError("git cat-file ended early")
-        # The head is `<id> <type> <size>`, or `<id> missing` (git-cat-file(1), BATCH OUTPUT).
-        if len(head) < 3:  # "missing"
-            yield id, None
-            continue
-        size = int(head[2])
-        if size <= LARGEST:
-            data = git.stdout.read(size + 1)[:-1]
-            yield id, data if head[1] == b"blob" else None
-            continue
-        left = size + 1
-        while left and (part := git.stdout.read(min(left, LARGEST))):  # in parts: a blob can be larger than the memory
-            left -= len(part)
-        yield id, None
 
 
 def _edit(what: str, path: str) -> Edit:

@@ -127,7 +127,7 @@ def _types(
     for done, (blob, data) in enumerate(git.blobs(new), len(types)):
         # A NUL byte means a binary file for git, too (gitattributes(5), `diff`: git looks at the beginning of the
         # content).
-        if data is None or b"\0" in data:
+        if isinstance(data, str) or b"\0" in data:
             unread.add(blob)
         else:
             # Comments of old files often have another encoding than UTF-8. Declarations are ASCII, so replaced

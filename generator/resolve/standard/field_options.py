@@ -82,7 +82,8 @@ class Scalings:
         for key in ("scale", "fixed_point", "offset"):
             if key in options.forms and not _is_usable(options.forms[key].value, key):
                 value = options.forms[key].value
-                message = f"`{key}` of {source.dotted!r} is {value}; it must be a finite number other than 0"
+                wanted = "a finite number" if key == "offset" else "a finite number other than 0"
+                message = f"`{key}` of {source.dotted!r} is {value}; it must be {wanted}"
                 help = f"correct or remove `{key}`"
                 self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message, help))
                 return None
