@@ -1,0 +1,193 @@
+"""The lint's verdict on each golden history; `golden_histories` describes the files.
+
+`_NOT_YET` has the histories that the lint judges wrongly today; other tests that fail have the mark `_WRONG_TODAY`. The
+change that corrects a verdict takes it off the list.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from golden_histories import GoldenHistory, golden_histories
+from repositories import RepositoryBuilder, envelope, git, message
+
+from roverlink.__main__ import main
+
+_NOT_YET = frozenset(
+    {
+        "bare_member_deleted",
+        "bare_member_deleted_from_a_renamed_envelope",
+        "bare_member_deleted_in_the_working_tree",
+        "bare_member_deleted_long_ago",
+        "bytes_latin_1_comment",
+        "bytes_latin_1_comment_against",
+        "bytes_latin_1_comment_in_history",
+        "bytes_latin_1_comment_in_the_working_tree",
+        "judgement_doubtful_speed",
+        "judgement_doubtful_speed_against",
+        "judgement_doubtful_speed_years_apart",
+        "judgement_doubtful_typo",
+        "judgement_doubtful_typo_against",
+        "judgement_doubtful_typo_years_apart",
+        "judgement_extension_number",
+        "judgement_extension_number_years_apart",
+        "judgement_json_name_kept",
+        "judgement_opposites",
+        "judgement_opposites_against",
+        "judgement_opposites_years_apart",
+        "judgement_repeated_to_singular",
+        "judgement_repeated_to_singular_years_apart",
+        "judgement_shared_word",
+        "judgement_shared_word_against",
+        "judgement_shared_word_years_apart",
+        "judgement_singular_to_repeated",
+        "judgement_singular_to_repeated_years_apart",
+        "judgement_unit_changed",
+        "judgement_unit_changed_years_apart",
+        "lineage_deleted_and_declared_again_elsewhere",
+        "lineage_enum_and_message_of_one_name",
+        "lineage_enum_replaced_by_a_message",
+        "lineage_envelope_renamed",
+        "lineage_message_renamed",
+        "lineage_message_renamed_and_reused",
+        "lineage_message_renamed_into_another_file",
+        "lineage_message_renamed_twice",
+        "lineage_old_name_taken_by_a_new_message",
+        "lineage_unrelated_messages_of_one_last_name",
+        "lineage_unrelated_nested_enums",
+        "lineage_unrelated_nested_enums_at_once",
+        "newest_index",
+        "newest_index_against_head",
+        "newest_index_undone_in_the_working_tree",
+        "newest_ref_before_the_reuse",
+        "newest_ref_of_another_branch",
+        "newest_ref_without_the_working_tree",
+        "newest_untracked_file",
+        "newest_working_tree",
+        "newest_working_tree_against_head",
+        "newest_working_tree_moves_the_file",
+        "root_moved_in",
+        "root_moved_in_and_edited",
+        "root_moved_in_twice",
+        "root_moved_in_with_a_package",
+        "root_too_deep",
+        "root_too_high",
+    }
+)
+
+_WRONG_TODAY = pytest.mark.xfail(strict=True, reason="the lint judges this history wrongly today")
+
+
+def _parameter(case: GoldenHistory) -> Any:  # pytest does not export the type of its parameters
+    return pytest.param(case, id=case.name, marks=[_WRONG_TODAY] if case.name in _NOT_YET else [])
+
+
+def _findings(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
+    """Findings of a command that are more than hints."""
+    main([*arguments, "--format", "json"])
+    said = capsys.readouterr()
+    assert said.err == ""
+    return [one for one in json.loads(said.out) if one["severity"] != "hint"]
+
+
+def _about_a_number(finding: dict[str, Any]) -> bool:
+    return None not in (finding["message_type"], finding["number"])
+
+
+def _text(finding: dict[str, Any]) -> str:
+    return " ".join([finding["message"], finding["help"] or "", *(also["text"] for also in finding["also"])])
+
+
+@pytest.mark.parametrize("case", [_parameter(case) for case in golden_histories()])
+def test_golden_history(
+    case: GoldenHistory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The lint finds the numbers of the verdict with their severity, says what it has to say once, and no more."""
+    monkeypatch.chdir(case.write(tmp_path / "repository"))
+    log = git(Path(), "log", "--all", "--format=%s %H").splitlines()
+    commits = {name: id[:10] for name, id in map(str.split, log)}
+    found = _findings(case.command, capsys)
+    numbers = {f"{one['severity']} {one['message_type']} {one['number']}" for one in found if _about_a_number(one)}
+    assert numbers == case.verdict
+    others = [f"{one['severity']} {_text(one)}" for one in found if not _about_a_number(one)]
+    says = case.says(commits)
+    assert [sum(text in other for other in others) for text in says] == [1] * len(says)
+    assert [other for other in others if not any(text in other for text in says)] == []
+
+
+# --- what no text file holds -------------------------------------------------------------------------------------
+
+_IDENTITY = ("-c", "user.name=A", "-c", "user.email=a@example.com")
+_ARM = "protos/arm.proto"
+
+
+def _checked_out(repository: RepositoryBuilder) -> Path:
+    root = repository.write()
+    git(root, "checkout", "--quiet", "--force", "main")
+    return root
+
+
+@_WRONG_TODAY
+def test_what_cannot_be_followed_is_said_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A proto root that was a submodule has a history elsewhere: one warning names the commit where ours begins."""
+    repository = RepositoryBuilder(tmp_path / "repository")
+    repository.commit("Begin", {"README.md": "Text.\n"})
+    root = _checked_out(repository)
+    monkeypatch.chdir(root)
+    git(root, "update-index", "--add", "--cacheinfo", f"160000,{'1' * 40},protos")
+    git(root, *_IDENTITY, "commit", "--quiet", "--message", "Add the submodule")
+    git(root, "rm", "--quiet", "--cached", "protos")
+    Path("protos").mkdir(exist_ok=True)
+    for name in ("arm", "leg", "head"):
+        Path("protos", f"{name}.proto").write_text(message(name.title(), "float voltage"))
+    git(root, "add", "--all")
+    git(root, *_IDENTITY, "commit", "--quiet", "--message", "Take the protos over")
+    commit = git(root, "rev-parse", "HEAD")[:10]
+    found = _findings(["lint", "--history", "protos"], capsys)
+    assert [(one["severity"], commit in _text(one)) for one in found] == [("warning", True)]
+
+
+def test_files_of_many_megabytes_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A reuse in a file of 6 MB is found."""
+    repository, comments = RepositoryBuilder(tmp_path / "repository"), f"// {'-' * 117}\n" * 50_000
+    for fields in (["float voltage", "float current"], ["float voltage"], ["float voltage", "float humidity"]):
+        repository.commit("Change", {_ARM: comments + message("Arm", *fields)})
+    monkeypatch.chdir(_checked_out(repository))
+    found = _findings(["lint", "--history", "protos"], capsys)
+    assert [(one["severity"], one["message_type"], one["number"]) for one in found] == [("error", "Arm", 2)]
+
+
+@pytest.mark.parametrize("committed", [False, True], ids=["untracked", "committed"])
+def test_a_link_out_of_the_tree_is_named(
+    committed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A symbolic link that leaves the repository is one finding with its path, and nothing behind it is read."""
+    (tmp_path / "secret.proto").write_text('syntax = "proto3";\nmessage Secret { broken }\n')
+    repository = RepositoryBuilder(tmp_path / "repository")
+    repository.commit("Begin", {_ARM: message("Arm", "float voltage")})
+    root = _checked_out(repository)
+    monkeypatch.chdir(root)
+    (root / "protos" / "link.proto").symlink_to("../../secret.proto")
+    if committed:
+        git(root, "add", "--all")
+        git(root, *_IDENTITY, "commit", "--quiet", "--message", "Link")
+    (found,) = _findings(["lint", "--history", "protos"], capsys)
+    assert (found["path"], "link" in found["message"], "Secret" in _text(found)) == ("link.proto", True, False)
+
+
+@_WRONG_TODAY
+def test_init_reads_comments_that_are_not_utf_8(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A Latin-1 degree sign in a comment, which protoc accepts, stops no project from starting."""
+    repository = RepositoryBuilder(tmp_path / "repository")
+    imu = message("Imu", "float roll").replace("roll = 1;", "roll = 1;  // up to 90 \udcb0")
+    link = envelope("Imu imu = 1;").replace("\n\n", '\n\nimport "imu.proto";\n', 1)
+    repository.commit("Begin", {"protos/imu.proto": imu, "protos/envelope.proto": link})
+    monkeypatch.chdir(_checked_out(repository))
+    assert main(["init", "--from", "protos", "--dry-run"]) == 0
