@@ -20,7 +20,7 @@ DROPPED = "dropped."
 QUIET_S = 3.0
 """Time in seconds without a message after which a bridge counts as quiet."""
 
-_TEXTS = ("full_name", "host", "instance", "fingerprint", "topic", "direction", "recording")
+_TEXTS = ("full_name", "host", "instance", "fingerprint", "topic", "direction", "board", "recording")
 _NODE_VALUES = frozenset(("received", "received_rate", "kernel_drops", "socket_waiting_bytes", "socket_size_bytes"))
 _ROW_VALUES = frozenset(("number", "topic", "direction", "count", "rate"))
 
