@@ -45,6 +45,10 @@ class Visitor:
         """Click an element."""
         self._find(selector).click()
 
+    def enter(self, selector: str, text: str) -> None:
+        """Type a text into a field."""
+        self._find(selector).send_keys(text)
+
     def run(self, program: str) -> Any:
         """Run a script in the page; return its result, or that of its promise."""
         return self._driver.execute_script(program)
