@@ -65,9 +65,9 @@ class Visitor:
         """Return the browser's error messages since the last call."""
         return [entry["message"] for entry in self._driver.get_log("browser")]
 
-    def photograph(self) -> bytes:
-        """Return a screenshot as PNG."""
-        return bytes(self._driver.get_screenshot_as_png())
+    def photograph(self, selector: str = "") -> bytes:
+        """Return a screenshot as PNG: of an element, or of the screen."""
+        return bytes(self._find(selector).screenshot_as_png if selector else self._driver.get_screenshot_as_png())
 
     def _find(self, selector: str) -> Any:
         return self._driver.find_element("css selector", selector)
