@@ -262,7 +262,7 @@ class PeerSettings(Part):
             "Beginnings of the names of this peer's messages, such as `SensorBoard` (TAB105, NAM102). If there are "
             "several, each is a board of the peer, and the diagnostics and the page show which boards are alive. A "
             "message belongs to the board whose prefix fits its name, the longest one if several fit.",
-            see="operations.md#the-page-of-the-link",
+            see="operations.md#peers-and-boards",
         ),
     ] = ()
     parameter: Annotated[
