@@ -5,14 +5,17 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from bench.errors import BenchError
+from bench.followed_page import FollowedPage, followed_page
 from bench.vision.browser import Visitor, browser
 from bench.watched_link import WatchedLink, watched_link
 
 FOLDER = Path("docs/operations")
-SCREEN, PHONE = (1280, 1560), (390, 1100)
+SCREEN, TABLET, PHONE = (1280, 1560), (768, 820), (390, 1100)
 _DRIVE_S = 20.0
 
 
@@ -25,16 +28,20 @@ def main(words: list[str]) -> int:
     folder = parser.parse_args(words).out
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        with browser() as visitor, watched_link() as link:
-            _photograph(visitor, link, folder)
+        with browser() as visitor, TemporaryDirectory() as keys:
+            token_file = Path(keys) / "token"
+            with watched_link(token_file) as link:
+                _photograph(visitor, link, token_file, folder)
+            with followed_page() as page:
+                _photograph_several(visitor, page, folder)
     except BenchError as error:
         print(f"bench: {error}", file=sys.stderr)
         return 2
     return 0
 
 
-def _photograph(visitor: Visitor, link: WatchedLink, folder: Path) -> None:
-    """Photograph the page after a drive, with a few bad datagrams, whose commands have just stopped."""
+def _photograph(visitor: Visitor, link: WatchedLink, token_file: Path, folder: Path) -> None:
+    """Photograph the page after a drive, with a few bad datagrams, whose commands have just stopped; then unlock it."""
     visitor.screen(*SCREEN)
     visitor.open(link.url)
     link.boards_speak = link.driver_speaks = True
@@ -47,10 +54,42 @@ def _photograph(visitor: Visitor, link: WatchedLink, folder: Path) -> None:
     _write(folder / "page.png", visitor)
     visitor.screen(*PHONE)
     _write(folder / "phone.png", visitor)
+    visitor.screen(*SCREEN)
+    visitor.run("scrollTo(0, 0)")
+    visitor.click("#unlock")
+    visitor.enter("#token", token_file.read_text(encoding="ascii").strip())
+    visitor.click("#unlock-form button")
+    visitor.until(lambda: visitor.shown("#parameter-section"))
+    visitor.enter("#parameters [name='dst_ip']", "10.0.0.7")
+    _write(folder / "parameters.png", visitor, "#parameter-section")
 
 
-def _write(path: Path, visitor: Visitor) -> None:
-    path.write_bytes(visitor.photograph())
+def _photograph_several(visitor: Visitor, page: FollowedPage, folder: Path) -> None:
+    """Photograph the tabs of three bridges in the dark; a board of the second is silent."""
+
+    def all_speak() -> None:
+        for name in ("drone", "rover", "winch"):
+            fresh = {"imu_info": 0.2, "drive_diag": 0.1, "rover_localization": 0.3}
+            page.hear(name, ages={**fresh, "arm_pos": 12.0} if name == "rover" else fresh)
+
+    def see(wanted: Callable[[], bool]) -> None:
+        def seen() -> bool:
+            all_speak()
+            return wanted()
+
+        visitor.until(seen)
+
+    all_speak()
+    visitor.screen(*TABLET)
+    visitor.open(f"{page.url}#/rover")
+    see(lambda: "1 new" in visitor.text("#tabs") and visitor.text("#name") == "rover")
+    visitor.click("#theme")
+    see(lambda: "SILENT" in visitor.text("#peers"))
+    _write(folder / "bridges.png", visitor)
+
+
+def _write(path: Path, visitor: Visitor, selector: str = "") -> None:
+    path.write_bytes(visitor.photograph(selector))
     print(f"picture: {path}, {path.stat().st_size / 1000:.0f} kB")
 
 

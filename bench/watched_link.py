@@ -9,6 +9,7 @@ import socket
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from generated.registry import REGISTRY
@@ -18,6 +19,7 @@ from roverlink.runtime import Bridge
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.ros_arguments import parameters, ros_args
+from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
 _TICK_S = 0.05
 
@@ -25,8 +27,10 @@ _TICK_S = 0.05
 class WatchedLink:
     """A bridge with its page, a board that sends, and a node that publishes commands."""
 
-    def __init__(self, url: str, bridge: Bridge, commands: MemoryMiddleware, logger: logging.Logger) -> None:
-        self.url, self.bridge, self.logger = url, bridge, logger
+    def __init__(
+        self, url: str, bridge: Bridge, commands: MemoryMiddleware, logger: logging.Logger, lines: list[str]
+    ) -> None:
+        self.url, self.bridge, self.logger, self.lines = url, bridge, logger, lines
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         handler = REGISTRY.by_name["drive_motor"]
         self._drive = commands.publisher(f"/{handler.route.topic}", handler.message_type, handler.route.qos)
@@ -72,27 +76,40 @@ class WatchedLink:
         self._socket.close()
 
 
+def lines_of(logger: logging.Logger) -> list[str]:
+    """Return a list that gets each line of a logger."""
+    lines: list[str] = []
+    handler = logging.Handler()
+    handler.emit = lambda record: lines.append(record.getMessage())  # type: ignore[method-assign]  # of this one
+    logger.addHandler(handler)
+    return lines
+
+
+def url_in(lines: list[str]) -> str:
+    """Return the address of the page that was logged."""
+    return next(text for text in lines if text.startswith("page: ")).removeprefix("page: ")
+
+
 @contextlib.contextmanager
-def watched_link() -> Iterator[WatchedLink]:
-    """Run a bridge without ROS 2, with its page on a free port."""
+def watched_link(token_file: Path | None = None) -> Iterator[WatchedLink]:
+    """Run a bridge without ROS 2, with its page on a free port; with ``token_file``, the page may act."""
     logger = logging.Logger("udp_forwarder", logging.INFO)  # one for each bridge, with its own handlers
-    told: list[str] = []
-    told_handler = logging.Handler()
-    told_handler.emit = lambda record: told.append(record.getMessage())  # type: ignore[method-assign]  # of this one
-    logger.addHandler(told_handler)
-    arguments = argparse.Namespace(no_diagnostics=True, metrics=None, foxglove=None, record=None, page=("127.0.0.1", 0))
+    told = lines_of(logger)
+    given = {"no_diagnostics": True, "metrics": None, "foxglove": None, "record": None}
+    arguments = argparse.Namespace(**given, page=("127.0.0.1", 0), page_token=token_file)
     ros = ros_args.parse([], "udp_forwarder")
     settings = parameters.read(REGISTRY, {"listen_port": 0, "listen_address": "127.0.0.1"})
+    parameters_now = LiveParameters(REGISTRY, settings, logger)
     graph = Graph()
     with contextlib.ExitStack() as stack:
-        attached = BridgeObservers(arguments, REGISTRY, ros, settings, logger, stack)
+        attached = BridgeObservers(arguments, REGISTRY, ros, settings, parameters_now, logger, stack)
         middleware = attached.wrap(MemoryMiddleware(graph))
         bridge = Bridge(REGISTRY, settings, middleware, ros.topic, logger, attached.observers)
-        url = next(text for text in told if text.startswith("page: ")).removeprefix("page: ")
+        parameters_now.on_change(bridge.change)
         with bridge, attached.monitor(bridge):
             running = threading.Thread(target=bridge.run, daemon=True)
             running.start()
-            link = WatchedLink(url, bridge, MemoryMiddleware(graph), logger)
+            link = WatchedLink(url_in(told), bridge, MemoryMiddleware(graph), logger, told)
             try:
                 yield link
             finally:

@@ -19,8 +19,10 @@ DROPPED = "dropped."
 """Prefix of the values that count drops by reason."""
 QUIET_S = 3.0
 """Time in seconds without a message after which a bridge counts as quiet."""
+_GONE_S = 60.0
+"""Time in seconds without a message after which a bridge can make room for another one."""
 
-_TEXTS = ("full_name", "host", "instance", "fingerprint", "topic", "direction", "recording")
+_TEXTS = ("full_name", "host", "instance", "fingerprint", "topic", "direction", "board", "recording")
 _NODE_VALUES = frozenset(("received", "received_rate", "kernel_drops", "socket_waiting_bytes", "socket_size_bytes"))
 _ROW_VALUES = frozenset(("number", "topic", "direction", "count", "rate"))
 
@@ -40,10 +42,17 @@ class HeardBridge:
 class HeardBridges:
     """All bridges that were heard. A bridge is one process: two processes with the same node name are two bridges."""
 
-    def __init__(self, nodes: Sequence[str] = (), clock: Callable[[], float] = time.monotonic) -> None:
-        """Hear only the bridges with the node names ``nodes``, with or without a namespace; for none, hear all."""
-        self._nodes, self._clock = nodes, clock
+    def __init__(
+        self, nodes: Sequence[str] = (), clock: Callable[[], float] = time.monotonic, most: int | None = None
+    ) -> None:
+        """Hear only the bridges with the node names ``nodes``, with or without a namespace; for none, hear all.
+
+        If ``most`` bridges are known, a further one takes the place of the one that has been gone longest, but at least
+        for a minute.
+        """
+        self._nodes, self._clock, self._most = nodes, clock, most
         self._bridges: dict[tuple[str, str], HeardBridge] = {}
+        self._full = -math.inf  # time when there was last no room for a bridge
 
     def take(self, message: bytes) -> dict[str, Any] | None:
         """Take a serialized message of ``/diagnostics``; return the state in it, or None if it is of another node."""
@@ -54,8 +63,6 @@ class HeardBridges:
         if page is None or (self._nodes and not {page["node"]["name"], full_name(page)} & set(self._nodes)):
             return None
         now, key = self._clock(), (full_name(page), instance(page))
-        bridge = self._bridges.setdefault(key, HeardBridge(page, now, now))
-        bridge.page, bridge.last = page, now
         # A bridge that was started again is a new process with the same name; the old one is of no more interest.
         gone = [
             other
@@ -64,7 +71,21 @@ class HeardBridges:
         ]
         for other in gone:
             del self._bridges[other]
+        if key not in self._bridges and not self._make_room(now):
+            return None
+        bridge = self._bridges.setdefault(key, HeardBridge(page, now, now))
+        bridge.page, bridge.last = page, now
         return page
+
+    def _make_room(self, now: float) -> bool:
+        if self._most is None or len(self._bridges) < self._most:
+            return True
+        longest = min(self._bridges, key=lambda key: self._bridges[key].last)
+        if self._bridges[longest].last > now - _GONE_S:
+            self._full = now
+            return False
+        del self._bridges[longest]
+        return True
 
     @property
     def bridges(self) -> list[HeardBridge]:
@@ -76,20 +97,31 @@ class HeardBridges:
         return self._clock() - bridge.last > QUIET_S
 
     def warnings(self) -> list[str]:
-        """Return a text for each name that several running bridges have."""
+        """Return a text for each name that several running bridges have, and one if there are too many bridges."""
         named: defaultdict[str, list[HeardBridge]] = defaultdict(list)
         for bridge in self.bridges:
             named[full_name(bridge.page)].append(bridge)
         texts = []
         for name, bridges in named.items():
-            # A bridge that was started again is heard only after the old one; bridges that run together alternate.
-            running = [one for one in bridges if one.last > max(other.first for other in bridges)]
-            if len(bridges) > 1 and len(running) > 1:
+            running = running_together(bridges)
+            if running:
                 places = ", ".join(place(bridge.page) for bridge in running)
                 texts.append(
                     f"{len(running)} bridges are named {name!r}; start one with --ros-args -r __node:=NAME ({places})"
                 )
+        if self._full > self._clock() - QUIET_S:
+            texts.append(f"more than {self._most} bridges are running; select some of them with --node")
         return texts
+
+
+def running_together(bridges: Sequence[HeardBridge]) -> list[HeardBridge]:
+    """Return those of several bridges with one name that run at the same time.
+
+    A bridge that was started again is heard only after the old one; bridges that run together alternate.
+    """
+    newest = max(bridge.first for bridge in bridges)
+    running = [bridge for bridge in bridges if bridge.last > newest]
+    return running if len(running) > 1 else []
 
 
 def full_name(page: dict[str, Any]) -> str:

@@ -32,6 +32,7 @@ from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 if TYPE_CHECKING:
     from roverlink.link_page.live_link import LiveLink
+    from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
 RECORDING_HELP = (
     "file for the recorded topics, such as run.mcap (datagrams go to run.datagrams.mcap beside it); if FILE is a "
@@ -65,7 +66,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="let the viewer Foxglove show the topics live; Foxglove connects to this TCP port "
         f"(without PORT: {FOXGLOVE_PORT})",
     )
-    link_page.add_option(parser, "--page")
+    link_page.add_options(parser, "--page", "acknowledge alarms for all browsers, and set parameters of the bridge")
     parser.add_argument(
         "--foxglove-address",
         default="127.0.0.1",
@@ -100,16 +101,19 @@ class BridgeObservers:
         registry: Registry,
         ros: RosArguments,
         settings: Parameters,
+        live: LiveParameters,
         logger: logging.Logger,
         stack: ExitStack,
     ) -> None:
+        link_page.check_options("--page", arguments.page, arguments.page_token)
         self._arguments, self._registry, self._ros, self._settings = arguments, registry, ros, settings
+        self._parameters = live
         self._logger, self._stack = logger, stack
         self._probe = LatencyProbe()
         self.observers: list[Observer] = []
         """Observers of datagrams that the bridge gets when it is made; complete after the call of `wrap`."""
         self._recording: Callable[[], Recording | None] = lambda: None
-        self._live: LiveLink | None = None
+        self._link: LiveLink | None = None
         if self._monitored:
             self.observers.append(self._probe)
 
@@ -159,29 +163,29 @@ class BridgeObservers:
             address = self._settings.listen_address
             server = watch.enter_context(MetricsServer(address, self._arguments.metrics, monitor.state))
             self._logger.info("metrics: %smetrics", server.url)
-        if self._live is not None:
-            monitor.add_listener(self._show_state(self._live))
+        if self._link is not None:
+            monitor.add_listener(self._show_state(self._link))
         watch.enter_context(monitor)
         return watch
 
     def _shown(self, middleware: Middleware, address: tuple[str, int]) -> Middleware:
         from roverlink.link_page.last_values import LastValues
-        from roverlink.link_page.live_link import LiveLink
+        from roverlink.link_page.live_page import LivePage
         from roverlink.link_page.log_lines import LogLinesHandler
 
-        values = LastValues(self._rows)
-        self._live = LiveLink(values)
-        link_page.serve(self._live, address, self._stack, self._logger.info)
-        self._stack.enter_context(closing(LogLinesHandler(self._logger, self._live.log)))
+        page, values = LivePage(self._logger, self._parameters), LastValues(self._rows)
+        self._link = page.add(self._ros.node.full_name, values)
+        link_page.serve(page, address, self._arguments.page_token, self._stack, self._logger)
+        self._stack.enter_context(closing(LogLinesHandler(self._logger, self._link.log)))
         return TappedMiddleware(middleware, values)
 
     @staticmethod
-    def _show_state(live: LiveLink) -> Callable[[State], None]:
+    def _show_state(link: LiveLink) -> Callable[[State], None]:
         from roverlink.heard_bridges import page_of
 
         def show(state: State) -> None:
             if (page := page_of(diagnostic_array.array_of(state, time.time_ns(), {}))) is not None:
-                live.take_state(page)
+                link.take_state(page)
 
         return show
 

@@ -45,6 +45,10 @@ class Visitor:
         """Click an element."""
         self._find(selector).click()
 
+    def enter(self, selector: str, text: str) -> None:
+        """Type a text into a field."""
+        self._find(selector).send_keys(text)
+
     def run(self, program: str) -> Any:
         """Run a script in the page; return its result, or that of its promise."""
         return self._driver.execute_script(program)
@@ -61,9 +65,9 @@ class Visitor:
         """Return the browser's error messages since the last call."""
         return [entry["message"] for entry in self._driver.get_log("browser")]
 
-    def photograph(self) -> bytes:
-        """Return a screenshot as PNG."""
-        return bytes(self._driver.get_screenshot_as_png())
+    def photograph(self, selector: str = "") -> bytes:
+        """Return a screenshot as PNG: of an element, or of the screen."""
+        return bytes(self._find(selector).screenshot_as_png if selector else self._driver.get_screenshot_as_png())
 
     def _find(self, selector: str) -> Any:
         return self._driver.find_element("css selector", selector)

@@ -42,6 +42,7 @@ class GpsFixTopic(
         name="gps_info",
         topic="gps/fix",
         direction="hardware_to_ros",
+        board="SensorBoard",
     )
     payload_type = gps_sensor_pb2.SensorBoardGPSInfo
     message_type = sensor_msgs.NavSatFix

@@ -29,6 +29,7 @@ class ImuDataRawTopic(
         name="imu_info",
         topic="imu/data_raw",
         direction="hardware_to_ros",
+        board="SensorBoard",
     )
     payload_type = imu_sensor_pb2.SensorBoardIMUInfo
     message_type = sensor_msgs.Imu

@@ -25,6 +25,7 @@ class ImuMagTopic(
         name="imu_info",
         topic="imu/mag",
         direction="hardware_to_ros",
+        board="SensorBoard",
     )
     payload_type = imu_sensor_pb2.SensorBoardIMUInfo
     message_type = sensor_msgs.MagneticField

@@ -25,6 +25,7 @@ class PhTemperatureTopic(
         name="ph_info",
         topic="ph/temperature",
         direction="hardware_to_ros",
+        board="SensorBoard",
     )
     payload_type = ph_sensor_pb2.SensorBoardPHInfo
     message_type = sensor_msgs.Temperature

@@ -27,6 +27,7 @@ class PressureFluidPressureTopic(
         name="pressure_info",
         topic="pressure/fluid_pressure",
         direction="hardware_to_ros",
+        board="SensorBoard",
     )
     payload_type = pressure_sensor_pb2.SensorBoardPressureInfo
     message_type = sensor_msgs.FluidPressure

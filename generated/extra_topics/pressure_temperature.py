@@ -27,6 +27,7 @@ class PressureTemperatureTopic(
         name="pressure_info",
         topic="pressure/temperature",
         direction="hardware_to_ros",
+        board="SensorBoard",
     )
     payload_type = pressure_sensor_pb2.SensorBoardPressureInfo
     message_type = sensor_msgs.Temperature

@@ -28,6 +28,7 @@ class ArmCtrlHandler(
             send={},
         ),
         priority=9,
+        board="ArmBoard",
     )
     payload_type = movement_control_in_pb2.ArmBoardControlSignals
     message_type = ArmBoardControlSignals

@@ -24,6 +24,7 @@ class ArmDiagHandler(
         topic="arm_diag",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="ArmBoard",
     )
     payload_type = motor_diagnostics_pb2.ArmBoardDiagnostics
     message_type = ArmBoardDiagnostics

@@ -26,6 +26,7 @@ class ArmFeedbackHandler(
         topic="arm_feedback",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="ArmBoard",
     )
     payload_type = movement_software_feedback_pb2.ArmBoardMovementFeedback
     message_type = ArmBoardMovementFeedback

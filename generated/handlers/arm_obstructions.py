@@ -23,6 +23,7 @@ class ArmObstructionsHandler(
         topic="arm_obstructions",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="ArmBoard",
     )
     payload_type = movement_software_target_pb2.ArmBoardObstructions
     message_type = ArmBoardObstructions

@@ -25,6 +25,7 @@ class ArmPosHandler(
         topic="arm_pos",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="ArmBoard",
     )
     payload_type = movement_software_feedback_pb2.ArmBoardActualPositions
     message_type = ArmBoardActualPositions

@@ -22,6 +22,7 @@ class ArmTargetHandler(
         name="arm_target",
         topic="arm_target",
         direction="ros_to_hardware",
+        board="ArmBoard",
     )
     payload_type = movement_software_target_pb2.ArmBoardTargetMovement
     message_type = ArmBoardTargetMovement

@@ -24,6 +24,7 @@ class DriveDiagHandler(
         topic="drive_diag",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="DrivingBoard",
     )
     payload_type = motor_diagnostics_pb2.DrivingBoardDiagnostics
     message_type = DrivingBoardDiagnostics

@@ -30,6 +30,7 @@ class DriveMotorHandler(
             },
         ),
         priority=9,
+        board="DrivingBoard",
     )
     payload_type = motor_msg_pb2.DrivingBoardMotorMessage
     message_type = DrivingBoardMotorMessage

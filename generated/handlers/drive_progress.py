@@ -26,6 +26,7 @@ class DriveProgressHandler(
         topic="drive_progress",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="DrivingBoard",
     )
     payload_type = motor_periodic_progress_pb2.DrivingBoardMotorPeriodicProgress
     message_type = DrivingBoardMotorPeriodicProgress

@@ -21,6 +21,7 @@ class GpsInfoHandler(Handler[gps_sensor_pb2.SensorBoardGPSInfo, SensorBoardGPSIn
         topic="gps_data",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="SensorBoard",
     )
     payload_type = gps_sensor_pb2.SensorBoardGPSInfo
     message_type = SensorBoardGPSInfo

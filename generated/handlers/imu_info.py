@@ -21,6 +21,7 @@ class ImuInfoHandler(Handler[imu_sensor_pb2.SensorBoardIMUInfo, ImuSensorInforma
         topic="imu_data",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="SensorBoard",
     )
     payload_type = imu_sensor_pb2.SensorBoardIMUInfo
     message_type = ImuSensorInformation

@@ -23,6 +23,7 @@ class LoadCellInfoHandler(
         topic="load_cell_info",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="SensorBoard",
     )
     payload_type = load_cell_pb2.SensorBoardLoadCellInfo
     message_type = SensorBoardLoadCellInfo

@@ -21,6 +21,7 @@ class PhInfoHandler(Handler[ph_sensor_pb2.SensorBoardPHInfo, SensorBoardPHInfo])
         topic="ph_data",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="SensorBoard",
     )
     payload_type = ph_sensor_pb2.SensorBoardPHInfo
     message_type = SensorBoardPHInfo

@@ -23,6 +23,7 @@ class PressureInfoHandler(
         topic="pressure_info",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="SensorBoard",
     )
     payload_type = pressure_sensor_pb2.SensorBoardPressureInfo
     message_type = SensorBoardPressureInfo

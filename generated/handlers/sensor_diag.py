@@ -29,6 +29,7 @@ class SensorDiagHandler(
         topic="sensor_board_diagnostics",
         direction="hardware_to_ros",
         forward=("basestation",),
+        board="SensorBoard",
     )
     payload_type = diagnostics_pb2.SensorBoardDiagnostics
     message_type = SensorBoardDiagnostics

@@ -335,6 +335,8 @@ class Route:
     """The row's own topic if it has a standard message; None if it has a generated ROS message."""
     extra_topics: tuple[StandardTopic, ...] = ()
     """Extra topics of the row, which the table lists under `also`."""
+    board: str = ""
+    """Board of the peer that sends or receives the payload: a prefix of a peer that has several; else empty."""
 
     @property
     def peer(self) -> str:

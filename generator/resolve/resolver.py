@@ -68,7 +68,12 @@ def resolve(
     located = [row for row in table.rows if row.proto in schema.messages]
     routes = tuple(
         with_safety_settings(
-            _completed(messages.route(row), standard_topics.of(row), sizes.get(row.name)), row, schema, findings
+            dataclasses.replace(
+                _completed(messages.route(row), standard_topics.of(row), sizes.get(row.name)), board=table.board_of(row)
+            ),
+            row,
+            schema,
+            findings,
         )
         # By number, and not in the order of the table: moving a row must not change any generated file.
         for row in sorted(located, key=lambda row: row.number)

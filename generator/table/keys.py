@@ -258,7 +258,12 @@ class PeerSettings(Part):
     name: Annotated[PeerName, NAME]
     prefixes: Annotated[
         tuple[str, ...],
-        Meaning("Beginnings of the names of this peer's messages, such as `SensorBoard` (TAB105, NAM102)."),
+        Meaning(
+            "Beginnings of the names of this peer's messages, such as `SensorBoard` (TAB105, NAM102). If there are "
+            "several, each is a board of the peer, and the diagnostics and the page show which boards are alive. A "
+            "message belongs to the board whose prefix fits its name, the longest one if several fit.",
+            see="operations.md#peers-and-boards",
+        ),
     ] = ()
     parameter: Annotated[
         str,
@@ -301,6 +306,15 @@ class PeerSettings(Part):
             default="no limit",
         ),
     ] = None
+
+    def prefix_of(self, proto: str) -> str:
+        """Return the longest of the `prefixes` with which a message's name begins; empty if there is none.
+
+        The prefixes are compared with the name without package, and with the full name.
+        """
+        names = (proto, proto.rpartition(".")[2])
+        fitting = (prefix for prefix in self.prefixes if any(name.startswith(prefix) for name in names))
+        return max(fitting, key=len, default="")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -606,6 +620,14 @@ class Table(Part):
     def peers_by_name(self) -> dict[str, PeerSettings]:
         """Return the settings of each peer, by the peer's name."""
         return {peer.name: peer for peer in self.peers}
+
+    def board_of(self, row: Row) -> str:
+        """Return the board of the row's peer that its message belongs to: the prefix that fits, if there are several.
+
+        Return an empty text if the peer is one board, or if no prefix fits.
+        """
+        peer = self.peers_by_name().get(row.peer)
+        return peer.prefix_of(row.proto) if peer is not None and len(peer.prefixes) > 1 else ""
 
     def and_further(self, targets: tuple[str, ...], templates: tuple[str, ...]) -> Table:
         """Return a copy of the table with further targets and template folders, without duplicates."""

@@ -88,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
         middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, live))
         published_log = stack.enter_context(publish_log(logger, middleware, ros))
         # Before the bridge: recorder and viewers have to wrap the middleware that the bridge gets.
-        attached = BridgeObservers(arguments, registry, ros, settings, logger, stack)
+        attached = BridgeObservers(arguments, registry, ros, settings, live, logger, stack)
         bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers)
         for number in _STOPPING:
             # A handler instead of KeyboardInterrupt, which would leave the bridge in the middle of a batch: `stop` lets

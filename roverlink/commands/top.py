@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import logging
 import queue
 import sys
 import time
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 from rich.console import Console
@@ -17,9 +17,10 @@ from rich.live import Live
 
 from roverlink import link_page, top_screen, topic_types
 from roverlink.console import FINDINGS, OK, Subparsers, add_middleware, command, print_note, seconds
-from roverlink.heard_bridges import QUIET_S, HeardBridges, full_name, has_problems
+from roverlink.heard_bridges import QUIET_S, HeardBridges, has_problems
 from roverlink.keyboard import Keyboard
-from roverlink.link_page.live_link import LiveLink
+from roverlink.link_page.followed_bridges import FollowedBridges
+from roverlink.link_page.live_page import LivePage
 from roverlink.runtime import SetupError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
@@ -28,6 +29,7 @@ from roverlink.runtime.middleware import Middleware, open_middleware, rosout
 from roverlink.runtime.monitoring import diagnostic_array
 
 _REFRESH_S = 0.25
+_MOST_ON_PAGE = 16  # bridges
 _HEAR_S = 1.5  # each bridge publishes its state once a second
 
 
@@ -81,7 +83,7 @@ def add(commands: Subparsers) -> None:
         help="print the state as a JSON object every second, on one line for each bridge; with --once, print one "
         "object for each bridge",
     )
-    link_page.add_option(parser, "--web")
+    link_page.add_options(parser, "--web", "acknowledge alarms for all browsers")
     parser.add_argument(
         "--timeout", type=seconds, default=10.0, metavar="S", help="wait at most S seconds for a bridge (default: 10)"
     )
@@ -90,18 +92,19 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show the state of bridges until Ctrl-C or the key q, or only once; or that of one bridge on a web page.
+    """Show the state of bridges until Ctrl-C or the key q, or only once; or on a web page.
 
     The exit code is 1 if no bridge is found. With ``--once`` it is also 1 if the state is not OK. Raises `SetupError`
     if options exclude each other, or if the live view has no terminal.
     """
+    link_page.check_options("--web", arguments.web, arguments.page_token)
     if arguments.web is not None:
         if arguments.once or arguments.json:
             raise SetupError("--web cannot be combined with --once or --json; run `roverlink top` twice")
     elif not (arguments.once or arguments.json or sys.stdout.isatty()):
         raise SetupError("the output is not a terminal; print the state with `roverlink top --once` or `--json`")
     arrived: queue.Queue[bytes] = queue.Queue()
-    heard = HeardBridges(arguments.node)
+    heard = HeardBridges(arguments.node, most=None if arguments.web is None else _MOST_ON_PAGE)
 
     def keep(messages: Sequence[bytes]) -> None:
         for message in messages:
@@ -122,7 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
             )
             return FINDINGS
         if arguments.web is not None:
-            return _serve(arrived, heard, arguments.web, middleware)
+            return _serve(arrived, heard, arguments, middleware)
         if arguments.once:
             return _show(arrived, heard, arguments.json)
         return _print_json(arrived, heard, page) if arguments.json else _follow(arrived, heard)
@@ -147,12 +150,16 @@ def _print_json(arrived: queue.Queue[bytes], heard: HeardBridges, page: dict[str
     told: set[str] = set()
     while True:
         print(json.dumps(page), flush=True)
-        for warning in set(heard.warnings()) - told:
-            print_note(f"warning: {warning}")
-            told.add(warning)
+        _tell_new(heard.warnings(), told)
         while (next_page := _next_page(arrived, heard, QUIET_S)) is None:
             pass
         page = next_page
+
+
+def _tell_new(warnings: Sequence[str], told: set[str]) -> None:
+    for warning in set(warnings) - told:
+        print_note(f"warning: {warning}")
+        told.add(warning)
 
 
 def _follow(arrived: queue.Queue[bytes], heard: HeardBridges) -> int:
@@ -169,34 +176,29 @@ def _follow(arrived: queue.Queue[bytes], heard: HeardBridges) -> int:
                     return OK
 
 
-def _serve(arrived: queue.Queue[bytes], heard: HeardBridges, address: tuple[str, int], middleware: Middleware) -> int:
-    """Show the first bridge by name on a web page until Ctrl-C, with the log that it publishes on /rosout."""
-    _hear_all(arrived, heard)
-    name = full_name(heard.bridges[0].page)
-    if len(heard.bridges) > 1:
-        print_note(f"the page shows the bridge {name!r}; select another one with --node")
-    for warning in heard.warnings():
-        print_note(f"warning: {warning}")
-    live = LiveLink()
-    # The logger of /rover/udp_forwarder is named rover.udp_forwarder.
-    logger = name.removeprefix("/").replace("/", ".")
+def _serve(
+    arrived: queue.Queue[bytes], heard: HeardBridges, arguments: argparse.Namespace, middleware: Middleware
+) -> int:
+    """Show the bridges on a web page until Ctrl-C, with the logs that they publish on /rosout."""
+    logger = logging.Logger("top", logging.INFO)
+    logger.addHandler(logging.StreamHandler())  # the text alone, like all that this command prints
+    page = LivePage(logger)
+    bridges = FollowedBridges(heard, page)
 
     def take_log(messages: Sequence[bytes]) -> None:
         for message in messages:
-            log = cdr.decode(Log, message)
-            if log.name == logger:
-                live.log.add(log.stamp.sec + log.stamp.nanosec / 1e9, log.level, log.msg)
+            bridges.take_log(cdr.decode(Log, message))
 
     middleware.subscribe(rosout.TOPIC, Log, rosout.QOS, take_log)
+    _hear_all(arrived, heard)  # so that a browser without a selection gets the first of all bridges
+    told: set[str] = set()
     with contextlib.ExitStack() as stack:
-        link_page.serve(live, address, stack, partial(print, file=sys.stderr, flush=True))
-        page: dict[str, Any] | None = heard.bridges[0].page
+        bridges.update()
+        link_page.serve(page, arguments.web, arguments.page_token, stack, logger)
         while True:
-            # Several processes can have this name; the page keeps to one of them, until it is gone.
-            shown = next(bridge.page for bridge in heard.bridges if full_name(bridge.page) == name)
-            if page is shown:
-                live.take_state(shown)
-            page = _next_page(arrived, heard, QUIET_S)
+            _tell_new(heard.warnings(), told)
+            _next_page(arrived, heard, QUIET_S)
+            bridges.update()
 
 
 def _hear_all(arrived: queue.Queue[bytes], heard: HeardBridges) -> None:

@@ -6,6 +6,7 @@ import contextlib
 import queue
 import socket
 import threading
+from collections.abc import Mapping
 
 CLIENTS = 30
 """Most clients at a time."""
@@ -14,10 +15,10 @@ _SEND_BUFFER = 131_072  # bytes that the kernel holds for a client
 
 
 class EventClient:
-    """One browser that follows the events."""
+    """One browser that follows the events of a bridge, and those of the whole page."""
 
-    def __init__(self, connection: socket.socket) -> None:
-        self._connection = connection
+    def __init__(self, connection: socket.socket, bridge: str) -> None:
+        self._connection, self.bridge = connection, bridge
         # Linux would hold megabytes for a client that does not read.
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BUFFER)
         self._events: queue.Queue[bytes] = queue.Queue(_QUEUE)
@@ -54,12 +55,12 @@ class EventClients:
         self._clients: set[EventClient] = set()
         self._lock = threading.Lock()
 
-    def add(self, connection: socket.socket) -> EventClient | None:
-        """Return a new client; None if there are too many."""
+    def add(self, connection: socket.socket, bridge: str) -> EventClient | None:
+        """Return a new client that follows the bridge with the id ``bridge``; None if there are too many."""
         with self._lock:
             if len(self._clients) >= CLIENTS:
                 return None
-            client = EventClient(connection)
+            client = EventClient(connection, bridge)
             self._clients.add(client)
             return client
 
@@ -68,12 +69,14 @@ class EventClients:
         with self._lock:
             self._clients.discard(client)
 
-    def send(self, event: bytes) -> None:
-        """Send an event to all clients, and drop those whose queues are full."""
+    def send(self, to_all: bytes, by_bridge: Mapping[str, bytes]) -> None:
+        """Send each client the events for all clients and those of its bridge; drop clients whose queues are full."""
         with self._lock:
             clients = list(self._clients)
         for client in clients:
-            if not client.offer(event):
+            # In one piece, because each piece wakes a thread, and the bridge waits for these threads.
+            event = to_all + by_bridge.get(client.bridge, b"")
+            if event and not client.offer(event):
                 self.remove(client)
 
     def end(self) -> None:

@@ -6,7 +6,7 @@ import math
 import time
 from array import array
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from roverlink.runtime.core import cdr
@@ -47,6 +47,10 @@ class History:
         if points and points[-1].names == names:
             names = points[-1].names  # one tuple for all points, to save memory
         points.append(_Point(now, names, array("d", numbers.values())))
+
+    def keep(self, rows: Collection[str]) -> None:
+        """Forget all rows but these."""
+        self._points = {row: points for row, points in self._points.items() if row in rows}
 
     def series(self, row: str, field: str) -> list[tuple[float, float]]:
         """Return times and numbers of a field, oldest first; an empty list if there are none."""

@@ -5,13 +5,17 @@ The state is a result of `roverlink.heard_bridges.page_of`. Times are in seconds
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import threading
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 _SILENT_S = 3.0
 """Age in seconds of a peer's last message from which on the peer counts as silent, if its rows are not slower."""
 _SILENT_PERIODS = 3
+_STATES = ("alive", "silent", "never", "listens")
+"""States of peers and boards; that of a peer is the first that one of its boards has."""
+_MOST = 500  # alarms
 _BADNESS = ("OK", "WARN", "STALE", "ERROR")
 
 
@@ -19,16 +23,32 @@ def peers_of(node: Mapping[str, Any], rows: list[dict[str, Any]]) -> list[dict[s
     """Return the peers of the rows, each with its ``state``: alive, silent, or never (no message has come yet).
 
     A peer that only receives has the state "listens". ``age`` is the time since its last message; None if there was
-    none. ``rate_in`` and ``rate_out`` are messages a second.
+    none. ``rate_in`` and ``rate_out`` are messages a second. ``boards`` are the boards of the peer, with the same keys;
+    a peer with boards is alive if one of them is.
     """
     return [_peer(name, node, rows) for name in dict.fromkeys(row["peer"] for row in rows)]
 
 
 def _peer(name: str, node: Mapping[str, Any], rows: list[dict[str, Any]]) -> dict[str, Any]:
     own = [row for row in rows if row["peer"] == name]
-    inbound = [row for row in own if row["direction"].endswith("_to_ros")]
+    boards = dict.fromkeys(row.get("board", "") for row in own)
+    # The rows without a board are a part as well.
+    parts = [_end(board, [row for row in own if row.get("board", "") == board]) for board in boards]
+    return {
+        **_end(name, own),
+        "state": min((part["state"] for part in parts), key=_STATES.index),
+        "boards": [part for part in parts if part["name"]],
+        "stopping": [row["name"] for row in own if row.get("stopping")],
+        "forwarded": node.get(f"forwarded.{name}", 0),
+        "unsent": node.get(f"unsent.{name}", 0),
+    }
+
+
+def _end(name: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return what peers and boards have in common; ``silent_after`` is the age at which the end counts as silent."""
+    inbound = [row for row in rows if row["direction"].endswith("_to_ros")]
     age = min((row["age"] for row in inbound if "age" in row), default=None)
-    # A peer that is expected to speak once in ten seconds is not silent between two messages.
+    # One that is expected to speak once in ten seconds is not silent between two messages.
     slowest = min((row["expect_rate"] for row in inbound if row.get("expect_rate")), default=None)
     limit = max(_SILENT_S, _SILENT_PERIODS / slowest if slowest else 0.0)
     if not inbound:
@@ -42,11 +62,9 @@ def _peer(name: str, node: Mapping[str, Any], rows: list[dict[str, Any]]) -> dic
         "name": name,
         "state": state,
         "age": age,
+        "silent_after": limit,
         "rate_in": rate_in,
-        "rate_out": sum(row["rate"] for row in own) - rate_in,
-        "stopping": [row["name"] for row in own if row.get("stopping")],
-        "forwarded": node.get(f"forwarded.{name}", 0),
-        "unsent": node.get(f"unsent.{name}", 0),
+        "rate_out": sum(row["rate"] for row in rows) - rate_in,
     }
 
 
@@ -69,6 +87,12 @@ def conditions_of(state: Mapping[str, Any]) -> dict[str, Condition]:
     for peer in state["peers"]:
         if peer["state"] == "silent":
             found[f"peer {peer['name']}"] = Condition("ERROR", f"no message for {peer['age']:.0f} s")
+        for board in peer["boards"]:
+            # Boards that fall silent together are one alarm, that of the peer. So a board has an alarm only if the peer
+            # has spoken since the board was due. The alarm stays if the rest of the peer falls silent later.
+            if board["state"] == "silent" and board["age"] - peer["age"] > board["silent_after"]:
+                subject = f"board {board['name']} of {peer['name']}"
+                found[subject] = Condition("ERROR", f"no message for {board['age']:.0f} s")
     for row in state["rows"]:
         # A row that has never spoken is at rest: the bridge sends the stop from its start on.
         if row.get("stopping") and row["count"]:
@@ -83,42 +107,64 @@ def conditions_of(state: Mapping[str, Any]) -> dict[str, Condition]:
 class _Alarm:
     number: int
     """Number of this onset; it grows with every onset, so an acknowledged number stands for one onset."""
+    bridge: str
+    """Id of the bridge."""
     subject: str
     level: str
     text: str
     since: float
     ended: float | None = None
+    acknowledged: bool = False
+    """True if somebody with the token has acknowledged the alarm for all browsers."""
 
 
 class LinkAlarms:
-    """Latched alarms: an alarm stays in the list when its condition has ended.
+    """Latched alarms of all bridges: an alarm stays in the list when its condition has ended.
 
-    There is one alarm for each subject at most, so the list is bounded. Browsers remember what was acknowledged.
+    There is one alarm for each bridge and subject at most; beyond 500, the oldest leave the list. Thread-safe.
     """
 
     def __init__(self) -> None:
-        self._alarms: dict[str, _Alarm] = {}
+        self._alarms: dict[tuple[str, str], _Alarm] = {}
         self._onsets = 0
+        self._lock = threading.Lock()
 
-    def update(self, conditions: Mapping[str, Condition], now: float) -> None:
-        """Take what is wrong at the time ``now``: start new alarms, and end those whose condition is gone.
+    def update(self, bridge: str, conditions: Mapping[str, Condition], now: float) -> None:
+        """Take what is wrong with a bridge at the time ``now``: start new alarms, end those whose condition is gone.
 
         A condition that comes back, or gets worse, starts its alarm anew with another number.
         """
-        for subject, condition in conditions.items():
-            alarm = self._alarms.get(subject)
-            if alarm is None or alarm.ended is not None or _worse(condition.level, alarm.level):
-                self._onsets += 1
-                self._alarms[subject] = _Alarm(self._onsets, subject, condition.level, condition.text, now)
-            else:
+        with self._lock:
+            for subject, condition in conditions.items():
+                alarm = self._alarms.pop((bridge, subject), None)
+                if alarm is None or alarm.ended is not None or _worse(condition.level, alarm.level):
+                    self._onsets += 1
+                    alarm = _Alarm(self._onsets, bridge, subject, condition.level, condition.text, now)
                 alarm.text = condition.text
-        for subject, alarm in self._alarms.items():
-            if subject not in conditions and alarm.ended is None:
-                alarm.ended = now
+                self._alarms[bridge, subject] = alarm  # at the end: alarms that go on are the last to leave the list
+            for (owner, subject), alarm in self._alarms.items():
+                if owner == bridge and subject not in conditions and alarm.ended is None:
+                    alarm.ended = now
+            while len(self._alarms) > _MOST:
+                del self._alarms[next(iter(self._alarms))]
+
+    def forget(self, bridge: str) -> None:
+        """Remove the alarms of a bridge that the page no longer shows."""
+        with self._lock:
+            self._alarms = {key: alarm for key, alarm in self._alarms.items() if alarm.bridge != bridge}
+
+    def acknowledge(self, numbers: Collection[int]) -> list[str]:
+        """Acknowledge alarms for all browsers, and return the subjects of those that were not acknowledged before."""
+        with self._lock:
+            new = [alarm for alarm in self._alarms.values() if alarm.number in numbers and not alarm.acknowledged]
+            for alarm in new:
+                alarm.acknowledged = True
+            return [alarm.subject for alarm in new]
 
     def as_list(self) -> list[dict[str, Any]]:
         """Return all alarms since the start as plain values, the newest first."""
-        return [asdict(alarm) for alarm in sorted(self._alarms.values(), key=lambda alarm: -alarm.number)]
+        with self._lock:
+            return [asdict(alarm) for alarm in sorted(self._alarms.values(), key=lambda alarm: -alarm.number)]
 
 
 def _worse(level: str, than: str) -> bool:

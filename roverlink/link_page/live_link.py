@@ -1,22 +1,16 @@
-"""Live state of a bridge for its page: collects state, values and log, and sends them to browsers as events.
-
-One thread does the work, twice a second. The bridge and its monitor only store references.
-"""
+"""Live state of one bridge on a page: collects state, values and log, and makes events of what is new."""
 
 from __future__ import annotations
 
-import secrets
-import threading
-import time
+from collections.abc import Callable
 from typing import Any
 
-from roverlink.link_page.event_clients import EventClients
+from roverlink.heard_bridges import full_name, place
 from roverlink.link_page.last_values import HISTORY_S, History, LastValues, Values
-from roverlink.link_page.link_alarms import LinkAlarms, conditions_of, peers_of
+from roverlink.link_page.link_alarms import peers_of
 from roverlink.link_page.log_lines import LogLines
 from roverlink.topic_types import json_text
 
-_TICK_S = 0.5
 QUIET_S = 3.0
 """Time in seconds without a state after which the page says that the bridge no longer reports."""
 LINK_FIELDS = ("rate", "age")
@@ -24,97 +18,81 @@ LINK_FIELDS = ("rate", "age")
 
 
 class LiveLink:
-    """Live state of one bridge. A context manager; its thread sends events to `clients` inside the block."""
+    """Live state of one bridge. The bridge and its monitor only store references; `tick` does the work."""
 
-    def __init__(self, values: LastValues | None = None) -> None:
-        """Show the values of ``values``; None if only the bridge's state and log are known."""
-        self.clients, self.log = EventClients(), LogLines()
-        self._last_values = values
+    def __init__(self, id: str, clock: Callable[[], float], values: LastValues | None = None) -> None:
+        """Show the values of ``values``; None if only the bridge's state and log are known.
+
+        ``id`` names the bridge in the URL of the page. ``clock`` returns the page's time in seconds.
+        """
+        self.id, self.log = id, LogLines()
+        self._clock, self._last_values = clock, values
         self._history, self._link_history = History(), History()
-        self._alarms = LinkAlarms()
-        self._session = secrets.token_hex(8)
-        self._start = time.monotonic()
         self._taken: tuple[float, dict[str, Any]] | None = None
         self._shown: dict[str, Any] | None = None
-        self._state: dict[str, Any] = {}
+        self.state: dict[str, Any] | None = None
+        """State as the page shows it, with peers; None before the first."""
         self._values: dict[str, Values] = {}
         self._told = 0
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="page", daemon=True)
 
     def take_state(self, state: dict[str, Any]) -> None:
         """Take a new state of the bridge, a result of `roverlink.heard_bridges.page_of`; any thread may call this."""
-        self._taken = (self._now(), state)
+        if self._taken is None or self._taken[1] is not state:
+            self._taken = (self._clock(), state)
+
+    def entry(self) -> dict[str, Any]:
+        """Return the bridge's entry in the list of all bridges."""
+        if self.state is None:
+            return {"id": self.id, "name": self.id, "place": "", "level": ""}
+        level = "STALE" if self.state["quiet"] else self.state["node"]["level"]
+        return {"id": self.id, "name": full_name(self.state), "place": place(self.state), "level": level}
 
     def snapshot(self) -> bytes:
         """Return the events that a browser needs when it connects: state, values and log up to now."""
-        values = {"now": self._now(), "rows": dict(self._values)}
-        return b"".join(
-            (
-                *((_event("state", self._state),) if self._state else ()),
-                _event("values", values),
-                _event("log", {"lines": self.log.after(0)}),
-            )
-        )
+        values = {"now": self._clock(), "rows": dict(self._values)}
+        state = event("state", self.state) if self.state is not None else b""
+        return state + event("values", values) + event("log", {"lines": self.log.after(0)})
 
-    def history(self, row: str, field: str) -> dict[str, Any]:
+    def history(self, row: str, field: str) -> list[tuple[float, float]]:
         """Return the points of a field in the last minutes; a field of `LINK_FIELDS` has a ``#`` before its name."""
         link = field.startswith("#")
-        points = (self._link_history if link else self._history).series(row, field.removeprefix("#"))
-        return {"now": self._now(), "points": points}
+        return (self._link_history if link else self._history).series(row, field.removeprefix("#"))
 
-    def __enter__(self) -> LiveLink:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._ending.set()
-        self._thread.join()
-        self.clients.end()
-
-    def _now(self) -> float:
-        return round(time.monotonic() - self._start, 3)
-
-    def _run(self) -> None:
-        while not self._ending.wait(_TICK_S):
-            self.tick()
-
-    def tick(self) -> None:
-        """Send what is new to all browsers; the thread of this object calls this periodically."""
+    def tick(self) -> bytes:
+        """Return the events of what is new since the last call; the thread of the page calls this periodically."""
         events = []
         if (state := self._new_state()) is not None:
-            self._state = state
-            events.append(_event("state", state))
+            self.state = state
+            events.append(event("state", state))
         if self._last_values is not None:
-            now, changes = self._now(), dict(self._last_values.changes())
+            now, changes = self._clock(), dict(self._last_values.changes())
             for row, values in changes.items():
                 self._history.add(row, now, values)
             if changes:
                 self._values = {**self._values, **changes}
-                events.append(_event("values", {"now": now, "rows": changes}))
+                events.append(event("values", {"now": now, "rows": changes}))
         if lines := self.log.after(self._told):
             self._told = lines[-1]["number"]
-            events.append(_event("log", {"lines": lines}))
-        if events:
-            # In one piece, because each piece wakes a thread for each browser, and the bridge waits for these threads.
-            self.clients.send(b"".join(events))
+            events.append(event("log", {"lines": lines}))
+        return b"".join(events)
 
     def _new_state(self) -> dict[str, Any] | None:
         """Return the state to show; None if nothing has changed."""
         if self._taken is None:
             return None
         taken_at, given = self._taken
-        now = self._now()
+        now = self._clock()
         quiet = now - taken_at > QUIET_S
-        if given is self._shown and quiet == self._state["quiet"]:
+        if given is self._shown and self.state is not None and quiet == self.state["quiet"]:
             return None
         rows = given["rows"]
         if given is not self._shown:
+            self._link_history.keep({row["name"] for row in rows})  # a bridge may come back with another table
             for row in rows:
                 self._link_history.add(row["name"], now, {name: row[name] for name in LINK_FIELDS if name in row})
         self._shown = given
-        state = {
-            "session": self._session,
+        return {
+            "bridge": self.id,
             "now": now,
             "taken": taken_at,
             "history": HISTORY_S,
@@ -124,9 +102,8 @@ class LiveLink:
             "rows": rows,
             "peers": peers_of(given["node"], rows),
         }
-        self._alarms.update(conditions_of(state), now)
-        return {**state, "alarms": self._alarms.as_list()}
 
 
-def _event(name: str, content: dict[str, Any]) -> bytes:
+def event(name: str, content: dict[str, Any]) -> bytes:
+    """Return a server-sent event."""
     return f"event: {name}\ndata: {json_text(content)}\n\n".encode()

@@ -1,4 +1,5 @@
-// Shows the state of a bridge. The server sends events; the page keeps the last state, and what the user acknowledged.
+// Shows the state of bridges. The server sends the list of all bridges with their alarms, and the state, values and log of
+// the bridge that this browser has selected. The page keeps what the user acknowledged, if it has no token.
 "use strict";
 
 const byId = (id) => document.getElementById(id);
@@ -7,8 +8,10 @@ const LOG_LINES = 200;
 const FIELDS_SHOWN = 6; // of a row, until the user asks for all
 const GAP_S = 4; // a longer pause interrupts the curve
 
-let state = null; // the last state
-let receivedAt = 0; // when it came, in milliseconds of performance.now()
+let page = null; // what the server allows, and the bridge that it shows
+let overview = { bridges: [], warnings: [], alarms: [] };
+let state = null; // the last state of the selected bridge
+let clock = { now: 0, at: 0 }; // seconds of the server's clock, at milliseconds of performance.now()
 let lastEventAt = performance.now();
 let values = new Map(); // row -> field -> value
 let lastLogNumber = 0;
@@ -46,6 +49,27 @@ function syncChildren(parent, items, keyOf, make, update) {
   old.forEach((child) => child.remove());
 }
 
+const now = () => clock.now + (performance.now() - clock.at) / 1000;
+function setClock(time) {
+  clock = { now: time, at: performance.now() };
+}
+
+// Private windows may refuse to keep anything; then a value holds until the page is closed.
+function stored(storage, name) {
+  try {
+    return window[storage].getItem(name) ?? "";
+  } catch {
+    return "";
+  }
+}
+function store(storage, name, value) {
+  try {
+    window[storage].setItem(name, value);
+  } catch {
+    // as above
+  }
+}
+
 const rateText = (rate) => `${rate.toFixed(1)}/s`;
 const sumOf = (entry, prefix) =>
   Object.entries(entry).reduce((sum, [key, value]) => (key.startsWith(prefix) ? sum + value : sum), 0);
@@ -64,60 +88,72 @@ function ageText(age) {
 
 // --- alarms ---
 
+let acknowledged = new Set(); // numbers that this browser has acknowledged
+
 function storedAcknowledgements() {
   try {
-    const stored = JSON.parse(localStorage.getItem("roverlink-acknowledged"));
-    return stored?.session === state?.session ? new Set(stored?.numbers ?? []) : new Set();
+    const { session, numbers } = JSON.parse(stored("localStorage", "roverlink-acknowledged"));
+    return session === page?.session ? numbers : [];
   } catch {
-    return new Set(); // another page wrote there, or the browser keeps nothing
+    return []; // nothing is stored, or another page wrote there
   }
 }
 
-function acknowledge(numbers) {
-  const current = new Set(state.alarms.map((alarm) => alarm.number));
-  const kept = [...storedAcknowledgements(), ...numbers].filter((number) => current.has(number));
-  memory = new Set(kept);
-  try {
-    localStorage.setItem("roverlink-acknowledged", JSON.stringify({ session: state.session, numbers: kept }));
-  } catch {
-    // Private windows may refuse; then the acknowledgement holds until the page is closed.
+async function acknowledge(numbers) {
+  if (token) {
+    try {
+      await ask("acknowledge", numbers);
+    } catch (error) {
+      setText(byId("alarm-note"), `not acknowledged for all browsers: ${error.message}`);
+      return;
+    }
   }
+  setText(byId("alarm-note"), "");
+  const current = new Set(overview.alarms.map((alarm) => alarm.number));
+  acknowledged = new Set([...acknowledged, ...storedAcknowledgements(), ...numbers].filter((number) => current.has(number)));
+  store("localStorage", "roverlink-acknowledged", JSON.stringify({ session: page.session, numbers: [...acknowledged] }));
   showAlarms();
 }
 
-let memory = new Set();
-const isAcknowledged = (alarm, stored) => memory.has(alarm.number) || stored.has(alarm.number);
-
 function shownAlarms() {
-  if (!state) return [];
-  const stored = storedAcknowledgements();
-  return state.alarms
-    .map((alarm) => ({ ...alarm, acknowledged: isAcknowledged(alarm, stored) }))
+  const own = new Set([...acknowledged, ...storedAcknowledgements()]);
+  return overview.alarms
+    .map((alarm) => ({ ...alarm, acknowledged: alarm.acknowledged || own.has(alarm.number) }))
     .filter((alarm) => !alarm.acknowledged || alarm.ended === null);
+}
+const newAlarms = () => shownAlarms().filter((alarm) => !alarm.acknowledged);
+
+// Several bridges can have one name; host and process tell them apart.
+function labelOf(bridge) {
+  const alone = overview.bridges.every((other) => other.id === bridge.id || other.name !== bridge.name);
+  return alone ? bridge.name : `${bridge.name} (${bridge.place})`;
 }
 
 function showAlarms() {
   const alarms = shownAlarms();
+  const labels = new Map(overview.bridges.map((bridge) => [bridge.id, labelOf(bridge)]));
   alarms.sort((one, other) => one.acknowledged - other.acknowledged || other.number - one.number);
-  const open = alarms.filter((alarm) => !alarm.acknowledged);
+  const open = newAlarms();
   syncChildren(
     byId("alarms"),
     alarms,
     (alarm) => alarm.number,
     (alarm) => {
       const item = element("li");
-      const button = element("button", "Acknowledge");
+      const button = element("button");
       button.onclick = () => acknowledge([alarm.number]);
       item.append(element("div"), button);
-      item.firstChild.append(element("strong"), element("span"), element("small"));
+      item.firstChild.append(element("strong"), element("em"), element("span"), element("small"));
       return item;
     },
     (item, alarm) => {
       setClass(item, alarm.acknowledged ? `${alarm.level} acknowledged` : alarm.level);
-      const [subject, text, times] = item.firstChild.children;
+      const [subject, bridge, text, times] = item.firstChild.children;
       setText(subject, `${alarm.level}: ${alarm.subject}`);
+      setText(bridge, overview.bridges.length > 1 ? labels.get(alarm.bridge) ?? alarm.bridge : "");
+      bridge.hidden = !bridge.textContent;
       setText(text, alarm.text);
-      const ago = (time) => ageText(Math.max(0, state.now - time));
+      const ago = (time) => ageText(Math.max(0, now() - time));
       setText(
         times,
         alarm.ended === null
@@ -125,14 +161,46 @@ function showAlarms() {
           : `is over; it began ${ago(alarm.since)} ago and ended ${ago(alarm.ended)} ago`
       );
       item.lastChild.hidden = alarm.acknowledged;
-      item.lastChild.setAttribute("aria-label", `Acknowledge ${alarm.subject}`);
+      setText(item.lastChild, token ? "Acknowledge for all" : "Acknowledge");
+      item.lastChild.setAttribute("aria-label", `${item.lastChild.textContent} ${alarm.subject}`.trim());
     }
   );
   byId("no-alarms").hidden = alarms.length > 0;
   byId("acknowledge-all").hidden = open.length < 2;
   setText(byId("alarm-count"), open.length ? `(${open.length} new)` : "");
-  const title = open.length ? `(${open.length}) ${state.node.name}` : state?.node.name ?? "Link";
+  const name = state?.node.name ?? "Link";
+  const title = open.length ? `(${open.length}) ${name}` : name;
   if (document.title !== title) document.title = title;
+  showTabs(open);
+}
+
+function showTabs(open) {
+  const tabs = byId("tabs");
+  const isKnown = overview.bridges.some(({ id }) => id === page.bridge);
+  tabs.hidden = overview.bridges.length < 2 && isKnown;
+  syncChildren(
+    tabs,
+    overview.bridges,
+    (bridge) => bridge.id,
+    (bridge) => {
+      const made = element("a");
+      made.href = `#${encodeURI(bridge.id)}`;
+      made.append(element("span"), " ", element("span"), " ", element("b"));
+      return made;
+    },
+    (made, bridge) => {
+      const [name, level, count] = made.children;
+      setText(name, labelOf(bridge));
+      setText(level, bridge.level);
+      setClass(level, `level ${bridge.level}`);
+      const number = open.filter((alarm) => alarm.bridge === bridge.id).length;
+      setText(count, number ? `${number} new` : "");
+      if (bridge.id === page.bridge) made.setAttribute("aria-current", "page");
+      else made.removeAttribute("aria-current");
+    }
+  );
+  setText(byId("warnings"), overview.warnings.join("; "));
+  byId("warnings").hidden = !overview.warnings.length;
 }
 
 let audio = null;
@@ -161,7 +229,99 @@ byId("sound").onclick = () => {
   byId("sound").setAttribute("aria-pressed", String(audio !== null));
   setText(byId("sound"), audio ? "Sound on" : "Sound off");
 };
-byId("acknowledge-all").onclick = () => acknowledge(shownAlarms().map((alarm) => alarm.number));
+byId("acknowledge-all").onclick = () => acknowledge(newAlarms().map((alarm) => alarm.number));
+
+// --- the token ---
+
+let token = stored("sessionStorage", "roverlink-token");
+
+// Asks for what needs the token, or acts with it if there is a content. Throws an error with the server's reason.
+async function ask(path, content) {
+  const options = { headers: { Authorization: `Bearer ${token}` } };
+  if (content !== undefined) Object.assign(options, { method: "POST", body: JSON.stringify(content) });
+  const answer = await fetch(path, options);
+  if (answer.status === 401) useToken(""); // the server has another token now
+  if (!answer.ok) throw new Error((await answer.text()).trim());
+  return answer;
+}
+
+function useToken(given) {
+  token = given;
+  store("sessionStorage", "roverlink-token", token);
+  setText(byId("unlock"), token ? "Lock" : "Unlock");
+  byId("parameter-section").hidden = !token || !page?.sets_parameters;
+  if (page) showAlarms();
+}
+
+byId("unlock").onclick = () => {
+  if (token) {
+    useToken("");
+    return;
+  }
+  setText(byId("unlock-note"), "");
+  byId("unlock-dialog").showModal();
+};
+byId("unlock-cancel").onclick = () => byId("unlock-dialog").close();
+byId("unlock-form").onsubmit = async (event) => {
+  event.preventDefault();
+  token = byId("token").value.trim();
+  try {
+    await showParameters();
+    useToken(token);
+    byId("unlock-dialog").close();
+  } catch (error) {
+    useToken("");
+    setText(byId("unlock-note"), error.message);
+  }
+  byId("token").value = "";
+};
+
+// --- parameters ---
+
+async function showParameters() {
+  const parameters = await (await ask("parameters")).json();
+  syncChildren(
+    byId("parameters").querySelector("tbody"),
+    parameters,
+    ({ name }) => name,
+    ({ name, description, unit, choices, number }) => {
+      const made = element("tr");
+      made.append(element("td"), element("td"), element("td"));
+      const input = element(choices.length ? "select" : "input");
+      for (const choice of choices.length ? ["", ...choices] : []) input.append(element("option", choice));
+      if (number) input.inputMode = "numeric";
+      input.dataset.number = number;
+      input.name = name;
+      input.setAttribute("aria-label", `New value of ${name}`);
+      const about = element("small", unit ? `${description}, in ${unit}` : description);
+      made.children[0].append(element("strong", name), about);
+      made.children[2].append(input);
+      return made;
+    },
+    (made, { value }) => setText(made.children[1], String(value))
+  );
+}
+
+byId("parameters").onsubmit = async (event) => {
+  event.preventDefault();
+  const given = [...byId("parameters").querySelectorAll("input, select")].filter((input) => input.value.trim());
+  const valueOf = ({ value, dataset }) =>
+    dataset.number === "true" && /^-?\d{1,15}$/.test(value.trim()) ? Number(value) : value.trim();
+  const note = byId("parameter-note");
+  try {
+    if (!given.length) throw new Error("enter a new value first");
+    await ask("parameters", Object.fromEntries(given.map((input) => [input.name, valueOf(input)])));
+    for (const input of given) input.value = "";
+    await showParameters();
+    setText(note, `set: ${given.map(({ name }) => name).join(", ")}`);
+    setClass(note, "");
+  } catch (error) {
+    setText(note, error.message);
+    setClass(note, "refused");
+  }
+};
+// Others can change the parameters too. A lost connection is told above.
+setInterval(() => token && page?.sets_parameters && showParameters().catch(() => {}), 5000);
 
 // --- peers and totals ---
 
@@ -179,20 +339,42 @@ function showPeers() {
     (peer) => peer.name,
     () => {
       const made = element("div", "", "peer");
-      made.append(element("strong"), element("span"), element("div"), element("span"));
+      made.append(element("strong"), element("span"), element("div"), element("span"), element("ul", "", "boards"));
       return made;
     },
     (made, peer) => {
-      const [name, shown, facts, stop] = made.children;
+      const [name, shown, facts, stop, boards] = made.children;
       setText(name, peer.name);
       setClass(shown, `level ${peer.state}`);
       setText(shown, PEER_STATES[peer.state]);
+      showBoards(boards, peer.boards);
       const heard = peer.age === null ? "" : `last message ${ageText(peer.age)} ago; `;
       const unsent = peer.unsent ? `; ${peer.unsent} not sent` : "";
       setText(facts, `${heard}${rateText(peer.rate_in)} in, ${rateText(peer.rate_out)} out${unsent}`);
       setClass(stop, "stop");
       stop.hidden = peer.stopping.length === 0;
       setText(stop, `■ told to stop: ${peer.stopping.join(", ")}`);
+    }
+  );
+}
+
+function showBoards(list, boards) {
+  list.hidden = !boards.length;
+  syncChildren(
+    list,
+    boards,
+    (board) => board.name,
+    () => {
+      const made = element("li");
+      made.append(element("span"), element("span"), element("span"));
+      return made;
+    },
+    (made, board) => {
+      const [name, shown, facts] = made.children;
+      setText(name, board.name);
+      setClass(shown, `level ${board.state}`);
+      setText(shown, PEER_STATES[board.state]);
+      setText(facts, board.state === "silent" ? `last message ${ageText(board.age)} ago` : "");
     }
   );
 }
@@ -338,10 +520,10 @@ async function choosePlot(row, field) {
   Object.assign(plot, { row, field, points: [] });
   if (state) showChoices();
   drawPlot();
-  const query = new URLSearchParams({ row, field });
+  const query = new URLSearchParams({ bridge: page?.bridge ?? "", row, field });
   try {
     const answer = await (await fetch(`history?${query}`)).json();
-    if (plot.row !== row || plot.field !== field) return; // the user was faster
+    if (plot.row !== row || plot.field !== field || query.get("bridge") !== page?.bridge) return; // the user was faster
     const last = answer.points.at(-1)?.[0] ?? -1;
     plot.points = [...answer.points, ...plot.points.filter(([time]) => time > last)];
   } catch {
@@ -378,8 +560,8 @@ function drawPlot() {
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(name).trim();
   const span = Number(byId("plot-span").value);
-  const now = state ? state.now + (performance.now() - receivedAt) / 1000 : 0;
-  const points = plot.points.filter(([time]) => time >= now - span);
+  const end = now();
+  const points = plot.points.filter(([time]) => time >= end - span);
   const label = `${plot.row} ${LINK_FIELDS[plot.field] ?? plot.field}`;
   if (!points.length) {
     setText(byId("plot-note"), `${label}: no values in this time`);
@@ -394,7 +576,7 @@ function drawPlot() {
   low -= room;
   high += room;
   const [left, right, top, bottom] = [64, width - 8, 8, height - 24];
-  const x = (time) => right - ((now - time) / span) * (right - left);
+  const x = (time) => right - ((end - time) / span) * (right - left);
   const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
   pen.font = "13px system-ui, sans-serif";
   pen.fillStyle = colour("--text");
@@ -411,9 +593,9 @@ function drawPlot() {
   pen.textBaseline = "top";
   for (let back = 0; back <= span; back += span / 4) {
     pen.textAlign = back === 0 ? "right" : "center";
-    pen.fillText(back === 0 ? "now" : `−${back} s`, x(now - back), bottom + 6);
-    pen.moveTo(x(now - back), top);
-    pen.lineTo(x(now - back), bottom);
+    pen.fillText(back === 0 ? "now" : `−${back} s`, x(end - back), bottom + 6);
+    pen.moveTo(x(end - back), top);
+    pen.lineTo(x(end - back), bottom);
   }
   pen.stroke();
   pen.strokeStyle = colour("--curve");
@@ -453,10 +635,33 @@ function showLog(lines) {
 
 // --- events ---
 
+// The part of the URL behind # names the selected bridge.
+function wanted() {
+  try {
+    return decodeURIComponent(location.hash.slice(1));
+  } catch {
+    return "";
+  }
+}
+
+function takePage(next) {
+  if (page && page.session !== next.session) location.reload(); // the server was started again, perhaps with another page
+  page = next;
+  byId("unlock").hidden = !page.can_act;
+  useToken(page.can_act ? token : "");
+  if (token) showParameters().catch(() => {});
+  if (plot.row) choosePlot(plot.row, plot.field); // what was missed while there was no connection
+}
+
+function takeBridges(next) {
+  overview = next;
+  setClock(next.now);
+  showAlarms();
+}
+
 function takeState(next) {
-  if (state && state.session !== next.session) location.reload(); // the bridge was started again
   state = next;
-  receivedAt = performance.now();
+  setClock(next.now);
   setText(byId("name"), state.node.name);
   setText(byId("level"), state.quiet ? "STALE" : state.node.level);
   setClass(byId("level"), `level ${byId("level").textContent}`);
@@ -470,42 +675,68 @@ function takeState(next) {
   drawPlot();
 }
 
-function takeValues({ now, rows }) {
+function takeValues({ now: time, rows }) {
   for (const [row, fields] of Object.entries(rows)) values.set(row, fields);
-  if (rows[plot.row] && !(isLinkField(plot.field))) addPoint(now, rows[plot.row][plot.field]);
+  if (rows[plot.row] && !(isLinkField(plot.field))) addPoint(time, rows[plot.row][plot.field]);
   if (state) {
     showRows();
     drawPlot();
   }
 }
 
+function connectionText() {
+  if (performance.now() - lastEventAt > LOST_MS || events.readyState !== EventSource.OPEN)
+    return "NO CONNECTION to the bridge's page";
+  if (!state) return `waiting for the bridge ${wanted() || (page?.bridge ?? "")}`;
+  return state.quiet ? "the bridge no longer reports" : "live";
+}
+
 function showConnection() {
-  const lost = performance.now() - lastEventAt > LOST_MS || events.readyState !== EventSource.OPEN;
-  const text = lost ? "NO CONNECTION to the bridge's page" : state?.quiet ? "the bridge no longer reports" : "live";
+  const text = connectionText();
   setText(byId("connection"), text);
   setClass(byId("connection"), text === "live" ? "" : "lost");
-  return lost;
+  return text.startsWith("NO CONNECTION");
 }
 
 let events;
 function connect() {
-  events = new EventSource("events");
+  const source = new EventSource(`events?${new URLSearchParams({ bridge: wanted() || (page?.bridge ?? "") })}`);
+  events = source;
   const on = (name, take) =>
-    events.addEventListener(name, (event) => {
+    source.addEventListener(name, (event) => {
       lastEventAt = performance.now();
       take(JSON.parse(event.data));
       showConnection();
     });
+  on("page", takePage);
+  on("bridges", takeBridges);
   on("state", takeState);
   on("values", takeValues);
   on("alive", () => {});
   on("log", ({ lines }) => showLog(lines));
-  events.onerror = () => {
+  source.onerror = () => {
+    // The browser would try again by itself, but not after an answer that refuses, such as "too many browsers".
+    source.close();
     showConnection();
-    // The browser tries again by itself, but not after an answer that refuses, such as "too many browsers".
-    if (events.readyState === EventSource.CLOSED) setTimeout(connect, 5000);
+    setTimeout(() => source === events && connect(), 2000);
   };
 }
+
+function selectBridge() {
+  if (page && [page.bridge, ""].includes(wanted())) return;
+  state = null;
+  values = new Map();
+  expanded.clear();
+  Object.assign(plot, { row: "", field: "", points: [] });
+  for (const part of [byId("peers"), byId("totals"), byId("rows").tBodies[0], byId("log")]) part.replaceChildren();
+  lastLogNumber = 0;
+  setText(byId("name"), wanted() || "Link");
+  setText(byId("level"), "");
+  setClass(byId("level"), "level");
+  events.close();
+  connect();
+}
+window.onhashchange = selectBridge;
 
 function setTheme(dark) {
   document.documentElement.classList.toggle("dark", dark);
@@ -515,20 +746,12 @@ function setTheme(dark) {
 byId("theme").onclick = () => {
   const dark = !document.documentElement.classList.contains("dark");
   setTheme(dark);
-  try {
-    localStorage.setItem("roverlink-dark", dark ? "yes" : "no");
-  } catch {
-    // Private windows may refuse; then the choice holds until the page is closed.
-  }
+  store("localStorage", "roverlink-dark", dark ? "yes" : "no");
 };
-try {
-  setTheme(localStorage.getItem("roverlink-dark") === "yes");
-} catch {
-  setTheme(false);
-}
+setTheme(stored("localStorage", "roverlink-dark") === "yes");
 
 connect();
 setInterval(() => {
   const lost = showConnection();
-  if (lost || shownAlarms().some((alarm) => !alarm.acknowledged)) beep();
+  if (lost || newAlarms().length) beep();
 }, 2000);

@@ -79,6 +79,8 @@ class Route:
     """Priority of a topic whose messages go to a peer; topics with larger numbers are served first."""
     expect_rate: int | None = None
     """Expected messages a second; diagnostics warn if the rate is clearly lower. None for no expectation."""
+    board: str = ""
+    """Board of the peer that sends or receives the payload, such as ``ArmBoard``; empty if the table names none."""
 
     @property
     def inbound(self) -> bool:

@@ -81,6 +81,7 @@ def _row_status(node: str, row: RowState) -> DiagnosticStatus:
         "number": row.number,
         "direction": row.direction,
         "topic": row.topic,
+        **({"board": row.board} if row.board else {}),
         "count": row.count,
         "rate": f"{row.rate:.2f}",
         **({} if row.age is None else {"age": f"{row.age:.2f}"}),

@@ -178,6 +178,7 @@ class Monitor:
             direction=route.direction,
             topic=route.topic,
             peer=route.peer,
+            board=route.board,
             count=last.crossed[name],
             rate=rate,
             age=age,

@@ -27,6 +27,8 @@ class RowState:
     direction: str
     topic: str
     peer: str
+    board: str
+    """Board of the peer that sends or receives the row's messages; empty if the table names none."""
     count: int
     """Messages bridged since the start."""
     rate: float

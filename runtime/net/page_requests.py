@@ -15,11 +15,13 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
 from pathlib import Path
 from typing import NamedTuple
+from urllib.parse import parse_qs, urlsplit
 
 COMPUTER = socket.gethostname()
 """Name of this computer."""
 EVENT_STREAM = "text/event-stream"
 """Type of an answer without end: server-sent events."""
+_FILES = {"/": "index.html", "/page.css": "page.css", "/page.js": "page.js"}
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 # Content Security Policy: nothing is loaded from elsewhere, and no other page may frame this one (clickjacking).
 _PAGE_POLICY = (
@@ -68,19 +70,74 @@ def refusal(why: str) -> Answer:
     )
 
 
-def file_answer(file: Path) -> Answer:
+def bad_request(why: str) -> Answer:
+    """Return the answer to a request that is malformed, with the reason."""
+    return Answer(HTTPStatus.BAD_REQUEST, body=f"{why}\n".encode())
+
+
+def not_found(why: str = "not found") -> Answer:
+    """Return the answer for a path that is not served."""
+    return Answer(HTTPStatus.NOT_FOUND, body=f"{why}\n".encode())
+
+
+def _file_answer(file: Path) -> Answer:
     """Return the answer with a file of a page (HTML, CSS or JavaScript) that loads nothing from other sites."""
     return Answer(HTTPStatus.OK, _TYPES[file.suffix], file.read_bytes(), {"Content-Security-Policy": _PAGE_POLICY})
 
 
 class PageHandler(BaseHTTPRequestHandler):
-    """Base class of handlers that answer the requests of a page."""
+    """Base class of handlers that answer the requests of a page: its files, and by `get` its data."""
 
     protocol_version = "HTTP/1.1"
+    folder: Path
+    """Folder with index.html, page.css and page.js."""
+    largest_body = 0
+    """Largest body of a request that is read, in bytes."""
+    body: bytes | None
+    """Body of the request; None if it is longer than `largest_body`, or of unknown length."""
+
+    def get(self, path: str, query: Mapping[str, list[str]]) -> Answer | None:
+        """Return the answer to a GET request for anything but the page's files; None if it is sent already."""
+        raise NotImplementedError
+
+    def do_GET(self) -> None:
+        """Answer a GET request, unless it names another computer; `http.server` calls this."""
+        try:
+            address = urlsplit(self.path)
+        except ValueError:  # such as http://[
+            return self.send_answer(bad_request("the path is not a URL"))
+        if not is_this_computer(self.headers["Host"]):
+            return self.send_answer(refusal("this is not the page's address"))
+        if name := _FILES.get(address.path):
+            return self.send_answer(_file_answer(self.folder / name))
+        answer = self.get(address.path, parse_qs(address.query))
+        return None if answer is None else self.send_answer(answer)
+
+    def parse_request(self) -> bool:
+        """Read the request and its body; return false if there is nothing to answer. `http.server` calls this.
+
+        The body is read here and not later, because the server ends connections whose requests are late.
+        """
+        if not super().parse_request():
+            return False
+        length = self.headers["Content-Length"] or "0"
+        if (
+            "Transfer-Encoding" in self.headers
+            or not re.fullmatch(r"[0-9]{1,9}", length)
+            or int(length) > self.largest_body
+        ):
+            self.body, self.close_connection = None, True  # what is not read must not be parsed as the next request
+            return True
+        self.body = self.rfile.read(int(length))
+        return len(self.body) == int(length)
 
     def is_own_origin(self) -> bool:
         """Return true if a script of this page sent the request: its Origin header is the page's own address."""
         return bool(self.headers["Origin"] == f"http://{self.headers['Host']}")
+
+    def is_own_action(self) -> bool:
+        """Return true if a POST request may act: it names this computer, and a script of this page sent it."""
+        return is_this_computer(self.headers["Host"]) and self.is_own_origin()
 
     def send_answer(self, answer: Answer) -> None:
         """Send an answer."""

@@ -23,11 +23,12 @@ class LiveParameters:
 
     def __init__(self, registry: Registry, initial: Parameters, logger: logging.Logger) -> None:
         self._registry, self._current, self._logger = registry, initial, logger
-        declared = parameters.declarations(registry)
+        self.declared: Mapping[str, Declaration] = parameters.declarations(registry)
+        """Declaration of each parameter by its name."""
         self.descriptors: Mapping[str, ParameterDescriptor] = {
-            name: _descriptor(name, declaration) for name, declaration in declared.items()
+            name: _descriptor(name, declaration) for name, declaration in self.declared.items()
         }
-        """Declaration of each parameter by its name, as a ROS 2 message."""
+        """The same as ROS 2 messages."""
         self._lock = threading.Lock()
         self._apply: Callable[[Parameters], None] = _refuse_at_start
 

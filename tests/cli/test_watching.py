@@ -17,6 +17,7 @@ import subprocess
 import sys
 import termios
 import threading
+import time
 import urllib.request
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -446,22 +447,35 @@ def test_top_serves_the_page(start: Start) -> None:
     assert program.interrupt() == 0
 
 
+def _shown(url: str, count: int) -> tuple[list[str], str]:
+    """The bridges in the list of a page, as soon as there are so many, and the name of the one whose state comes."""
+    ids: list[str] = []
+    deadline = time.monotonic() + 60
+    with urllib.request.urlopen(f"{url}events", timeout=60) as events:
+        while True:
+            assert time.monotonic() < deadline, ids
+            name = events.readline().decode().strip()
+            if name in ("event: bridges", "event: state"):
+                content = json.loads(events.readline().decode().removeprefix("data: "))
+                if name == "event: bridges":
+                    ids = [bridge["id"] for bridge in content["bridges"]]
+                elif len(ids) == count:
+                    return ids, content["node"]["full_name"]
+
+
 @needs_dds
-def test_the_page_of_top_shows_one_of_several_bridges(start: Start) -> None:
-    """The first by name, and the user is told so; with `--node`, the one with this name."""
-    for more in ((), ("-r", "__node:=another")):
-        start("run", "--middleware", "dds", *_FREE_PORT, *more).wait_for("on UDP port ")
-    for name, options in (("another", ()), ("udp_forwarder", ("--node", "udp_forwarder"))):
+def test_the_page_of_top_shows_all_bridges(start: Start) -> None:
+    """All that run, and one that starts later; with `--node`, those with this name."""
+    start("run", "--middleware", "dds", *_FREE_PORT).wait_for("on UDP port ")
+    urls = {}
+    for options in ((), ("--node", "udp_forwarder")):
         top = start("top", "--middleware", "dds", "--web", "127.0.0.1:0", "--timeout", 60, *options)
-        if not options:
-            top.wait_for("the page shows the bridge '/another'; select another one with --node")
-        url = top.wait_for("page: ").rpartition(" ")[2]
-        with urllib.request.urlopen(f"{url}events", timeout=60) as events:
-            while events.readline() != b"event: state\n":
-                pass
-            state = json.loads(events.readline().decode().removeprefix("data: "))
-        assert state["node"]["name"] == name
-        assert top.interrupt() == 0
+        urls[options] = top.wait_for("page: ").rpartition(" ")[2]
+        assert _shown(urls[options], 1) == (["/udp_forwarder"], "/udp_forwarder")
+    start("run", "--middleware", "dds", *_FREE_PORT, "-r", "__node:=another").wait_for("on UDP port ")
+    assert _shown(urls[()], 2)[0] == ["/another", "/udp_forwarder"]
+    assert _shown(urls[()], 2)[1] == "/another"  # without a selection, the first by name
+    assert _shown(urls["--node", "udp_forwarder"], 1) == (["/udp_forwarder"], "/udp_forwarder")
 
 
 def test_top_serves_a_page_or_prints(capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import http.client
 import json
 import logging
 import re
 import socket
 import time
 import urllib.error
-import urllib.request
 from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import Any
@@ -18,6 +16,7 @@ from typing import Any
 import pytest
 from polling import PATIENCE_S, wait_until
 from programs import Start
+from visits import Events, ask, port_of
 
 from bench.watched_link import WatchedLink, watched_link
 from generated.registry import REGISTRY
@@ -26,12 +25,13 @@ from roverlink.link_page.event_clients import CLIENTS
 from roverlink.link_page.last_values import LastValues, flat
 from roverlink.link_page.link_alarms import Condition, LinkAlarms, conditions_of, peers_of
 from roverlink.link_page.link_server import LinkServer
-from roverlink.link_page.live_link import LiveLink
+from roverlink.link_page.live_page import LivePage
 from roverlink.observers import BridgeObservers
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.middleware.tapping import TappedMiddleware
 from roverlink.runtime.ros_arguments import parameters, ros_args
+from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
 
 @pytest.fixture(scope="module")
@@ -40,47 +40,13 @@ def link() -> Iterator[WatchedLink]:
         yield made
 
 
-def _port(link: WatchedLink) -> int:
-    return int(link.url.rstrip("/").rpartition(":")[2])
-
-
-def _ask(link: WatchedLink, path: str, method: str = "GET", **headers: str) -> tuple[int, bytes]:
-    connection = http.client.HTTPConnection("127.0.0.1", _port(link), timeout=PATIENCE_S)
-    try:
-        connection.request(method, path, headers=headers)
-        answer = connection.getresponse()
-        endless = path == "/events" and answer.status == 200
-        return answer.status, b"" if endless else answer.read()
-    finally:
-        connection.close()
-
-
-class _Events:
-    """The events of a page, as a browser reads them."""
-
-    def __init__(self, url: str) -> None:
-        self._deadline = time.monotonic() + PATIENCE_S
-        self._stream = urllib.request.urlopen(f"{url}events", timeout=PATIENCE_S)
-
-    def next(self, name: str) -> Any:
-        while True:
-            line = self._stream.readline().decode()
-            assert line, "the stream has ended"
-            assert time.monotonic() < self._deadline, f"still waiting for {name}"
-            if line == f"event: {name}\n":
-                return json.loads(self._stream.readline().decode().removeprefix("data: "))
-
-    def close(self) -> None:
-        self._stream.close()
-
-
 def _row(state: dict[str, Any], name: str) -> dict[str, Any]:
     return next(row for row in state["rows"] if row["name"] == name)
 
 
 def test_the_events_show_rows_values_and_log(link: WatchedLink) -> None:
     """A message of a board is counted in its row, its values are those that were sent, and a bad datagram is logged."""
-    events = _Events(link.url)
+    events = Events(link.url)
     link.send_payload("imu_info", accel_x=1.5)
     values = events.next("values")
     while "imu_info" not in values["rows"]:
@@ -97,17 +63,17 @@ def test_the_events_show_rows_values_and_log(link: WatchedLink) -> None:
     while not state["node"].get("dropped.malformed"):
         state = events.next("state")
     events.close()
-    points = json.loads(_ask(link, "/history?row=imu_info&field=accel_x")[1])["points"]
+    points = json.loads(ask(link.url, "/history?bridge=/udp_forwarder&row=imu_info&field=accel_x")[1])["points"]
     assert [value for _, value in points] == [1.5]
-    ages = json.loads(_ask(link, "/history?row=imu_info&field=%23age")[1])["points"]
+    ages = json.loads(ask(link.url, "/history?bridge=/udp_forwarder&row=imu_info&field=%23age")[1])["points"]
     assert all(value >= 0 for _, value in ages)
     assert ages
-    assert json.loads(_ask(link, "/history?row=no_row&field=x")[1])["points"] == []
+    assert json.loads(ask(link.url, "/history?bridge=/udp_forwarder&row=no_row&field=x")[1])["points"] == []
 
 
-def test_a_command_that_falls_silent_is_an_alarm(link: WatchedLink) -> None:
+def test_a_command_that_falls_silent_is_analarm_in(link: WatchedLink) -> None:
     """While commands come, nothing is stopping; when they end, the row stops and a latched alarm says so."""
-    events = _Events(link.url)
+    events = Events(link.url)
     link.driver_speaks = True
     state = events.next("state")
     while _row(state, "drive_motor")["stopping"]:
@@ -115,22 +81,22 @@ def test_a_command_that_falls_silent_is_an_alarm(link: WatchedLink) -> None:
     link.driver_speaks = False
     while not _row(state, "drive_motor")["stopping"]:
         state = events.next("state")
-    alarm = next(alarm for alarm in state["alarms"] if alarm["subject"] == "stop drive_motor")
+    alarm = events.alarm("stop drive_motor")
     assert (alarm["level"], alarm["ended"]) == ("ERROR", None)
     assert _row(state, "drive_motor")["stops"] > 0
     link.driver_speaks = True
-    while _row(state, "drive_motor")["stopping"]:
-        state = events.next("state")
+    again = alarm
+    while again["ended"] is None:
+        again = events.alarm("stop drive_motor")
     link.driver_speaks = False
     events.close()
-    again = next(alarm for alarm in state["alarms"] if alarm["subject"] == "stop drive_motor")
-    assert (again["number"], again["ended"] is None) == (alarm["number"], False)
+    assert again["number"] == alarm["number"]
 
 
 def test_the_page_names_no_other_site(link: WatchedLink) -> None:
     """The page, its style and its program come from the bridge, so the page works without a network."""
     for path in ("/", "/page.css", "/page.js"):
-        status, body = _ask(link, path)
+        status, body = ask(link.url, path)
         assert status == 200
         assert not re.search(rb"""https?:|["'(]//|@import""", body)
 
@@ -139,7 +105,7 @@ def test_the_page_names_no_other_site(link: WatchedLink) -> None:
 @pytest.mark.parametrize("host", ["evil.example", "localhost.evil.example", "127.0.0.1.evil", ""])
 def test_another_name_for_this_computer_is_refused(link: WatchedLink, path: str, host: str) -> None:
     """A site whose own name resolves to this computer sees nothing (DNS rebinding)."""
-    assert _ask(link, path, Host=host)[0] == 403
+    assert ask(link.url, path, Host=host)[0] == 403
 
 
 @pytest.mark.parametrize(
@@ -148,18 +114,18 @@ def test_another_name_for_this_computer_is_refused(link: WatchedLink, path: str,
 )
 def test_another_site_reads_no_data(link: WatchedLink, headers: dict[str, str]) -> None:
     """It may link to the page, but gets neither events nor histories, and so holds no connection."""
-    assert _ask(link, "/events", **headers)[0] == 403
-    assert _ask(link, "/history?row=imu_info&field=accel_x", **headers)[0] == 403
-    assert _ask(link, "/", **headers)[0] == 200
+    assert ask(link.url, "/events", **headers)[0] == 403
+    assert ask(link.url, "/history?bridge=/udp_forwarder&row=imu_info&field=accel_x", **headers)[0] == 403
+    assert ask(link.url, "/", **headers)[0] == 200
 
 
 def test_the_page_only_reads(link: WatchedLink) -> None:
     """No method but GET has an effect, and no other file is served."""
     for method in ("POST", "PUT", "DELETE"):
-        assert _ask(link, "/", method)[0] == 501
+        assert ask(link.url, "/", method)[0] == 501
     for path in ("/link_server.py", "/../__init__.py", "/state"):
-        assert _ask(link, path)[0] == 404
-    with socket.create_connection(("127.0.0.1", _port(link)), PATIENCE_S) as sock:
+        assert ask(link.url, path)[0] == 404
+    with socket.create_connection(("127.0.0.1", port_of(link.url)), PATIENCE_S) as sock:
         sock.sendall(b"GET http://[ HTTP/1.1\r\nHost: localhost\r\n\r\n")
         assert sock.recv(100).startswith(b"HTTP/1.1 400 ")
 
@@ -168,19 +134,19 @@ def test_thirty_browsers_follow_and_the_next_is_told() -> None:
     """The limit holds, the answer names the reason, and there is room again when a browser leaves."""
     with ExitStack() as stack:
         link = stack.enter_context(watched_link())
-        followers = [_Events(link.url) for _ in range(CLIENTS)]
+        followers = [Events(link.url) for _ in range(CLIENTS)]
         for follower in followers:
             stack.callback(follower.close)
         for follower in followers:
             assert follower.next("state")
-        status, body = _ask(link, "/events")
+        status, body = ask(link.url, "/events")
         assert (status, body.startswith(b"30 browsers show this page already")) == (503, True)
-        assert _ask(link, "/")[0] == 200
+        assert ask(link.url, "/")[0] == 200
         followers.pop().close()
 
         def has_room() -> bool:
             try:
-                _Events(link.url).close()
+                Events(link.url).close()
             except urllib.error.HTTPError:
                 return False
             return True
@@ -190,15 +156,15 @@ def test_thirty_browsers_follow_and_the_next_is_told() -> None:
 
 def test_a_browser_that_does_not_read_is_dropped() -> None:
     """Its connection ends when its queue and the kernel's buffers are full; another browser gets every event."""
-    live = LiveLink()
+    page = LivePage(logging.getLogger("page"))
     event = b'event: big\ndata: "%s"\n\n' % (b"x" * 100_000)
-    with LinkServer("127.0.0.1", 0, live) as server, socket.create_connection(("127.0.0.1", server.port)) as slow:
+    with LinkServer("127.0.0.1", 0, page) as server, socket.create_connection(("127.0.0.1", server.port)) as slow:
         slow.sendall(b"GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n")
         assert slow.recv(1) == b"H"
-        fast = _Events(server.url)
-        fast.next("log")
+        fast = Events(server.url)
+        fast.next("bridges")
         for _ in range(300):
-            live.clients.send(event)
+            page.clients.send(event, {})
             assert fast.next("big") == "x" * 100_000
         slow.settimeout(PATIENCE_S)
         got, deadline = 0, time.monotonic() + PATIENCE_S
@@ -241,14 +207,14 @@ def test_values_are_flat_and_bounded() -> None:
 def test_alarms_stay_until_they_come_anew() -> None:
     """An alarm that is over stays in the list; a new onset or a worse level has a new number, new words have not."""
     alarms = LinkAlarms()
-    alarms.update({"row a": Condition("WARN", "1 lost")}, 1.0)
-    alarms.update({"row a": Condition("WARN", "2 lost")}, 2.0)
-    alarms.update({}, 3.0)
-    assert alarms.as_list() == [
-        {"number": 1, "subject": "row a", "level": "WARN", "text": "2 lost", "since": 1.0, "ended": 3.0}
-    ]
-    alarms.update({"row a": Condition("WARN", "3 lost")}, 4.0)
-    alarms.update({"row a": Condition("ERROR", "all lost")}, 5.0)
+    alarms.update("b", {"row a": Condition("WARN", "1 lost")}, 1.0)
+    alarms.update("b", {"row a": Condition("WARN", "2 lost")}, 2.0)
+    alarms.update("other", {}, 2.5)
+    alarms.update("b", {}, 3.0)
+    (alarm,) = alarms.as_list()
+    assert [alarm[key] for key in ("number", "text", "since", "ended")] == [1, "2 lost", 1.0, 3.0]
+    alarms.update("b", {"row a": Condition("WARN", "3 lost")}, 4.0)
+    alarms.update("b", {"row a": Condition("ERROR", "all lost")}, 5.0)
     assert [(alarm["number"], alarm["level"], alarm["ended"]) for alarm in alarms.as_list()] == [(3, "ERROR", None)]
 
 
@@ -274,7 +240,7 @@ def test_states_of_a_peer(rows: list[dict[str, Any]], state: str) -> None:
     assert [peer["state"] for peer in peers_of({}, rows)] == [state]
 
 
-def test_a_row_at_rest_is_no_alarm() -> None:
+def test_a_row_at_rest_is_noalarm_in() -> None:
     """Until its first command, a row with a deadman is at rest: its stop goes out, but nobody has to be woken."""
     rows = [_inbound(None, direction="ros_to_hardware", deadman_after=0.5, stops=3, stopping=1, count=0)]
     node = {"level": "OK", "message": ""}
@@ -283,7 +249,7 @@ def test_a_row_at_rest_is_no_alarm() -> None:
     assert list(conditions_of({"quiet": False, "node": node, "peers": [], "rows": rows})) == ["stop a"]
 
 
-def test_a_bridge_that_no_longer_reports_is_an_alarm() -> None:
+def test_a_bridge_that_no_longer_reports_is_analarm_in() -> None:
     """Old numbers are not judged: the only alarm is that they are old."""
     silent = {"quiet": True, "node": {"level": "OK"}, "peers": [], "rows": [_inbound(None, level="WARN")]}
     assert conditions_of(silent) == {"bridge": Condition("STALE", "the bridge no longer reports its state")}
@@ -303,16 +269,25 @@ def test_run_serves_the_page(start: Start) -> None:
         "listen_port:=0",
     )
     url = program.wait_for("page: ").rpartition(" ")[2]
-    events = _Events(url)
+    events = Events(url)
     assert events.next("state")["node"]["name"] == "udp_forwarder"
     assert program.interrupt() == 0
 
 
 def test_an_address_that_cannot_be_served_is_told(link: WatchedLink, capsys: pytest.CaptureFixture[str]) -> None:
     """Exit code 2, with the port that is in use; a value that is no address is refused by name."""
-    arguments = ["run", "--middleware", "memory", "--page", str(_port(link)), "--ros-args", "-p", "listen_port:=0"]
+    arguments = [
+        "run",
+        "--middleware",
+        "memory",
+        "--page",
+        str(port_of(link.url)),
+        "--ros-args",
+        "-p",
+        "listen_port:=0",
+    ]
     assert main(arguments) == 2
-    assert f"cannot serve the page on TCP port {_port(link)} of 127.0.0.1" in capsys.readouterr().err
+    assert f"cannot serve the page on TCP port {port_of(link.url)} of 127.0.0.1" in capsys.readouterr().err
     for wrong in ("70000", "::1:80", "page"):
         with pytest.raises(SystemExit) as ended:
             main(["run", "--page", wrong])
@@ -322,11 +297,13 @@ def test_an_address_that_cannot_be_served_is_told(link: WatchedLink, capsys: pyt
 
 def test_a_bridge_without_page_has_no_listener() -> None:
     """Without the option, the bridge gets the middleware that was opened, and no observer."""
-    arguments = argparse.Namespace(no_diagnostics=True, metrics=None, foxglove=None, record=None, page=None)
+    given = {"no_diagnostics": True, "metrics": None, "foxglove": None, "record": None}
+    arguments = argparse.Namespace(**given, page=None, page_token=None)
     settings = parameters.read(REGISTRY, {})
     with ExitStack() as stack:
         logger = logging.getLogger("no_page")
-        attached = BridgeObservers(arguments, REGISTRY, ros_args.parse([], "bridge"), settings, logger, stack)
+        live = LiveParameters(REGISTRY, settings, logger)
+        attached = BridgeObservers(arguments, REGISTRY, ros_args.parse([], "bridge"), settings, live, logger, stack)
         middleware = MemoryMiddleware(Graph())
         assert attached.wrap(middleware) is middleware
         assert attached.observers == []

@@ -11,16 +11,15 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
 from http import HTTPStatus
 from pathlib import Path
 from typing import Any, Protocol
-from urllib.parse import parse_qs, urlsplit
 
 from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.net.http_server import HttpServer
-from roverlink.runtime.net.page_requests import Answer, PageHandler, file_answer, is_this_computer, refusal
+from roverlink.runtime.net.page_requests import Answer, PageHandler, bad_request, not_found, refusal
 
-_FILES = {"/": "index.html", "/page.css": "page.css", "/page.js": "page.js"}
 _REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'"
 _VIEW = re.compile(r"/views/(\d{1,9})(/drop)?")
 
@@ -73,39 +72,28 @@ class PageServer(HttpServer):
 
 
 class _Handler(PageHandler):
+    folder = Path(__file__).parent
     page: PageBackend
 
-    def do_GET(self) -> None:  # noqa: N802  # name of http.server
+    def do_POST(self) -> None:  # noqa: N802  # name of http.server
         self.send_answer(
-            self._get() if is_this_computer(self.headers["Host"]) else refusal("this is not the page's address")
+            self._post() if self.is_own_action() else refusal("this action needs the calibration page itself")
         )
 
-    def do_POST(self) -> None:  # noqa: N802  # name of http.server
-        self.close_connection = True  # the body is not read; it must not be parsed as the next request
-        if not is_this_computer(self.headers["Host"]) or not self.is_own_origin():
-            return self.send_answer(refusal("this action needs the calibration page itself"))
-        return self.send_answer(self._post())
-
-    def _get(self) -> Answer:
-        try:
-            address = urlsplit(self.path)
-        except ValueError:  # such as http://[
-            return Answer(HTTPStatus.BAD_REQUEST, body=b"the path is not a URL\n")
-        after = parse_qs(address.query).get("after", ["0"])[0]
+    def get(self, path: str, query: Mapping[str, list[str]]) -> Answer:
+        after = query.get("after", ["0"])[0]
         if not re.fullmatch(r"\d{1,18}", after):
-            return Answer(HTTPStatus.BAD_REQUEST, body=b"the query parameter 'after' must be a number\n")
-        if name := _FILES.get(address.path):
-            return file_answer(Path(__file__).with_name(name))
-        if address.path == "/state":
+            return bad_request("the query parameter 'after' must be a number")
+        if path == "/state":
             return Answer(HTTPStatus.OK, "application/json", json.dumps(self.page.state(int(after))).encode())
-        if address.path == "/picture":
+        if path == "/picture":
             return self._picture(int(after))
-        if address.path == "/report" and (text := self.page.report()) is not None:
+        if path == "/report" and (text := self.page.report()) is not None:
             return Answer(HTTPStatus.OK, "text/html", text.encode(), {"Content-Security-Policy": _REPORT_POLICY})
-        match = _VIEW.fullmatch(address.path)
+        match = _VIEW.fullmatch(path)
         if match and not match[2] and (jpeg := self.page.thumbnail(int(match[1]))) is not None:
             return Answer(HTTPStatus.OK, "image/jpeg", jpeg)
-        return Answer(HTTPStatus.NOT_FOUND, body=b"not found\n")
+        return not_found()
 
     def _picture(self, after: int) -> Answer:
         newest = self.page.picture(after)
@@ -121,7 +109,7 @@ class _Handler(PageHandler):
         elif self.path in ("/take", "/calibrate", "/save"):
             action, view = self.path[1:], None
         else:
-            return Answer(HTTPStatus.NOT_FOUND, body=b"unknown action\n")
+            return not_found("unknown action")
         try:
             self.page.act(action, view)
         except RoverlinkError as error:

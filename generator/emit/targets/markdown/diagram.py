@@ -45,17 +45,11 @@ class Diagram:
     receivers: tuple[End, ...]
 
 
-def peer_of(route: ir.Route) -> str:
-    """Return the name of a row's peer: ``hardware`` for the direction ``hardware_to_ros``."""
-    return route.direction.removesuffix("_to_ros") if route.inbound else route.direction.removeprefix("ros_to_")
-
-
 def diagram(bridge: ir.Bridge) -> Diagram:
     """Return the diagram. Rows with the same sender and receivers share a group, so that the diagram has few arrows."""
-    peers = {peer.name: peer for peer in bridge.peers}
     grouped: dict[tuple[bool, End, tuple[str, ...]], list[ir.Route]] = {}
     for route in sorted(bridge.routes, key=lambda route: not route.inbound):
-        end = _end(peers[peer_of(route)], route)
+        end = _end(route)
         grouped.setdefault((route.inbound, end, route.forward), []).append(route)
     groups = []
     for index, ((inbound, end, forward), rows) in enumerate(grouped.items()):
@@ -79,17 +73,9 @@ def _as(role: str, end: End) -> End:
     return End(f"{role}_{end.id}", end.label)
 
 
-def _end(peer: ir.Peer, route: ir.Route) -> End:
-    """Return the diagram's box for the peer's end of a row: the board whose prefix the message's name starts with.
-
-    Return the box of the whole peer if the peer has fewer than two boards, or if no prefix fits.
-    """
-    name = route.proto.rpartition(".")[2]
-    prefix = next((prefix for prefix in peer.prefixes if name.startswith(prefix)), "")
-    if len(peer.prefixes) < 2 or not prefix:
-        return _whole(peer.name)
-    return End(f"{peer.name}_{re.sub(r'[^A-Za-z0-9]', '_', prefix)}", f"{peer.name}: {prefix}")
-
-
-def _whole(peer: str) -> End:
-    return End(peer, peer)
+def _end(route: ir.Route) -> End:
+    """Return the diagram's box for the peer's end of a row: its board, or the whole peer if the row has no board."""
+    peer = route.peer
+    if not route.board:
+        return End(peer, peer)
+    return End(f"{peer}_{re.sub(r'[^A-Za-z0-9]', '_', route.board)}", f"{peer}: {route.board}")

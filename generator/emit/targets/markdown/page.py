@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from roverlink.generator import ir
 from roverlink.generator.emit import extra_topic_text
-from roverlink.generator.emit.targets.markdown.diagram import Diagram, diagram, peer_of
+from roverlink.generator.emit.targets.markdown.diagram import Diagram, diagram
 from roverlink.generator.emit.targets.markdown.examples import Example, Examples
 from roverlink.generator.emit.targets.markdown.payloads import Payload, Payloads, Value, cell
 from roverlink.generator.ir.msg_types import msg_type
@@ -130,7 +130,7 @@ def _rows(bridge: ir.Bridge, payloads: Payloads) -> Iterator[Row]:
 
 
 def _row(route: ir.Route, package: str, file: str, payloads: Payloads, examples: Examples, *, new: bool) -> Row:
-    ends = (peer_of(route), "ROS 2") if route.inbound else ("ROS 2", peer_of(route))
+    ends = (route.peer, "ROS 2") if route.inbound else ("ROS 2", route.peer)
     return Row(
         number=route.number,
         name=route.name,

@@ -23,7 +23,6 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.context import Context
-from roverlink.generator.table import PeerSettings
 
 RULE = Rule("TAB105", "direction-contradicts-prefix", __doc__)
 
@@ -36,10 +35,10 @@ def check(context: Context) -> Iterator[Diagnostic]:
     peers = table.peers_by_name()
     for row in table.rows:
         own = peers.get(row.peer)
-        if own is None or not own.prefixes or _prefix_of(own, row.proto):
+        if own is None or not own.prefixes or own.prefix_of(row.proto):
             continue  # a peer without prefixes accepts any message
         for other in table.peers:
-            if prefix := _prefix_of(other, row.proto):
+            if prefix := other.prefix_of(row.proto):
                 prefixed = f"{row.proto!r} has the prefix of the peer {other.name!r}"
                 message = f"{row.name!r} has direction {row.direction!r}, but {prefixed}"
                 direction = f"{other.name}_to_ros" if row.inbound else f"ros_to_{other.name}"
@@ -48,12 +47,3 @@ def check(context: Context) -> Iterator[Diagnostic]:
                 span, envelope = row.at("direction"), table.envelope.message
                 yield RULE.at(span, message, help, also, type=envelope, number=row.number)
                 break
-
-
-def _prefix_of(peer: PeerSettings, proto: str) -> str:
-    """Return the prefix of a peer with which the message's name begins; empty if there is none.
-
-    The prefix is compared with the name without package, and with the full name.
-    """
-    names = (proto, proto.rpartition(".")[2])
-    return next((prefix for prefix in peer.prefixes if any(name.startswith(prefix) for name in names)), "")

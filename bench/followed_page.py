@@ -1,0 +1,74 @@
+"""The page of `top --web` without ROS 2, with made-up states: for the pictures of docs/operations.md and the tests."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import logging
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from bench.watched_link import lines_of, url_in
+from generated.registry import REGISTRY
+from roverlink import link_page
+from roverlink.heard_bridges import HeardBridges
+from roverlink.link_page.followed_bridges import FollowedBridges
+from roverlink.link_page.live_page import LivePage
+from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.core import cdr
+from roverlink.runtime.monitoring import diagnostic_array
+from roverlink.runtime.monitoring.histogram import LatencyProbe
+from roverlink.runtime.monitoring.monitor import Monitor
+from roverlink.runtime.net.udp import SocketState
+
+MOST = 4
+"""Most bridges of the page."""
+
+
+class _Bridge:
+    """Bridge that has done nothing yet."""
+
+    def __init__(self) -> None:
+        self.account = Account()
+
+    def socket_state(self) -> SocketState:
+        """Return the state of an empty socket."""
+        return SocketState(0, 4096, 0)
+
+
+class FollowedPage:
+    """The page, with the bridges that it hears."""
+
+    def __init__(self, page: LivePage, url: str, now: list[float]) -> None:
+        self.url, self.page, self._now = url, page, now
+        self.heard = HeardBridges(clock=lambda: self._now[0], most=MOST)
+        self.bridges = FollowedBridges(self.heard, page)
+        self._idle = Monitor("bridge", REGISTRY, _Bridge(), LatencyProbe()).state()
+
+    def hear(self, name: str, after: float = 0.1, ages: dict[str, float] | None = None, **origin: Any) -> None:
+        """Hear the state of a bridge, ``after`` seconds after the last one; ``ages`` are those of rows with messages.
+
+        ``origin`` are ``instance``, ``host`` and ``pid`` of its process.
+        """
+        self._now[0] += after
+        rows = tuple(
+            dataclasses.replace(row, age=ages[row.name], count=7, rate=10.0) if ages and row.name in ages else row
+            for row in self._idle.rows
+        )
+        state = dataclasses.replace(self._idle, node=name, rows=rows, message="nothing lost")
+        own = {"full_name": f"/{name}", "instance": name, "host": "rover", "pid": 1, **origin}
+        self.heard.take(cdr.encode(diagnostic_array.array_of(state, time.time_ns(), own)))
+        self.bridges.update()
+
+
+@contextlib.contextmanager
+def followed_page(token_file: Path | None = None) -> Iterator[FollowedPage]:
+    """Serve the page on a free port; with ``token_file``, alarms can be acknowledged for all browsers."""
+    logger = logging.Logger("top", logging.INFO)
+    told = lines_of(logger)
+    with contextlib.ExitStack() as stack:
+        page = LivePage(logger)
+        link_page.serve(page, ("127.0.0.1", 0), token_file, stack, logger)
+        yield FollowedPage(page, url_in(told), [1000.0])

@@ -1,0 +1,102 @@
+"""Token of a page that may act: its file, and the check of requests."""
+
+from __future__ import annotations
+
+import hmac
+import logging
+import os
+import secrets
+import stat
+import threading
+import time
+from collections import OrderedDict, deque
+from collections.abc import Callable
+from http import HTTPStatus
+from pathlib import Path
+
+from roverlink.runtime.bridge.account import ThrottledWarnings
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.net.page_requests import Answer
+
+_SHORTEST, _LONGEST = 16, 1024  # characters
+_TRIES = 5  # wrong tokens of an address
+_PAUSE_S = 60.0
+_REMEMBERED = 256  # addresses
+
+
+def read_or_make(path: Path, logger: logging.Logger) -> str:
+    """Return the token in a file; if the file does not exist, make it with a random token, readable for its owner only.
+
+    Raises `SetupError` if the file cannot be used, if others can read it, or if its token is too short.
+    """
+    try:
+        try:
+            # Without O_NONBLOCK, opening a pipe would wait until something writes into it.
+            descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+        except FileNotFoundError:
+            return _made(path, logger)
+        try:
+            mode = os.fstat(descriptor).st_mode
+            content = os.read(descriptor, _LONGEST + 2) if stat.S_ISREG(mode) else None
+        finally:
+            os.close(descriptor)
+    except OSError as error:
+        cure = "name a file that this user can read and write, or that does not exist yet in a folder that does"
+        raise SetupError(f"{path}: cannot use the file for the token of the page: {error.strerror}; {cure}") from error
+    if content is None:
+        raise SetupError(f"{path}: not a regular file; name another file for the token of the page")
+    if mode & 0o077:
+        raise SetupError(f"{path}: other users can read or write the token of the page; run: chmod 600 {path}")
+    token = content.decode("ascii", "replace").strip()
+    if not _SHORTEST <= len(token) <= _LONGEST or not all("!" <= character <= "~" for character in token):
+        raise SetupError(
+            f"{path}: the token of the page must have {_SHORTEST} to {_LONGEST} ASCII characters without spaces; "
+            "remove the file, and roverlink makes a random token"
+        )
+    return token
+
+
+def _made(path: Path, logger: logging.Logger) -> str:
+    token = secrets.token_urlsafe(24)
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
+        file.write(f"{token}\n")
+    logger.info("made the file %s with a random token for the page", path)
+    return token
+
+
+class PageToken:
+    """Token that a request must carry to act. An address that sends wrong tokens has to wait. Thread-safe."""
+
+    def __init__(self, token: str, logger: logging.Logger, clock: Callable[[], float] = time.monotonic) -> None:
+        self._token, self._warnings, self._clock = token.encode(), ThrottledWarnings(logger), clock
+        self._wrong: OrderedDict[str, deque[float]] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def refusal(self, authorization: str | None, address: str) -> Answer | None:
+        """Return the answer that refuses a request; None if its header ``Authorization`` has the token.
+
+        ``address`` is the IP address of the client. After five wrong tokens, no token of the address is compared for a
+        minute.
+        """
+        scheme, _, given = (authorization or "").partition(" ")
+        if scheme.lower() != "bearer" or not given:
+            return _unauthorized("this needs the token of the page; press Unlock")
+        now = self._clock()
+        with self._lock:
+            wrong = self._wrong.get(address)
+            if wrong is not None and len(wrong) == _TRIES and now < wrong[0] + _PAUSE_S:
+                wait = int(wrong[0] + _PAUSE_S - now) + 1
+                why = f"too many wrong tokens came from {address}; try again in {wait} s\n".encode()
+                return Answer(HTTPStatus.TOO_MANY_REQUESTS, body=why, headers={"Retry-After": str(wait)})
+            if hmac.compare_digest(given.strip().encode("utf-8", "surrogateescape"), self._token):
+                return None
+            self._wrong.setdefault(address, deque(maxlen=_TRIES)).append(now)
+            self._wrong.move_to_end(address)
+            if len(self._wrong) > _REMEMBERED:
+                self._wrong.popitem(last=False)
+        self._warnings.warn("page_token", f"the page refused a wrong token from {address}")
+        return _unauthorized("the token is wrong")
+
+
+def _unauthorized(why: str) -> Answer:
+    return Answer(HTTPStatus.UNAUTHORIZED, body=f"{why}\n".encode(), headers={"WWW-Authenticate": "Bearer"})

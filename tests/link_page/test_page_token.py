@@ -1,0 +1,287 @@
+"""The token of the page: its file, who may act with it, and the two actions."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import logging
+import os
+import re
+import socket
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from polling import PATIENCE_S
+from visits import Events, act, ask, port_of
+
+from bench.followed_page import followed_page
+from bench.watched_link import WatchedLink, lines_of, watched_link
+from roverlink.__main__ import main
+from roverlink.link_page.page_token import PageToken
+
+TOKEN = "correct-horse-battery-staple"
+
+
+@pytest.fixture(scope="module")
+def token_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("token") / "token"
+    path.write_text(f"{TOKEN}\n")
+    path.chmod(0o600)
+    return path
+
+
+@pytest.fixture
+def link(token_file: Path) -> Iterator[WatchedLink]:
+    with watched_link(token_file) as made:
+        yield made
+
+
+def _parameters(link: WatchedLink) -> dict[str, Any]:
+    status, body = ask(link.url, "/parameters", Authorization=f"Bearer {TOKEN}")
+    assert status == 200
+    return {parameter["name"]: parameter["value"] for parameter in json.loads(body)}
+
+
+def _silence(link: WatchedLink, events: Events) -> dict[str, Any]:
+    """The alarm of a command that has fallen silent."""
+    link.command()
+    return events.alarm("stop drive_motor")
+
+
+def test_an_alarm_is_acknowledged_for_all_browsers(link: WatchedLink) -> None:
+    """The bridge keeps it, so that another browser gets it, too; its log says who has done it."""
+    events = Events(link.url)
+    alarm = _silence(link, events)
+    assert not alarm["acknowledged"]
+    assert act(link.url, "/acknowledge", [alarm["number"]], TOKEN) == (204, "")
+    while not events.alarm("stop drive_motor")["acknowledged"]:
+        pass
+    events.close()
+    late = Events(link.url)
+    assert late.alarm("stop drive_motor")["acknowledged"]
+    late.close()
+    assert "the alarm 'stop drive_motor' was acknowledged on the page from 127.0.0.1" in link.lines
+
+
+def test_parameters_are_shown_and_set(link: WatchedLink) -> None:
+    """Whoever has the token sees those that can change, and changes them; the log has the line of every change."""
+    before = _parameters(link)
+    assert before == {
+        "dst_ip": "127.0.0.1",
+        "forward_policy": "mapping",
+        "source_policy": "mapping",
+        "receive_buffer": 4194304,
+        "dst_a_port": 6000,
+        "dst_b_port": 6001,
+    }
+    assert act(link.url, "/parameters", {"dst_ip": "127.0.0.7", "dst_a_port": 6010}, TOKEN) == (204, "")
+    assert _parameters(link) == {**before, "dst_ip": "127.0.0.7", "dst_a_port": 6010}
+    assert "parameter dst_ip is now 127.0.0.7 (it was 127.0.0.1)" in link.lines
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("dst_b_port", 70_000, "the parameter 'dst_b_port' is 70000; a UDP port is a number from 1 to 65535"),
+        ("dst_b_port", "6001", "the parameter 'dst_b_port' is '6001'; it must be of type int"),
+        ("forward_policy", "none", "the parameter 'forward_policy' is 'none'; it must be one of mapping, all"),
+        ("listen_port", 5001, "the parameter 'listen_port' is read-only; restart the node with -p listen_port:=5001"),
+        ("dst", "x", "unknown parameter 'dst'; did you mean 'dst_ip'?"),
+        ("dst_ip", "no host", "'no host'"),
+        ("dst_ip", "a" * 300, "a" * 300),
+        ("dst_ip", "a\0b", "does not resolve to an IPv4 address"),
+        ("dst_ip", "a\ud800", "does not resolve to an IPv4 address"),
+        ("receive_buffer", [1], "the parameter 'receive_buffer' is [1]; it must be of type int"),
+    ],
+)
+def test_a_refused_change_has_a_reason_and_changes_nothing(
+    link: WatchedLink, name: str, value: object, reason: str
+) -> None:
+    """All parameters of a request change, or none."""
+    before = _parameters(link)
+    status, text = act(link.url, "/parameters", {"dst_a_port": 6020, name: value}, TOKEN)
+    assert (status, reason in text) == (409, True), text
+    assert _parameters(link) == before
+
+
+def test_only_the_page_itself_acts(link: WatchedLink) -> None:
+    """A POST from another site, without an origin, to another name, or without the token is refused."""
+    events = Events(link.url)
+    alarm = _silence(link, events)
+    events.close()
+    own = link.url.rstrip("/")
+    bearer = {"Authorization": f"Bearer {TOKEN}"}
+    for headers, status in (
+        ({**bearer, "Origin": "http://evil.example"}, 403),
+        ({**bearer, "Origin": "null"}, 403),
+        (bearer, 403),
+        ({**bearer, "Origin": "http://evil.example", "Host": "evil.example"}, 403),
+        ({"Origin": own}, 401),
+        ({"Origin": own, "Authorization": f"Basic {TOKEN}"}, 401),
+        ({"Origin": own, "Authorization": f"Bearer {TOKEN[:-1]}"}, 401),
+        ({"Origin": own, "Authorization": f"Bearer {TOKEN}é"}, 401),
+    ):
+        for path, content in (("/acknowledge", [alarm["number"]]), ("/parameters", {"dst_a_port": 6030})):
+            assert ask(link.url, path, "POST", content, **headers)[0] == status, headers
+    assert ask(link.url, "/parameters")[0] == 401
+    assert ask(link.url, "/parameters", Origin="http://evil.example", **bearer)[0] == 403
+    assert _parameters(link)["dst_a_port"] == 6000
+    events = Events(link.url)
+    assert not events.alarm("stop drive_motor")["acknowledged"]
+    events.close()
+
+
+def test_the_token_is_told_to_nobody(link: WatchedLink, capsys: pytest.CaptureFixture[str]) -> None:
+    """No line of the log and no answer without it contains the token, or a wrong one that was sent."""
+    act(link.url, "/acknowledge", [1], "a-wrong-token-of-somebody")
+    act(link.url, "/acknowledge", [1], TOKEN)
+    seen = b"".join(ask(link.url, path)[1] for path in ("/", "/page.js", "/parameters", "/history"))
+    assert any("refused a wrong token from 127.0.0.1" in line for line in link.lines)
+    for secret in (TOKEN, "a-wrong-token-of-somebody"):
+        assert secret not in "\n".join(link.lines) + seen.decode()
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("body", [b"{", b"[" * 10_000, b"[true]", b"[[1]]", b"{}", b"7", b"\xff", b"", b'{"1": 1}'])
+def test_nonsense_is_refused(link: WatchedLink, body: bytes) -> None:
+    """It is answered with the reason, and the page goes on."""
+    assert act(link.url, "/acknowledge", body, TOKEN)[0] == 400
+    assert act(link.url, "/parameters", body, TOKEN)[0] in (400, 409)
+    assert act(link.url, "/other", b"[]", TOKEN)[0] == 404
+    assert ask(link.url, "/")[0] == 200
+
+
+def test_a_long_body_is_not_read(link: WatchedLink) -> None:
+    """It is refused by its announced length, and what follows on the connection is no further request."""
+    own = link.url.rstrip("/")
+    head = f"POST /acknowledge HTTP/1.1\r\nHost: localhost\r\nOrigin: {own}\r\nAuthorization: Bearer {TOKEN}\r\n"
+    for length in ("Content-Length: 1000000000", "Content-Length: -1", "Transfer-Encoding: chunked"):
+        own_head = head.replace("localhost", own.removeprefix("http://"))
+        with socket.create_connection(("127.0.0.1", port_of(link.url)), PATIENCE_S) as sock:
+            sock.sendall(f"{own_head}{length}\r\n\r\nGET / HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+            answer = b""
+            try:
+                while data := sock.recv(10_000):
+                    answer += data
+            except ConnectionResetError:  # the server has closed, and did not read the rest
+                pass
+        assert answer.startswith(b"HTTP/1.1 413 ")
+        assert answer.count(b"HTTP/1.1 ") == 1
+
+
+def test_wrong_tokens_have_to_wait() -> None:
+    """After five wrong tokens, an address waits for a minute, also with the right one; others do not."""
+    now, logger = 0.0, logging.Logger("page")
+    lines = lines_of(logger)
+    token = PageToken(TOKEN, logger, lambda: now)
+    for _ in range(5):
+        refused = token.refusal("Bearer wrong", "10.0.0.9")
+        assert refused is not None
+        assert refused.status == 401
+    refused = token.refusal(f"Bearer {TOKEN}", "10.0.0.9")
+    assert refused is not None
+    assert (refused.status, refused.headers["Retry-After"]) == (429, "61")
+    assert token.refusal(f"Bearer {TOKEN}", "10.0.0.8") is None
+    now = 60.5
+    assert token.refusal(f"Bearer {TOKEN}", "10.0.0.9") is None
+    assert lines == ["the page refused a wrong token from 10.0.0.9"]
+
+
+def test_top_only_acknowledges(token_file: Path) -> None:
+    """The parameters belong to another process, so setting them is refused with a reason."""
+    with followed_page(token_file) as page:
+        page.hear("one", ages={"imu_info": 9.0})
+        events = Events(page.url)
+        assert events.next("page")["sets_parameters"] is False
+        assert act(page.url, "/acknowledge", [events.alarm("peer hardware")["number"]], TOKEN)[0] == 204
+        while not events.alarm("peer hardware")["acknowledged"]:
+            pass
+        events.close()
+        status, text = act(page.url, "/parameters", {"dst_ip": "127.0.0.1"}, TOKEN)
+        assert (status, "open the page of the bridge itself" in text) == (409, True)
+        assert ask(page.url, "/parameters", Authorization=f"Bearer {TOKEN}") == (200, b"[]")
+
+
+def test_without_the_option_there_is_nothing_to_unlock() -> None:
+    """The page says so to the browser, and has neither parameters nor actions."""
+    with watched_link() as link:
+        events = Events(link.url)
+        assert events.next("page")["can_act"] is False
+        events.close()
+        assert ask(link.url, "/parameters", Authorization=f"Bearer {TOKEN}")[0] == 404
+        assert act(link.url, "/acknowledge", [1], TOKEN)[0] == 501
+
+
+def test_a_missing_file_is_made(tmp_path: Path) -> None:
+    """It has a random token that works, and is readable for its owner only, whatever the umask; the log names it."""
+    path = tmp_path / "token"
+    before = os.umask(0)
+    try:
+        with watched_link(path) as link:
+            token = path.read_text().strip()
+            assert stat.S_IMODE(path.stat().st_mode) == 0o600
+            assert re.fullmatch(r"[A-Za-z0-9_-]{32}", token)
+            assert act(link.url, "/acknowledge", [], token)[0] == 204
+            assert f"made the file {path} with a random token for the page" in link.lines
+    finally:
+        os.umask(before)
+    with watched_link(path) as link:
+        assert path.read_text().strip() == token
+        assert act(link.url, "/acknowledge", [], token)[0] == 204
+
+
+@pytest.mark.parametrize(
+    ("content", "mode", "said"),
+    [
+        ("", 0o600, "must have 16 to 1024 ASCII characters without spaces; remove the file, and roverlink makes"),
+        ("fifteen-letters\n", 0o600, "must have 16 to 1024 ASCII characters"),
+        ("sixteen letters!!", 0o600, "must have 16 to 1024 ASCII characters without spaces"),
+        ("ünsixteen-letters", 0o600, "must have 16 to 1024 ASCII characters without spaces"),
+        ("x" * 2000, 0o600, "must have 16 to 1024 ASCII characters"),
+        (TOKEN, 0o640, "other users can read or write the token of the page; run: chmod 600 "),
+        (TOKEN, 0o602, "other users can read or write the token of the page; run: chmod 600 "),
+    ],
+)
+@pytest.mark.parametrize("command", [["run", "--page", "0"], ["record", "run.mcap", "--page", "0"]])
+def test_a_file_that_cannot_be_used_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str], content: str, mode: int, said: str
+) -> None:
+    """One line with the cure, and exit code 2; the content is not told."""
+    path = tmp_path / "token"
+    path.write_text(content)
+    path.chmod(mode)
+    _refused([*command, "--page-token", str(path)], f"roverlink: {path}: ", said, capsys)
+
+
+def test_other_files_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A folder, a pipe and a device are no files for a token; nor is one in a folder that does not exist."""
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path, tmp_path / "pipe", Path("/dev/zero")):
+        _refused(["run", "--page", "0", "--page-token", str(path)], f"roverlink: {path}: ", "regular file", capsys)
+    missing = tmp_path / "missing" / "token"
+    _refused(["run", "--page", "0", "--page-token", str(missing)], f"{missing}: ", "No such file or directory", capsys)
+    _refused(["run", "--page-token", str(missing)], "--page-token is for the page; ", "add --page", capsys)
+    _refused(["top", "--once", "--page-token", str(missing)], "--page-token is for the page; ", "add --web", capsys)
+
+
+def _refused(words: list[str], start: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    more = [] if words[0] == "top" else ["--ros-args", "-p", "listen_port:=0"]
+    assert main([*words[:1], "--middleware", "memory", *words[1:], *more]) == 2
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("roverlink: ")]
+    assert start in line
+    assert said in line
+    assert TOKEN not in line
+
+
+def test_a_body_that_does_not_come_ends_its_connection(link: WatchedLink) -> None:
+    """A request is complete with its body, so the deadline of requests holds for the body, too."""
+    connection = http.client.HTTPConnection("127.0.0.1", port_of(link.url), timeout=PATIENCE_S)
+    connection.putrequest("POST", "/acknowledge")
+    connection.putheader("Content-Length", "100")
+    connection.endheaders(b"[1")
+    with pytest.raises((http.client.RemoteDisconnected, ConnectionResetError)):
+        connection.getresponse()
+    connection.close()
