@@ -105,10 +105,11 @@ def _told(usages: Sequence[Usage], reuses: Sequence[Reuse]) -> str:
     """
     last = reuses[-1]
     told = " and ".join(dict.fromkeys(_called(usage) for usage in usages))
-    if len(usages) == 1 and last.old:
-        return f"{told}, and its content was replaced: {last.survivors} of {len(last.old.facts)} fields are left"
+    if len(usages) == 1:
+        return f"{told}, and its content was replaced: {last.reason}"
     at_once = ", at the same time" if any(reuse.at_once for reuse in reuses) else ""
-    return f"{told}, {_RELATIONS[last.relation]}{at_once}"
+    reason = f" ({last.reason})" if last.reason else ""
+    return f"{told}{reason}, {_RELATIONS[last.relation]}{at_once}"
 
 
 def place_of(context: Context, owner: str, number: int) -> Span:
