@@ -266,24 +266,37 @@ def _ledger(folder: Path, type: str, *lines: str) -> Ledger:
         (["2 level int32 gone"], "float volume = 3;", False),
         (["2 level int32"], "float volume = 2;", False),  # never gone: the change itself is found
         (["2 volume float", "2 level int32 gone"], "float volume = 2;", False),
+        (["2 level int32 gone"], "int32 water_level = 2;", False),
     ],
 )
 def test_reuse_after_a_gap(lines: list[str], field: str, reused: bool, tmp_path: Path) -> None:
-    """A number that is gone in the ledger is not given to another field."""
+    """A number that is gone in the ledger is not given to another field; one with a similar name is the same."""
     schema = compiled({"a.proto": f'syntax = "proto3"; message A {{ {field} }}'}, tmp_path)
     published = _ledger(tmp_path, "message A", *lines)
     ids = [finding.rule.id for finding in found(Context(TABLE, schema, published))]
     assert ids == ["WIR111"] * reused
 
 
+@pytest.mark.parametrize(
+    ("gone", "field", "id"),
+    [("speed float", "float velocity = 2;", "WIR116"), ("reach_mm int32", "int32 reach_m = 2;", "WIR115")],
+)
+def test_doubts_after_a_gap(gone: str, field: str, id: str, tmp_path: Path) -> None:
+    """Where the name of a deleted field leaves a doubt, that is a warning, as it is between two states."""
+    schema = compiled({"a.proto": f'syntax = "proto3"; message A {{ {field} }}'}, tmp_path)
+    published = _ledger(tmp_path, "message A", f"2 {gone} gone")
+    [finding] = found(Context(TABLE, schema, published))
+    assert (finding.rule.id, finding.number) == (id, 2)
+
+
 def test_reuse_of_an_enum_number_after_a_gap(tmp_path: Path) -> None:
     """The same holds for the numbers of an enum, whatever names they have beside."""
     text = 'syntax = "proto3"; enum E { A = 0; B = 1; C = 2; D = 3; }'
     schema = compiled({"a.proto": text}, tmp_path)
-    published = _ledger(tmp_path, "enum E", "3 OLDER", "1 OLD gone", "2 C gone")
+    published = _ledger(tmp_path, "enum E", "3 OLDER", "1 PARK gone", "2 C gone")
     [finding] = found(Context(TABLE, schema, published))
     assert (finding.rule.id, finding.number) == ("WIR112", 1)
-    assert finding.help == 'write `B = 4; reserved 1; reserved "OLD";`: the number 4 is free'
+    assert finding.help == 'write `B = 4; reserved 1; reserved "PARK";`: the number 4 is free'
 
 
 def test_the_next_free_number(tmp_path: Path) -> None:

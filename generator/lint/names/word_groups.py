@@ -18,9 +18,9 @@ sw software; temp temperature; ts timestamp; tx transmitted transmit; val value;
 # Words for the same thing. Each has a narrower meaning, too: a velocity has a direction, and a speed has none.
 _SYNONYMS = """
 acknowledge ack confirm; amount count number quantity; attitude orientation rotation; back rear reverse; begin start;
-course direction heading; delay latency; distance range; duration interval period; end finish stop; engine motor; error failure fault;
-frequency rate; goal setpoint target; image picture; label name title; lamp light; length size; location position place;
-mass weight; none unknown unspecified undefined unset default; speed velocity; state status
+course direction heading; delay latency; distance range; duration interval period; end finish stop; engine motor;
+error failure fault; frequency rate; goal setpoint target; image picture; label name title; lamp light;
+length size; location position place; mass weight; none unknown unspecified undefined unset default; speed velocity; state status
 """
 # Words that stand beside each other in one message, for values that nobody may mix up. `|` separates the sides.
 _OPPOSITES = """

@@ -21,10 +21,12 @@ from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint.comparison.judgement import Meaning
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.judged_fields import judged_fields
+from roverlink.generator.lint.judged_ledger import reused_fields
 
 RULE = Rule("WIR115", "field-unit-changed", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each field whose old and new name contain the same quantity in different units."""
-    return judged_fields(RULE, context, Meaning.UNIT)
+    yield from judged_fields(RULE, context, Meaning.UNIT)
+    yield from reused_fields(RULE, context, {Meaning.UNIT})

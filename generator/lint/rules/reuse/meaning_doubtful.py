@@ -28,6 +28,7 @@ from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint.comparison.judgement import Meaning
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.judged_fields import judged_fields
+from roverlink.generator.lint.judged_ledger import reused_fields, reused_values
 from roverlink.generator.lint.judged_values import judged_values
 
 RULE = Rule("WIR116", "meaning-doubtful", __doc__, Severity.WARNING)
@@ -37,3 +38,5 @@ def check(context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each field and enum value whose new name may or may not have the old meaning."""
     yield from judged_fields(RULE, context, Meaning.DOUBTFUL)
     yield from judged_values(RULE, context, Meaning.DOUBTFUL)
+    yield from reused_fields(RULE, context, {Meaning.DOUBTFUL})
+    yield from reused_values(RULE, context, {Meaning.DOUBTFUL})
