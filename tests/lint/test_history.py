@@ -403,6 +403,16 @@ def test_fields_of_payloads(repository: RepositoryBuilder, before: str, after: s
     assert _field_kinds(repository, before, after) == kinds
 
 
+def test_extensions(repository: RepositoryBuilder) -> None:
+    """A number of an extension is one of the message, wherever that is declared."""
+    base = 'syntax = "proto2";\npackage p;\nmessage Base { extensions 100 to 199; }\n'
+    extend = 'syntax = "proto2";\npackage p;\nimport "base.proto";\nextend Base { optional float speed = 100; }\n'
+    repository.commit("Before", {"base.proto": base, "more.proto": extend})
+    repository.commit("After", {"more.proto": extend.replace("speed", "current")})
+    reuse = _only(_read(repository).reuses("p.Base"))
+    assert (reuse.number, reuse.earlier.name, reuse.later.name, reuse.kind) == (100, "speed", "current", Kind.MEANING)
+
+
 def test_values_of_enums(repository: RepositoryBuilder) -> None:
     """The words that all values of an enum have do not make two of them alike."""
     before = "enum ImuError { IMU_NONE = 0; IMU_TIMEOUT = 1; IMU_GYRO = 2; IMU_MAG = 3; IMU_X = 4; IMU_ALIAS = 4; }"

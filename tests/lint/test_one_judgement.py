@@ -177,10 +177,26 @@ _FILES = {
         SAME,
     ),
 }
-CASES = _FILES | {
-    name: (f"message A {{ float {old} = 1; }}", f"message A {{ float {new} = 1; }}", verdict)
-    for name, (old, new, verdict) in _NAMES.items()
+_EXTENSIBLE = "message A { extensions 100 to 199; } extend A { optional "
+_EXTENSIONS = {
+    "extension_renamed": (f"{_EXTENSIBLE} float speed = 100; }}", f"{_EXTENSIBLE} float motor_speed = 100; }}", SAME),
+    "extension_replaced": (f"{_EXTENSIBLE} float speed = 100; }}", f"{_EXTENSIBLE} float current = 100; }}", OTHER),
+    "extension_retyped": (f"{_EXTENSIBLE} float speed = 100; }}", f"{_EXTENSIBLE} string speed = 100; }}", OTHER),
+    "extension_in_doubt": (f"{_EXTENSIBLE} float speed = 100; }}", f"{_EXTENSIBLE} float velocity = 100; }}", DOUBT),
+    "extension_added": (
+        _EXTENSIBLE + "float speed = 100; }",
+        _EXTENSIBLE + "float speed = 100; optional int32 x = 101; }",
+        SAME,
+    ),
 }
+CASES = (
+    _FILES
+    | _EXTENSIONS
+    | {
+        name: (f"message A {{ float {old} = 1; }}", f"message A {{ float {new} = 1; }}", verdict)
+        for name, (old, new, verdict) in _NAMES.items()
+    }
+)
 
 
 _OF_MEANINGS = re.compile("WIR|HIS")
@@ -191,7 +207,8 @@ def _states(side: int) -> dict[str, str]:
 
 
 def _file(name: str, text: str) -> str:
-    return f'syntax = "proto3";\npackage {name};\n{text}\n'
+    syntax = "proto2" if name in _EXTENSIONS else "proto3"
+    return f'syntax = "{syntax}";\npackage {name};\n{text}\n'
 
 
 def _verdicts(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, str]:

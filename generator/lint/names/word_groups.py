@@ -20,7 +20,8 @@ _SYNONYMS = """
 acknowledge ack confirm; amount count number quantity; attitude orientation rotation; back rear reverse; begin start;
 course direction heading; delay latency; distance range; duration interval period; end finish stop; engine motor;
 error failure fault; frequency rate; goal setpoint target; image picture; label name title; lamp light;
-length size; location position place; mass weight; none unknown unspecified undefined unset default; speed velocity; state status
+length size; location position place; mass weight; none unknown unspecified undefined unset default;
+speed velocity; state status
 """
 # Words that stand beside each other in one message, for values that nobody may mix up. `|` separates the sides.
 _OPPOSITES = """
