@@ -14,10 +14,12 @@ from roverlink.generator.lint.comparison.judgement import (
     TypePair,
     TypeState,
     judge_field,
+    judge_types,
     judge_value,
     least,
 )
 from roverlink.generator.lint.comparison.pairing import EnumPair, FieldPair
+from roverlink.generator.lint.comparison.schema_change import SchemaChange
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema
 
 
@@ -49,6 +51,15 @@ def judge_number(pair: EnumPair, number: int, gone: Sequence[str], values: Seque
     )
 
 
+def judge_payload(change: SchemaChange, old: str, new: str, *names: str) -> Judgement | None:
+    """Judge the message ``new``, which is a payload with the number that the message ``old`` had before a change.
+
+    ``names`` are the old and the new name of the payload. Returns None if one of the messages is unknown.
+    """
+    types = _pair(change, old, new)
+    return judge_types(types, *names) if types else None
+
+
 def type_state(type: ProtoMessage | ProtoEnum, schema: Schema) -> TypeState:
     """Return a message or enum of a schema as it is judged."""
     if isinstance(type, ProtoEnum):
@@ -63,16 +74,20 @@ def _part(field: ProtoField, count: str) -> Part:
 
 def _types(pair: FieldPair) -> TypePair | None:
     change = pair.change
-    before, after = change.before, change.after
     # The entry of a map is named after the field.
-    if is_map(pair.old, before) or is_map(pair.new, after):
+    if is_map(pair.old, change.before) or is_map(pair.new, change.after):
         return None
-    old = before.messages.get(pair.old.type_name) or before.enums.get(pair.old.type_name)
-    new = after.messages.get(pair.new.type_name) or after.enums.get(pair.new.type_name)
-    if old is None or new is None:
+    return _pair(change, pair.old.type_name, pair.new.type_name)
+
+
+def _pair(change: SchemaChange, old: str, new: str) -> TypePair | None:
+    before, after = change.before, change.after
+    was = before.messages.get(old) or before.enums.get(old)
+    now = after.messages.get(new) or after.enums.get(new)
+    if was is None or now is None:
         return None
-    beside = _declares(before, new.full_name) and _declares(after, old.full_name)
-    return TypePair(type_state(old, before), type_state(new, after), beside)
+    beside = _declares(before, new) and _declares(after, old)
+    return TypePair(type_state(was, before), type_state(now, after), beside)
 
 
 def _declares(schema: Schema, name: str) -> bool:
