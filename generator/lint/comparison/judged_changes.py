@@ -32,8 +32,8 @@ def judge_pair(pair: FieldPair) -> Judgement:
     counts = cardinalities(pair)
     old, new = (_part(field, count) for field, count in zip((pair.old, pair.new), counts, strict=True))
     others = pair.messages.old.fields if pair.messages else ()
-    names = frozenset(field.name for field in others if field.number != pair.new.number)
-    return judge_field(old, new, _types(pair), names)
+    moved = any(field.name == new.name and field.number != new.number for field in others)
+    return judge_field(old, new, _types(pair), moved)
 
 
 def judge_number(pair: EnumPair, number: int, gone: Sequence[str], values: Sequence[ProtoEnumValue]) -> Judgement:
@@ -45,9 +45,7 @@ def judge_number(pair: EnumPair, number: int, gone: Sequence[str], values: Seque
     states = type_state(pair.old, pair.change.before), type_state(pair.new, pair.change.after)
     shared = states[0].shared_words | states[1].shared_words
     return least(
-        judge_value(Part(number, name), Part(number, value.name), frozenset(), shared)
-        for name in gone
-        for value in values
+        judge_value(Part(number, name), Part(number, value.name), False, shared) for name in gone for value in values
     )
 
 

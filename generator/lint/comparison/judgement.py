@@ -123,11 +123,11 @@ class TypePair:
 # --- fields and values ------------------------------------------------------------------------------------------------
 
 
-def judge_field(old: Part, new: Part, types: TypePair | None, others: frozenset[str]) -> Judgement:
+def judge_field(old: Part, new: Part, types: TypePair | None, moved: bool) -> Judgement:
     """Judge two declarations of a field.
 
-    ``types`` are the types of the field if these are messages or enums. ``others`` are the names that the fields with
-    other numbers had in the old state.
+    ``types`` are the types of the field if these are messages or enums. ``moved`` is True if a field with another
+    number had the new name in the old state.
     """
     found = _judge_alone(old, new)
     if found.meaning is Meaning.WIRE:
@@ -140,22 +140,22 @@ def judge_field(old: Part, new: Part, types: TypePair | None, others: frozenset[
         if found.meaning is Meaning.OTHER:
             return Judgement(Meaning.DOUBTFUL, f"the types have the same fields, but {found.reason}")
         return by_type if found.meaning is Meaning.SAME else found
-    if old.name != new.name and new.name in others:
-        return _moved(new)
+    if moved:
+        return _had_another_number(new)
     if types and found.meaning is Meaning.OTHER and old.payload and new.payload and _says_the_type(types.old, old, new):
         return Judgement(Meaning.RENAMED)
     return found
 
 
-def judge_value(old: Part, new: Part, others: frozenset[str], shared: frozenset[str]) -> Judgement:
-    """Judge two values of an enum. ``others`` are the names that the other numbers had in the old state.
+def judge_value(old: Part, new: Part, moved: bool, shared: frozenset[str]) -> Judgement:
+    """Judge two values of an enum. ``moved`` is True if another number had the new name in the old state.
 
     ``shared`` are the words that say nothing in the names of this enum; see `TypeState.shared_words`.
     """
-    return _moved(new) if old.name != new.name and new.name in others else _judge_alone(old, new, shared)
+    return _had_another_number(new) if moved else _judge_alone(old, new, shared)
 
 
-def _moved(new: Part) -> Judgement:
+def _had_another_number(new: Part) -> Judgement:
     return Judgement(Meaning.OTHER, f"{new.name!r} had another number")
 
 
@@ -174,10 +174,10 @@ def _judge_alone(old: Part, new: Part, shared: frozenset[str] = frozenset()) -> 
     compared = compare_names(old.name, new.name, shared)
     if compared.likeness is not Likeness.SAME and old.json_name and old.json_name == new.json_name:
         return Judgement(Meaning.RENAMED)
-    measures = measure(words(old.name)), measure(words(new.name))
-    alike = compared.likeness in (Likeness.SIMILAR, Likeness.DOUBTFUL)
-    if alike and new.kind not in _WITHOUT_UNIT and disagree(*measures):
-        return Judgement(Meaning.UNIT, _other_unit(*measures))
+    if compared.likeness in (Likeness.SIMILAR, Likeness.DOUBTFUL) and new.kind not in _WITHOUT_UNIT:
+        measures = measure(words(old.name)), measure(words(new.name))
+        if disagree(*measures):
+            return Judgement(Meaning.UNIT, _other_unit(*measures))
     return Judgement(_BY_LIKENESS[compared.likeness], compared.reason)
 
 

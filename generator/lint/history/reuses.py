@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 from itertools import combinations, groupby
 
 from roverlink.generator.lint.comparison.judgement import (
@@ -45,6 +46,7 @@ class Reuses:
         self._record, self._traced = record, traced
         self._owner, self._owners = owners[0] if owners else "", owners
         self._relations = Relations(record, owners)
+        self._numbers = cache(self._find_numbers)
         self._kept: dict[tuple[str, str, str, str], Kept] = {}
         values = [one.usage.name for one in traced if not one.usage.type]
         self._shared = shared_words(self._owner.rpartition(".")[2], values) if values else frozenset()
@@ -90,7 +92,7 @@ class Reuses:
         old, new = earlier.usage.fact, later.usage.fact
         before, after = self._relations.nodes(earlier, later)
         one, other = self._content(earlier, before), self._content(later, after)
-        others = self._names_beside(old.number, before)
+        moved = old.name != new.name and bool(self._numbers(before).get(new.name, set()) - {new.number})
         types = None
         if is_named(old.type) and is_named(new.type):
             beside = (
@@ -99,23 +101,26 @@ class Reuses:
             at_once = self._relations.hands_over(earlier, later)
             types = TypePair(type_state(old.type, one), type_state(new.type, other), bool(beside), at_once)
         if old.type or new.type:
-            judged = judge_field(part(old, one), part(new, other), types, others)
+            judged = judge_field(part(old, one), part(new, other), types, moved)
         elif self._relations.together(old, new):
             # Two names of values with one number in one state are an alias (`allow_alias`), which is no reuse.
             return None
         else:
-            judged = judge_value(part(old), part(new), others, self._shared)
+            judged = judge_value(part(old), part(new), moved, self._shared)
         kind = _KINDS[judged.meaning]
         if kind is Kind.MEANING and types and types.old.full_name != types.new.full_name:
             kind = Kind.REUSED
         return self._reuse(kind, earlier, later, one, other, judged.reason) if kind else None
 
-    def _names_beside(self, number: int, node: int) -> frozenset[str]:
-        """Return the names that the other numbers of the message or enum have at a node."""
-        declared = [one for owner in self._owners for one in self._record.declared(owner, node).values()]
-        return frozenset(
-            fact.name for one in declared for fact in one.facts if fact.number != number and not fact.claimed
-        )
+    def _find_numbers(self, node: int) -> dict[str, set[int]]:
+        """Return the numbers that each name in the message or enum has at a node."""
+        found: dict[str, set[int]] = {}
+        for owner in self._owners:
+            for declaration in self._record.declared(owner, node).values():
+                for fact in declaration.facts:
+                    if not fact.claimed:
+                        found.setdefault(fact.name, set()).add(fact.number)
+        return found
 
     # --- one usage, other contents ----------------------------------------------------------------------------------
 

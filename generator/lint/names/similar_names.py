@@ -9,7 +9,7 @@ opposites, such as `left` and `right`, or differ in a number.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from enum import Enum
 from functools import lru_cache
 from itertools import product
@@ -79,10 +79,11 @@ def is_telling(name: str, shared: frozenset[str] = frozenset()) -> bool:
     )
 
 
-def _words(name: str, shared: Collection[str]) -> list[_Word]:
-    split = [_Word(base(word), word) for word in words(name)]
+@lru_cache(maxsize=1 << 16)
+def _words(name: str, shared: frozenset[str]) -> tuple[_Word, ...]:
+    split = tuple(_Word(base(word), word) for word in words(name))
     # Words such as `left` say something even if most of the names have them.
-    return [word for word in split if word.base not in shared or sides(word.base)] or split
+    return tuple(word for word in split if word.base not in shared or sides(word.base)) or split
 
 
 def _letters(name: Sequence[_Word]) -> str:
