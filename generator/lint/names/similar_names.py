@@ -30,6 +30,7 @@ from roverlink.generator.lint.names.word_groups import (
 _SHORTEST_MISSPELT = 5  # `mode` and `made` differ by one letter as well
 _LETTERS_PER_MISTAKE = 4
 _SHORTEST_STEM = 3
+_WORDS_OF_ONE_THING = 3  # `front_wheel_speed` and `front_arm_speed` are two things
 
 
 class Likeness(Enum):
@@ -137,11 +138,15 @@ def _measured(name: Sequence[_Word]) -> list[_Word]:
 
 
 def _compare_words(old: list[_Word], new: list[_Word]) -> Comparison:
+    count, heads = len(old), {old[-1], new[-1]}
     doubts = list(_pair_off(old, new))
     if old and new:
         # A name such as `value` may stand for everything.
         empty = any(all(word.base in FILLERS for word in name) for name in (old, new))
-        likeness = Likeness.DOUBTFUL if empty else Likeness.DIFFERENT
+        # A word in the middle of a long name may be another word for the same: `range_test_plugin_enabled` and
+        # `range_test_module_enabled`. The last word says which quantity it is.
+        one_of_many = len(old) == len(new) == 1 and count > _WORDS_OF_ONE_THING and heads.isdisjoint([*old, *new])
+        likeness = Likeness.DOUBTFUL if empty or one_of_many else Likeness.DIFFERENT
         return Comparison(likeness, f"{_quoted(old)} and {_quoted(new)} are different words")
     added = [*old, *new]
     if negated := [word for word in added if word.base in NEGATIONS]:

@@ -10,7 +10,8 @@ acc accel acceleration; addr address; alt altitude; ang angle; avg mean average;
 btn button; cal calib calibration; ccw counterclockwise; cfg config configuration; cmd command; cnt count;
 ctrl control; cur curr current; cw clockwise; diag diagnostic; dir direction; dist distance; dst dest destination;
 err error; freq frequency; fw firmware; gyro gyroscope; hum humidity; hw hardware; id identity identifier; idx index;
-img image; l left; lat latitude; len length; lon lng long longitude; max maximum; min minimum; msg message; num number;
+img image; l left; lat latitude; len length; lon lng long longitude; max maximum; mid medium; min minimum;
+msg message; num number;
 orient orientation; pct percent percentage; pos position; prev previous; pwr power; r right; ref reference;
 req request; resp response; rot rotation; rx received receive; sec second; seq sequence; spd speed; src source;
 sw software; temp temperature; ts timestamp; tx transmitted transmit; val value; vel velocity; ver version; volt voltage

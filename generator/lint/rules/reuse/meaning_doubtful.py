@@ -5,6 +5,7 @@ The names are similar, but not so similar that they certainly mean the same:
 - Two words often mean the same, but not always: `speed` and `velocity`.
 - Two words nearly have the same letters: `lattitude` and `latitude`. This may be a correction.
 - Only one of the names has a word that may change the quantity, such as `max`, `left`, `target`, `limit` or a number.
+- One word of a long name is another one, but not the last: `range_test_plugin_enabled` and `range_test_module_enabled`.
 - A name such as `value` does not say what is meant.
 - The field's type is another message or enum, which may be the old one with another name.
 
