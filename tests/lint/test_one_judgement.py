@@ -286,7 +286,9 @@ def test_a_chain_of_doubts_is_not_certain(tmp_path: Path, capsys: pytest.Capture
 _SIMILAR = (Likeness.SAME, Likeness.SIMILAR)
 _QUALIFIERS = st.lists(st.sampled_from(["motor", "wheel", "arm", "battery", "pack", "camera", "gripper"]), max_size=3)
 _QUANTITIES = ["speed", "voltage", "temperature", "pressure", "humidity", "torque", "brightness"]
-_WORD = st.sampled_from([*_QUANTITIES, "left", "x", "1", "max", "temp", "mm", "of", "states", "status", "velocity"])
+_WORD = st.sampled_from(
+    [*_QUANTITIES, "left", "x", "1", "max", "temp", "mm", "of", "states", "status", "velocity", "speedy", "speeed"]
+)
 _NAME = st.lists(_WORD, min_size=1, max_size=4).map("_".join)
 _OPPOSITES = """
 left right, front rear, front back, min max, request response, start stop, on off, read write, in out, up down,
