@@ -18,7 +18,7 @@ from roverlink.generator.lock import Burned
 from roverlink.generator.pipeline import recompile
 from roverlink.generator.table.edit_rules import NOTHING_TO_ACCEPT_INTO
 
-_HISTORY_RULES = ("HIS101", "HIS103")
+_HISTORY_RULES = ("HIS101", "HIS103", "HIS105")
 
 
 def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:

@@ -105,10 +105,11 @@ def _told(usages: Sequence[Usage], reuses: Sequence[Reuse]) -> str:
     """
     last = reuses[-1]
     told = " and ".join(dict.fromkeys(_called(usage) for usage in usages))
-    if len(usages) == 1 and last.old:
-        return f"{told}, and its content was replaced: {last.survivors} of {len(last.old.facts)} fields are left"
+    if len(usages) == 1:
+        return f"{told}, and its content was replaced: {last.reason}"
     at_once = ", at the same time" if any(reuse.at_once for reuse in reuses) else ""
-    return f"{told}, {_RELATIONS[last.relation]}{at_once}"
+    reason = f" ({last.reason})" if last.reason else ""
+    return f"{told}{reason}, {_RELATIONS[last.relation]}{at_once}"
 
 
 def place_of(context: Context, owner: str, number: int) -> Span:
@@ -120,7 +121,7 @@ def place_of(context: Context, owner: str, number: int) -> Span:
     declared = _declared(context, owner)
     if declared is None:
         return context.table.envelope.span
-    part = _parts(declared).get(number)
+    part = _parts(context, declared).get(number)
     return part.at("number") if part else declared.span
 
 
@@ -130,7 +131,7 @@ def stands_today(context: Context, owner: str, number: int) -> tuple[str, str] |
     The type of an enum value is empty.
     """
     declared = _declared(context, owner)
-    part = _parts(declared).get(number) if declared else None
+    part = _parts(context, declared).get(number) if declared else None
     return None if part is None else (part.wire_type if isinstance(part, ProtoField) else "", part.name)
 
 
@@ -139,10 +140,12 @@ def _declared(context: Context, owner: str) -> ProtoMessage | ProtoEnum | None:
     return (schema.messages.get(owner) or schema.enums.get(owner)) if schema else None
 
 
-def _parts(declared: ProtoMessage | ProtoEnum) -> dict[int, ProtoField | ProtoEnumValue]:
-    """Return the fields of a message, or the values of an enum, by number."""
+def _parts(context: Context, declared: ProtoMessage | ProtoEnum) -> dict[int, ProtoField | ProtoEnumValue]:
+    """Return the fields and extensions of a message, or the values of an enum, by number."""
     if isinstance(declared, ProtoMessage):
-        return {field.number: field for field in declared.fields}
+        extensions = context.schema.extensions if context.schema else ()
+        added = [extension.field for extension in extensions if extension.extendee == declared.full_name]
+        return {field.number: field for field in (*added, *declared.fields)}
     return {value.number: value for value in declared.values}
 
 
@@ -154,7 +157,7 @@ def _today(context: Context, owner: str, number: int) -> str:
     declared = _declared(context, owner)
     if declared is None:
         return f"today {owner!r} does not exist"
-    if part := _parts(declared).get(number):
+    if part := _parts(context, declared).get(number):
         return f"today it is {part.name!r}"
     return "today it is reserved" if _is_reserved(declared, number) else "today it is free, and not reserved"
 
@@ -168,7 +171,7 @@ def _help(context: Context, owner: str, number: int) -> str:
     declared = _declared(context, owner)
     if declared is None or _is_reserved(declared, number):
         return accept
-    if number in _parts(declared):
+    if number in _parts(context, declared):
         return f"make sure that no board still uses the old meaning; {accept}"
     return f"write `reserved {number};` into {owner!r}; {accept}"
 

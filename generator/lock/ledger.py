@@ -26,6 +26,8 @@ class Entry:
     contested: bool
     """True if only one side of a merge conflict in mapping.lock contains the entry, so only one branch published it."""
     span: Span
+    gone: bool = False
+    """True if the payload had no row, not even a retired one, when the ledger was written."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -213,6 +213,7 @@ class _Reader:
             match["end"] == " retired",
             self._in_conflict,
             span,
+            gone=match["end"] == " gone",
         )
         self._entries.setdefault((entry.number, entry.name, entry.proto), entry)
 

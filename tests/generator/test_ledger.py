@@ -61,6 +61,24 @@ def test_a_field_that_is_gone_stays_known(project: Path) -> None:
     assert " gone" not in lock.read_text()
 
 
+def test_a_payload_whose_message_got_another_name(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It keeps its number, since its fields are the same; the ledger knows both names, and nobody else gets it."""
+    table, joint = project / "mapping.yaml", project / "proto" / "joint.proto"
+    for file in (table, joint, project / "proto" / "arm.proto"):
+        file.write_text(file.read_text().replace("Wrist", "Hand"))
+    assert generate(project).code == 0, generate(project).stderr
+    published, _ = _read(project / "mapping.lock")
+    assert [(one.number, one.proto, one.gone) for one in published.entries] == [
+        (1, "Arm", False),
+        (2, "Hand", False),
+        (2, "Wrist", True),
+    ]
+    assert generate(project, "--check").code == 0
+    _edit(table, "proto: Hand", "proto: Joint")
+    refused = generate(project)
+    assert (refused.code, "error[ENV102] field 2 was published for 'wrist' (Hand)" in refused.stderr) == (1, True)
+
+
 def _every_rule() -> list[str]:
     changes = {id: module.RULE for id, module in modules().items() if id.startswith("WIR")}
     return [id for id, rule in changes.items() if rule.severity is not Severity.HINT]

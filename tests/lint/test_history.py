@@ -76,7 +76,7 @@ def test_deleted_and_reused_later(repository: RepositoryBuilder) -> None:
     reuse = _only(history.reuses("PBEnvelope"))
     assert (reuse.number, reuse.kind, reuse.relation) == (2, Kind.REUSED, Relation.SUCCESSION)
     assert (reuse.at_once, reuse.survivors, reuse.confidence) == (False, 0, Confidence.CERTAIN)
-    assert reuse.real
+    assert reuse.certain
     assert (reuse.earlier.path, reuse.earlier.line) == (_FILE, 6)
     assert reuse.earlier.went is not None
     assert (reuse.earlier.went.subject, reuse.later.went) == ("Take GPS away", None)
@@ -320,7 +320,7 @@ def test_a_mere_rename(repository: RepositoryBuilder) -> None:
     files = {_FILE: envelope(IMU, "Position where = 2;"), "gps.proto": None, "position.proto": position}
     repository.commit("Call it by its name", files)
     reuse = _only(_read(repository).reuses("PBEnvelope"))
-    assert (reuse.kind, reuse.real, reuse.survivors) == (Kind.RENAMED, False, 3)
+    assert (reuse.kind, reuse.certain, reuse.survivors) == (Kind.RENAMED, False, 3)
     assert reuse.old is not None
     assert reuse.new is not None
     assert (reuse.old.type, len(reuse.old.facts), reuse.new.type, len(reuse.new.facts)) == ("Gps", 3, "Position", 4)
@@ -339,11 +339,11 @@ def test_a_rename_in_two_commits(repository: RepositoryBuilder) -> None:
 
 def test_renames_in_steps(repository: RepositoryBuilder) -> None:
     """A payload that is renamed and grows by turns stays itself, however little the last has of the first."""
-    names = ["x", "y", "z", "roll", "pitch", "yaw", "speed", "time_ms"]
-    for step in range(3):
+    names = ["heading", "speed", "battery", "voltage", "climb", "drift", "time_ms"]
+    for step, type in enumerate(("Pose", "Track", "Course")):
         fields = [f"float {name} = {names.index(name) + 1};" for name in names[step : step + 4]]
-        text = message(f"Pose{'V' * step}", *fields)
-        repository.commit(f"Step {step}", {_FILE: envelope(f"Pose{'V' * step} {'abc'[step]} = 1;"), "pose.proto": text})
+        member = f"{type} {type.lower()} = 1;"
+        repository.commit(f"Step {step}", {_FILE: envelope(member), "pose.proto": message(type, *fields)})
     assert {reuse.kind for reuse in _read(repository).reuses("PBEnvelope")} == {Kind.RENAMED}
 
 
@@ -399,12 +399,22 @@ def _field_kinds(repository: RepositoryBuilder, before: str, after: str) -> list
     ],
 )
 def test_fields_of_payloads(repository: RepositoryBuilder, before: str, after: str, kinds: list[Kind]) -> None:
-    """Of a payload's field, the type has to read the old bytes, and the name has to share a word with the old one."""
+    """Of a payload's field, the type has to read the old bytes, and the name has to be similar."""
     assert _field_kinds(repository, before, after) == kinds
 
 
+def test_extensions(repository: RepositoryBuilder) -> None:
+    """A number of an extension is one of the message, wherever that is declared."""
+    base = 'syntax = "proto2";\npackage p;\nmessage Base { extensions 100 to 199; }\n'
+    extend = 'syntax = "proto2";\npackage p;\nimport "base.proto";\nextend Base { optional float speed = 100; }\n'
+    repository.commit("Before", {"base.proto": base, "more.proto": extend})
+    repository.commit("After", {"more.proto": extend.replace("speed", "current")})
+    reuse = _only(_read(repository).reuses("p.Base"))
+    assert (reuse.number, reuse.earlier.name, reuse.later.name, reuse.kind) == (100, "speed", "current", Kind.MEANING)
+
+
 def test_values_of_enums(repository: RepositoryBuilder) -> None:
-    """An enum's value has another meaning where its name has no word of the old one, but for those all of them have."""
+    """The words that all values of an enum have do not make two of them alike."""
     before = "enum ImuError { IMU_NONE = 0; IMU_TIMEOUT = 1; IMU_GYRO = 2; IMU_MAG = 3; IMU_X = 4; IMU_ALIAS = 4; }"
     after = before.replace("IMU_TIMEOUT", "IMU_OVERHEATED").replace("IMU_GYRO", "IMU_GYRO_FAULT")
     repository.commit("Before", {"a.proto": before})
@@ -412,7 +422,8 @@ def test_values_of_enums(repository: RepositoryBuilder) -> None:
     history = _read(repository)
     assert history.enums == ("ImuError",)
     assert [(r.earlier.name, r.later.name, r.kind) for r in history.reuses("ImuError")] == [
-        ("IMU_TIMEOUT", "IMU_OVERHEATED", Kind.MEANING)
+        ("IMU_TIMEOUT", "IMU_OVERHEATED", Kind.MEANING),
+        ("IMU_GYRO", "IMU_GYRO_FAULT", Kind.RENAMED),
     ]
 
 

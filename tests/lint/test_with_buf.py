@@ -52,7 +52,7 @@ message Imu {
 
 enum Mode {
   MODE_IDLE = 0;
-  MODE_DRIVING = 1;
+  MODE_DRIVE_ROVER = 1;
 }
 """
 _TABLE = """\
@@ -158,10 +158,10 @@ value as unknown
   before/imu.proto:8:3: it was `float speed = 3;` here
   help: put back `float speed = 3;`; or give it the free number 5: `string speed = 5; reserved 3;`
 
-after/imu.proto:13:18: warning[ENUM_VALUE_SAME_NAME] Enum value "1" on enum "Mode" changed name from "MODE_DRIVE" to \
-"MODE_DRIVING".
-13 |   MODE_DRIVING = 1;
-   |                  ^
+after/imu.proto:13:22: warning[ENUM_VALUE_SAME_NAME] Enum value "1" on enum "Mode" changed name from "MODE_DRIVE" to \
+"MODE_DRIVE_ROVER".
+13 |   MODE_DRIVE_ROVER = 1;
+   |                      ^
   help: see https://buf.build/docs/breaking/rules/#enum_value_same_name
 
 2 errors, 3 warnings

@@ -42,11 +42,3 @@ def moved_away(pair: EnumPair, number: int) -> ProtoEnumValue | None:
     if any(value.name in names and value.number == number for value in pair.new.values):
         return None
     return next((value for value in pair.new.values if value.name in names), None)
-
-
-def stands_for_another(pair: EnumPair, number: int) -> bool:
-    """Return True if ``number`` now has the name of another number, or if another number now has its name.
-
-    A new name that no other number had does not count.
-    """
-    return bool(moved_here(pair, number) or moved_away(pair, number))

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from roverlink.generator.lint.comparison.cardinality import broken_by_cardinality, cardinalities, only_required
-from roverlink.generator.lint.comparison.field_renames import Rename, rename
-from roverlink.generator.lint.comparison.field_type_changes import broken_by_type
+from roverlink.generator.lint.comparison.judged_changes import judge_pair
+from roverlink.generator.lint.comparison.judgement import Meaning
 from roverlink.generator.lint.comparison.oneof_changes import broken_by_oneof
 from roverlink.generator.lint.comparison.pairing import FieldPair, MessagePair, fields_of_messages
 from roverlink.generator.protos.number_ranges import covers, missing
@@ -26,13 +25,7 @@ def misplaced_fields(pair: MessagePair) -> Iterator[ProtoField]:
 
 
 def _is_another(pair: FieldPair) -> bool:
-    cardinality = cardinalities(pair)
-    return (
-        broken_by_type(pair)
-        or (broken_by_cardinality(*cardinality) and not only_required(*cardinality))
-        or broken_by_oneof(pair)
-        or rename(pair) in (Rename.MEANING, Rename.UNIT)
-    )
+    return judge_pair(pair).meaning not in (Meaning.SAME, Meaning.RENAMED) or broken_by_oneof(pair)
 
 
 def _inside_of_map(pair: FieldPair) -> Iterator[FieldPair]:

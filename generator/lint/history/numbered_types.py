@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from roverlink.generator.protos.parser import File
-from roverlink.generator.protos.schema import Fact, ProtoEnum, ProtoMessage
+from roverlink.generator.protos.parser import File, resolve_type
+from roverlink.generator.protos.schema import Fact, ProtoEnum, ProtoExtension, ProtoMessage
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,10 @@ NumberedTypes = dict[str, NumberedType]
 
 
 def numbered_types(file: File) -> NumberedTypes:
-    """Return the messages and enums of a parsed file. If one is declared twice, its fields or values are combined."""
+    """Return the messages and enums of a parsed file. If one is declared twice, its fields or values are combined.
+
+    An extension counts as a field of the message that it extends, which may be declared in another file.
+    """
     found: NumberedTypes = {}
     types: list[ProtoMessage | ProtoEnum] = [*file.messages, *file.enums]
     for type in sorted(types, key=lambda one: one.span.line):
@@ -37,7 +40,21 @@ def numbered_types(file: File) -> NumberedTypes:
         facts = found.setdefault(type.full_name, NumberedType({}, type.span.line, file.broken, enum)).facts
         for fact, line in _facts(type):
             facts[fact] = min(facts.get(fact, line), line)
+    for extension in file.extensions:
+        owner, line = _extended(extension, file), extension.field.span.line
+        facts = found.setdefault(owner, NumberedType({}, line, file.broken, enum=False)).facts
+        facts.setdefault(extension.field.fact, line)
     return found
+
+
+def _extended(extension: ProtoExtension, file: File) -> str:
+    """Return the full name of the message that an extension extends."""
+    known = {message.full_name for message in file.messages}
+    if found := resolve_type(extension.extendee, extension.scope or file.package, known):
+        return found
+    # Another file declares the message. A name without a dot can only belong to the same package.
+    name = extension.extendee.removeprefix(".")
+    return name if "." in extension.extendee or not file.package else f"{file.package}.{name}"
 
 
 def _facts(type: ProtoMessage | ProtoEnum) -> Iterator[tuple[Fact, int]]:

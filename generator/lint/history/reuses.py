@@ -3,38 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 from itertools import combinations, groupby
 
-from roverlink.generator.lint.comparison.field_type_changes import broken_by_kind
-from roverlink.generator.lint.history.lookup import Record
-from roverlink.generator.lint.history.same_meaning import (
-    ValueNames,
-    alike,
-    is_telling,
-    nearly_the_same,
-    replaced,
-    simple,
-    survivors,
+from roverlink.generator.lint.comparison.judgement import (
+    Kept,
+    Meaning,
+    TypePair,
+    compare_parts,
+    judge_field,
+    judge_value,
 )
+from roverlink.generator.lint.history.lookup import Record
+from roverlink.generator.lint.history.same_meaning import is_named, part, type_state
 from roverlink.generator.lint.history.usage_model import Confidence, Content, Kind, Relation, Reuse
 from roverlink.generator.lint.history.usage_relations import Relations
 from roverlink.generator.lint.history.usages import TracedUsage
+from roverlink.generator.lint.names.value_names import shared_words
 from roverlink.generator.protos.parser import SCALARS
-from roverlink.generator.protos.schema import Fact
 
 # A number that had two names or two types is not always a reuse: teams rename fields, move messages between packages
 # and split them into files. A rule that reports each of these would be turned off. So two usages of a number are
-# compared in this order:
-# - Both scalars, or an enum and an integer: the encoding decides first (encoding guide, "Message Structure"), then the
-#   names. `speed` in place of `speed_mps` is the same meaning; `angle` in place of `speed` is not.
-# - Both messages: their fields decide. A message that kept most of its fields was renamed. Bytes carry no name of a
-#   type, so content is all that counts for a receiver.
-# - One message at different times: it kept its name, but most of its fields were replaced under the same numbers.
-#
-# Each comparison uses the contents at the nodes where one usage ended and the other one began, because the fields of a
-# message change with time.
+# judged as two neighbouring states are (see `judgement`), with the contents of their types at the nodes where one usage
+# ended and the other one began, because the fields of a message change with time. One usage is also judged at different
+# times: a message may keep its name, and lose most of its fields to others with the same numbers.
 
 _MOST = 16  # each usage of a number is compared with this many usages before it
+_KINDS = {
+    Meaning.SAME: None,
+    Meaning.RENAMED: Kind.RENAMED,
+    Meaning.DOUBTFUL: Kind.DOUBTFUL,
+    Meaning.UNIT: Kind.UNIT,
+    Meaning.OTHER: Kind.MEANING,
+    Meaning.WIRE: Kind.RETYPED,
+}
 
 
 class Reuses:
@@ -42,10 +44,12 @@ class Reuses:
 
     def __init__(self, record: Record, owners: Sequence[str], traced: Sequence[TracedUsage]) -> None:
         self._record, self._traced = record, traced
-        self._owner = owners[0] if owners else ""
+        self._owner, self._owners = owners[0] if owners else "", owners
         self._relations = Relations(record, owners)
-        self._survivors: dict[tuple[str, str, str, str], int] = {}
-        self._values = ValueNames(self._owner, [one.usage.name for one in traced])
+        self._numbers = cache(self._find_numbers)
+        self._kept: dict[tuple[str, str, str, str], Kept] = {}
+        values = [one.usage.name for one in traced if not one.usage.type]
+        self._shared = shared_words(self._owner.rpartition(".")[2], values) if values else frozenset()
 
     def all(self) -> Iterator[Reuse]:
         """Yield all reuses (changes of meaning) of the numbers of the message or enum, sorted by number."""
@@ -61,9 +65,9 @@ class Reuses:
     def _between(self, uses: Sequence[TracedUsage]) -> list[Reuse]:
         """Return the reuses (changes of meaning) between the usages of one number.
 
-        A chain of mere renames counts as one meaning.
+        A chain of mere renames counts as one meaning. Between the ends of a chain with doubts, nothing is certain.
         """
-        meaning = list(range(len(uses)))
+        renamed, linked = list(range(len(uses))), list(range(len(uses)))
         found: list[tuple[int, int, Reuse]] = []
         for one, other in combinations(range(len(uses)), 2):
             # The comparison of all pairs would be quadratic in the usages of a number, which a generated or merged file
@@ -72,94 +76,51 @@ class Reuses:
                 continue
             reuse = self._compare(uses[one], uses[other])
             # If A was renamed to B and B to C, then A and C are one meaning, although their names may share no word.
-            if reuse is None or not reuse.real:
-                old, new = meaning[other], meaning[one]
-                meaning = [new if each == old else each for each in meaning]
+            if reuse is None or reuse.kind is Kind.RENAMED:
+                _join(renamed, one, other)
+            if reuse is None or not reuse.certain:
+                _join(linked, one, other)
             if reuse is not None:
                 found.append((one, other, reuse))
-        return [reuse for one, other, reuse in found if not reuse.real or meaning[one] != meaning[other]]
+        return [reuse for one, other, reuse in found if _is_open(reuse, one, other, renamed, linked)]
 
     def _compare(self, earlier: TracedUsage, later: TracedUsage) -> Reuse | None:
-        """Compare two usages of a number, and return the reuse; None if both have the same meaning.
+        """Compare two usages of a number, and return the reuse; None if both have the same meaning and name.
 
         A field that only got a new name gives a reuse of the kind `Kind.RENAMED`.
         """
         old, new = earlier.usage.fact, later.usage.fact
         before, after = self._relations.nodes(earlier, later)
-        # Both are enum values. Two names with one number in one state are an alias (`allow_alias`), which is no reuse.
-        if not (old.type or new.type):
-            alias = self._relations.together(old, new)
-            kind = None if alias or self._values.share_a_word(old.name, new.name) else Kind.MEANING
-            return self._reuse(kind, earlier, later, None, None)
-        contents = self._content(earlier, before), self._content(later, after)
-        if old.type in SCALARS and new.type in SCALARS:
-            wire = broken_by_kind(old.type, new.type)
-            return self._reuse(Kind.RETYPED if wire else _by_name(old, new), earlier, later, *contents)
-        if old.type in SCALARS or new.type in SCALARS:
-            return self._reuse(self._scalar_or_not(old, new, contents), earlier, later, *contents)
-        return self._reuse(self._by_content(earlier, later, before, after, contents), earlier, later, *contents)
+        one, other = self._content(earlier, before), self._content(later, after)
+        moved = old.name != new.name and bool(self._numbers(before).get(new.name, set()) - {new.number})
+        types = None
+        if is_named(old.type) and is_named(new.type):
+            beside = (
+                one and other and self._record.declared(one.type, after) and self._record.declared(other.type, before)
+            )
+            at_once = self._relations.hands_over(earlier, later)
+            types = TypePair(type_state(old.type, one), type_state(new.type, other), bool(beside), at_once)
+        if old.type or new.type:
+            judged = judge_field(part(old, one), part(new, other), types, moved)
+        elif self._relations.together(old, new):
+            # Two names of values with one number in one state are an alias (`allow_alias`), which is no reuse.
+            return None
+        else:
+            judged = judge_value(part(old), part(new), moved, self._shared)
+        kind = _KINDS[judged.meaning]
+        if kind is Kind.MEANING and types and types.old.full_name != types.new.full_name:
+            kind = Kind.REUSED
+        return self._reuse(kind, earlier, later, one, other, judged.reason) if kind else None
 
-    def _scalar_or_not(self, old: Fact, new: Fact, contents: tuple[Content | None, Content | None]) -> Kind | None:
-        """Return the kind of a change between a scalar type and a message or enum; None if the meaning stayed.
-
-        ``contents`` are the contents of the old and the new type. An enum is encoded as an integer, so a change between
-        an enum and an integer is compatible.
-        """
-        content = contents[0] or contents[1]
-        enum = content is not None and content.enum
-        kinds = [fact.type if fact.type in SCALARS else "enum" if enum else "message" for fact in (old, new)]
-        return Kind.RETYPED if broken_by_kind(kinds[0], kinds[1]) else _by_name(old, new)
-
-    def _by_content(
-        self,
-        earlier: TracedUsage,
-        later: TracedUsage,
-        before: int,
-        after: int,
-        contents: tuple[Content | None, Content | None],
-    ) -> Kind | None:
-        """Return the kind of a change from one message or enum type to another; None if the meaning stayed.
-
-        The types are compared by their contents. ``before`` is the last node that has the earlier usage, and ``after``
-        is the first node that has the later usage.
-        """
-        old, new = earlier.usage.fact, later.usage.fact
-        one, other = contents
-        if one and other and one.enum != other.enum:
-            return Kind.RETYPED
-        if old.type == new.type or (one and other and one.type == other.type):
-            same_payload = bool(old.oneof and new.oneof)  # the meaning of a oneof's member is its type
-            return (Kind.RENAMED if old.name != new.name else None) if same_payload else _by_name(old, new)
-        if "map<" in (old.type[:4], new.type[:4]) or "group" in (old.type, new.type):
-            return Kind.RETYPED
-        if self._is_renamed(earlier, later, before, after, contents):
-            return Kind.RENAMED
-        return Kind.RETYPED if one and one.enum else Kind.REUSED
-
-    def _is_renamed(
-        self,
-        earlier: TracedUsage,
-        later: TracedUsage,
-        before: int,
-        after: int,
-        contents: tuple[Content | None, Content | None],
-    ) -> bool:
-        """Return True if the later type is the earlier one under a new name.
-
-        Two types that were declared at the same time are different, even if they have the same fields, unless the field
-        kept its name. If the number was unused in between, or a message is too small to compare, the names must share a
-        word.
-        """
-        old, new = earlier.usage.fact, later.usage.fact
-        one, other = contents
-        if one is None or other is None:
-            return old.name == new.name and alike(simple(old.type), simple(new.type))
-        if not nearly_the_same(one, other, self._surviving(one, other)):
-            return False
-        if self._record.declared(one.type, after) and self._record.declared(other.type, before):
-            return old.name == new.name
-        at_a_stroke = self._relations.hands_over(earlier, later)
-        return (at_a_stroke and is_telling(one, other)) or alike(old.name, new.name)
+    def _find_numbers(self, node: int) -> dict[str, set[int]]:
+        """Return the numbers that each name in the message or enum has at a node."""
+        found: dict[str, set[int]] = {}
+        for owner in self._owners:
+            for declaration in self._record.declared(owner, node).values():
+                for fact in declaration.facts:
+                    if not fact.claimed:
+                        found.setdefault(fact.name, set()).add(fact.number)
+        return found
 
     # --- one usage, other contents ----------------------------------------------------------------------------------
 
@@ -175,29 +136,32 @@ class Reuses:
             versions.append((node, new))
             # A change that was reverted is the old content, not a third one.
             known = any(old.facts == new.facts for old in past)
-            if past and not known and replaced(past[-1], new, self._surviving(past[-1], new)):
-                yield from filter(None, [self._reuse(Kind.REPLACED, use, use, past[-1], new)])
+            if past and not known and (kept := self._compare_contents(past[-1], new)).is_another_message:
+                yield self._reuse(
+                    Kind.REPLACED, use, use, past[-1], new, f"{kept.left} of {kept.before} fields are left"
+                )
 
     # --- what is said of both ---------------------------------------------------------------------------------------
 
     def _content(self, use: TracedUsage, node: int) -> Content | None:
         return self._record.content_of_type(use.usage.type, use.stretches[0].owner, node)
 
-    def _surviving(self, old: Content, new: Content) -> int:
-        """Return the number of old fields that still exist in the new content.
-
-        The result is cached for later comparisons.
-        """
+    def _compare_contents(self, old: Content, new: Content) -> Kept:
+        """Compare two contents of a message. The result is cached for later comparisons."""
         key = (old.type, old.commit.id, new.type, new.commit.id)
-        if key not in self._survivors:
-            self._survivors[key] = survivors(old, new)
-        return self._survivors[key]
+        if key not in self._kept:
+            self._kept[key] = compare_parts(type_state(old.type, old), type_state(new.type, new))
+        return self._kept[key]
 
     def _reuse(
-        self, kind: Kind | None, earlier: TracedUsage, later: TracedUsage, old: Content | None, new: Content | None
-    ) -> Reuse | None:
-        if kind is None:
-            return None
+        self,
+        kind: Kind,
+        earlier: TracedUsage,
+        later: TracedUsage,
+        old: Content | None,
+        new: Content | None,
+        reason: str,
+    ) -> Reuse:
         relation = self._relations.relation(earlier, later)
         at_once = relation is Relation.TOGETHER or self._relations.overlap(earlier, later)
         return Reuse(
@@ -210,15 +174,24 @@ class Reuses:
             at_once=at_once and earlier is not later,
             old=old,
             new=new,
-            survivors=self._surviving(old, new) if old and new else 0,
+            survivors=self._compare_contents(old, new).left if old and new else 0,
             confidence=max(_confidence(earlier, old), _confidence(later, new)),
+            reason=reason,
         )
 
 
-def _by_name(old: Fact, new: Fact) -> Kind | None:
-    if old.name == new.name:
-        return None
-    return Kind.RENAMED if alike(old.name, new.name) else Kind.MEANING
+def _join(classes: list[int], one: int, other: int) -> None:
+    """Give two usages the same class, together with all usages that are in their classes."""
+    old, new = classes[other], classes[one]
+    classes[:] = [new if each == old else each for each in classes]
+
+
+def _is_open(reuse: Reuse, one: int, other: int, renamed: Sequence[int], linked: Sequence[int]) -> bool:
+    """Return True if no chain of other renames explains the change between two usages."""
+    if reuse.kind is Kind.RENAMED:
+        return True
+    classes = linked if reuse.certain else renamed
+    return classes[one] != classes[other]
 
 
 def _confidence(use: TracedUsage, content: Content | None) -> Confidence:

@@ -101,7 +101,9 @@ class Kind(Enum):
     REUSED = "another message with other content"
     REPLACED = "a message of the same name with other content"
     RETYPED = "another type, which reads the bytes differently"
-    MEANING = "another name, which shares no word with the old one"
+    MEANING = "another name, which means something else"
+    UNIT = "another name with another unit, scale or reference"
+    DOUBTFUL = "another name, which may mean something else"
     RENAMED = "the same meaning under another name"
 
 
@@ -134,11 +136,13 @@ class Reuse:
     survivors: int
     """The number of fields of the old content that still exist in the new one."""
     confidence: Confidence
+    reason: str = ""
+    """Why the meaning is another one, as a clause; empty for a mere rename."""
 
     @property
-    def real(self) -> bool:
-        """True if bytes with the earlier meaning are misread with the later one. A mere rename is harmless."""
-        return self.kind is not Kind.RENAMED
+    def certain(self) -> bool:
+        """True if bytes with the earlier meaning are misread with the later one."""
+        return self.kind not in (Kind.RENAMED, Kind.UNIT, Kind.DOUBTFUL)
 
 
 @dataclass(frozen=True, slots=True)

@@ -92,6 +92,11 @@ def measure(words: Sequence[str]) -> Measure:
     return Measure(tuple(subject[:end]), units, math.prod(scales), relative, "per" in tail)
 
 
+def is_unit(word: str) -> bool:
+    """Return True if a word is a unit, such as ``mm``. Some units are letters with other meanings, too."""
+    return word in _UNITS
+
+
 def disagree(old: Measure, new: Measure) -> bool:
     """Return True if two names have different units, scales or references.
 

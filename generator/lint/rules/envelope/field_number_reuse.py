@@ -5,6 +5,9 @@ published when `roverlink generate` writes it to the ledger (mapping.lock), whic
 `--against`, the numbers of the earlier state count as published, too. An entry under `retired` must name the payload
 that had the number.
 
+A message that only has another name is the same payload. If this is not certain, the diagnostic is a warning
+(`roverlink explain WIR116`).
+
 Bad::
 
     # mapping.lock says `12: gps_info SensorBoardGPSInfo`
@@ -21,9 +24,12 @@ Good::
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable, Iterator
 
-from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
+from roverlink.generator.lint.comparison.judged_changes import judge_payload
+from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, least
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lock import Entry
 from roverlink.generator.table import RetiredRow, Row
@@ -40,7 +46,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
         for entry in _others(row, published.values()):
             help = f"give {row.name!r} the number {context.next_number()}"
             help = f"{help}; keep the row of {entry.name!r}, or move that row to `retired`"
-            yield _finding(row, entry, help, envelope)
+            yield from _judged(context, row, entry, _finding(row, entry, help, envelope))
     for retired in context.table.retired:
         for entry in _others(retired, published.values()):
             help = f"write under `retired`: {{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
@@ -52,10 +58,22 @@ def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry
     entries = [entry for entry in published if entry.number == row.number]
     for_this = any(entry.proto == row.proto for entry in entries)
     for entry in entries:
-        # If two branches took the same number, the merged table decides which payload keeps it.
-        settled = entry.contested and for_this
+        # If two branches took the same number, the merged table decides which payload keeps it. `generate` publishes a
+        # number for a second payload only if this is the first one with another name.
+        settled = for_this and (entry.contested or entry.gone)
         if entry.proto != row.proto and not settled:
             yield entry
+
+
+def _judged(context: Context, row: Row, entry: Entry, finding: Diagnostic) -> Iterator[Diagnostic]:
+    """Yield the diagnostic, as a warning if in doubt; nothing if the row's message is the published one, renamed."""
+    judged = (judge_payload(change, entry.proto, row.proto, entry.name, row.name) for change in context.changes)
+    found = least([one for one in judged if one] or [Judgement(Meaning.OTHER)])
+    if found.certain:
+        yield finding
+    elif found.meaning is not Meaning.RENAMED:
+        message = f"{finding.message}: {found.reason}"
+        yield dataclasses.replace(finding, severity=Severity.WARNING, message=message)
 
 
 def _finding(row: Row | RetiredRow, entry: Entry, help: str, envelope: str) -> Diagnostic:

@@ -19,13 +19,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.comparison import MessagePair, SchemaChange, each_once, fields_of_messages, messages
-from roverlink.generator.lint.comparison.field_renames import Rename, rename
-from roverlink.generator.lint.comparison.field_type_changes import broken_by_type
+from roverlink.generator.lint.comparison import SchemaChange, each_once, messages
+from roverlink.generator.lint.comparison.judged_changes import type_state
+from roverlink.generator.lint.comparison.judgement import compare_parts
 from roverlink.generator.lint.context import Context
 
 RULE = Rule("WIR113", "message-content-replaced", __doc__)
-_FEWEST = 3  # with fewer fields, each one may have changed on its own
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
@@ -38,10 +37,9 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
     for pair in messages(change):
-        before = len(pair.old.fields)
-        replaced, left = _counts(pair)
-        if before >= _FEWEST and left * 3 < before <= replaced * 2:
-            counted = f"{replaced} of {before} fields were replaced, {left} kept"
+        parts = compare_parts(type_state(pair.old, change.before), type_state(pair.new, change.after))
+        if parts.is_another_message:
+            counted = f"{parts.replaced} of {parts.before} fields were replaced, {parts.left} kept"
             yield RULE.at(
                 pair.new.at("name"),
                 f"{pair.new.full_name!r} is now another message: {counted}",
@@ -49,14 +47,3 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
                 change.earlier(pair.old.at("name"), "the old message is here"),
                 type=pair.new.full_name,
             )
-
-
-def _counts(pair: MessagePair) -> tuple[int, int]:
-    """Return the count of field numbers with a new meaning, and the count of those with the same meaning as before."""
-    same = 0
-    pairs = list(fields_of_messages(pair))
-    for one in pairs:
-        retyped = broken_by_type(one)
-        renamed = one.old.name != one.new.name
-        same += not (renamed if retyped else rename(one) is Rename.MEANING)
-    return len(pairs) - same, same

@@ -1,0 +1,121 @@
+"""Diagnostics about numbers that belonged to another field or enum value in the ledger, mapping.lock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Set
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.comparison import EnumPair, FieldPair, MessagePair, SchemaChange, values_by_number
+from roverlink.generator.lint.comparison.judged_changes import judge_number, judge_pair
+from roverlink.generator.lint.comparison.judgement import Judgement, Meaning
+from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.declarations import declaration
+from roverlink.generator.lint.fixits.put_back_or_reserve import reserve
+from roverlink.generator.lint.fixits.put_back_or_reserve import values as declared
+from roverlink.generator.lint.free_numbers import next_enum_number, next_field_number
+from roverlink.generator.protos.schema import ProtoEnumValue
+
+_KEPT = frozenset({Meaning.SAME, Meaning.RENAMED})
+
+
+def reused_fields(rule: Rule, context: Context, meanings: Set[Meaning]) -> Iterator[Diagnostic]:
+    """Yield a diagnostic of the rule for each field whose number belonged to a deleted field in the ledger.
+
+    Only fields with one of the given judgements are reported. A field is left out if the ledger also contains it with
+    its number, even with another name that means the same.
+    """
+    if context.schema is None:
+        return
+    change = SchemaChange(context.ledger.schema, context.schema, of_ledger=True)
+    for name, gone in context.ledger.gone_fields.items():
+        before, after = change.before.messages.get(name), change.after.messages.get(name)
+        if before is None or after is None:
+            continue
+        messages, offered = MessagePair(change, before, after), set[int]()
+        for field in after.fields:
+            known = [one for one in context.ledger.fields(name) if one.number == field.number]
+            pairs = [FieldPair(change, name, one, field, messages, (before.file, after.file)) for one in known]
+            judged = [(pair, judge_pair(pair)) for pair in pairs]
+            reused = [(pair, one) for pair, one in judged if pair.old in gone]
+            if reused and not any(one.meaning in _KEPT for _, one in judged):
+                free = next_field_number(context, name, offered)
+                offered |= {free} if free else set()
+                yield from (_field(rule, pair, one, free) for pair, one in reused if one.meaning in meanings)
+
+
+def _field(rule: Rule, pair: FieldPair, judged: Judgement, free: int | None) -> Diagnostic:
+    old, new = pair.old, pair.new
+    was = f"{old.name!r} ({old.wire_type})"
+    message = f"number {new.number} of {pair.owner!r} was {was} in the past, and is now {new.name!r}"
+    return rule.at(
+        new.at("number"),
+        message if judged.certain else f"{message}: {judged.reason}",
+        _field_help(pair, free) if free else f"declare {new.name!r} in another message",
+        [(old.span, "published here")],
+        type=pair.owner,
+        number=new.number,
+    )
+
+
+def _field_help(pair: FieldPair, free: int) -> str:
+    moved = declaration(pair.new, pair.change.after, pair.owner, pair.syntax, free)
+    message = pair.change.after.messages[pair.owner]
+    freed = reserve(message, pair.syntax, [(pair.old.number, pair.old.number)], [pair.old.name])
+    return f"write `{moved} {freed}`: the number {free} is free"
+
+
+def reused_values(rule: Rule, context: Context, meanings: Set[Meaning]) -> Iterator[Diagnostic]:
+    """Yield a diagnostic of the rule for each enum value whose number belonged to a deleted value in the ledger.
+
+    Only values with one of the given judgements are reported. A value is left out if the ledger also contains it with
+    its number, even with another name that means the same.
+    """
+    if context.schema is None:
+        return
+    change = SchemaChange(context.ledger.schema, context.schema, of_ledger=True)
+    for name, gone in context.ledger.gone_values.items():
+        before, after = change.before.enums.get(name), change.after.enums.get(name)
+        if before is None or after is None:
+            continue
+        pair, offered = EnumPair(change, before, after), set[int]()
+        for number, values in values_by_number(after).items():
+            known = [one for one in context.ledger.values(name) if one.number == number]
+            judged = [(one, _judge(pair, one, values)) for one in known]
+            reused = [(old, one) for old, one in judged if old in gone]
+            if reused and not any(one.meaning in _KEPT for _, one in judged):
+                free = next_enum_number(context, name, offered)
+                offered |= {free} if free else set()
+                yield from (
+                    _value(rule, pair, values, old, one, free) for old, one in reused if one.meaning in meanings
+                )
+
+
+def _judge(pair: EnumPair, old: ProtoEnumValue, values: list[ProtoEnumValue]) -> Judgement:
+    if old.name in {value.name for value in values}:
+        return Judgement(Meaning.SAME)
+    return judge_number(pair, old.number, [old.name], values)
+
+
+def _value(
+    rule: Rule,
+    pair: EnumPair,
+    values: list[ProtoEnumValue],
+    old: ProtoEnumValue,
+    judged: Judgement,
+    free: int | None,
+) -> Diagnostic:
+    enum, names = pair.new, [value.name for value in values]
+    freed = reserve(enum, pair.syntax, [(old.number, old.number)], [old.name])
+    was = f"number {old.number} of the enum {enum.full_name!r} was {old.name!r} in the past, and is now {names[0]!r}"
+    return rule.at(
+        values[0].at("number"),
+        was if judged.certain else f"{was}: {judged.reason}",
+        (
+            f"write `{declared(names, free)} {freed}`: the number {free} is free"
+            if free
+            else f"declare {names[0]!r} in another enum"
+        ),
+        [(old.span, "published here")],
+        type=enum.full_name,
+        number=old.number,
+    )
