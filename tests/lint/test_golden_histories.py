@@ -27,7 +27,6 @@ _NOT_YET = frozenset(
         "bytes_latin_1_comment_in_history",
         "bytes_latin_1_comment_in_the_working_tree",
         "judgement_json_name_kept",
-        "judgement_opposites_against",
         "lineage_deleted_and_declared_again_elsewhere",
         "lineage_enum_and_message_of_one_name",
         "lineage_enum_replaced_by_a_message",
