@@ -35,7 +35,11 @@ class Commit:
     subject: str
 
     def __str__(self) -> str:
-        return f"{self.id[:10]} {self.date} {self.subject}"
+        return f"{self.id[:10]} {self.date} {self.subject}" if self.id else self.subject
+
+
+UNCOMMITTED = Commit("", "", "a change that is not committed yet")
+"""Stands in place of the commit for a change that only the index or the working tree has."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,13 +146,15 @@ class Repository:
             return None
         return commit_of(id, facts["author-time"], facts["summary"])
 
-    def _run(self, *arguments: str) -> str:
-        return self._run_bytes(*arguments).decode("utf-8", errors="replace")
+    def _run(self, *arguments: str, index: str = "") -> str:
+        return self._run_bytes(*arguments, index=index).decode("utf-8", errors="replace")
 
-    def _run_bytes(self, *arguments: str, input: bytes = b"") -> bytes:
+    def _run_bytes(self, *arguments: str, input: bytes = b"", index: str = "") -> bytes:
+        """Return what git prints. ``index`` is the path of another index file than the usual one."""
+        variables = environment() | ({"GIT_INDEX_FILE": index} if index else {})
         try:
             done = subprocess.run(  # noqa: S603  # no shell
-                command(self.folder, *arguments), input=input, capture_output=True, check=False, env=environment()
+                command(self.folder, *arguments), input=input, capture_output=True, check=False, env=variables
             )
         except OSError as error:
             raise GitError(f"git cannot be run: {error.strerror}") from error

@@ -5,9 +5,10 @@ The state comes from a git ref, a folder or a descriptor set.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -88,17 +89,28 @@ def _descriptor_set(path: Path, spec: str, layout: Layout) -> Baseline:
     return Baseline(spec, schema, tuple(_members(schema, layout)), (), None, lambda _: None)
 
 
-def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
-    repository = Repository(project)
+def commit_of_ref(repository: Repository, ref: str, option: str) -> str:
+    """Return the id of the commit that a ref names; raise `DiagnosticsError` if there is none.
+
+    ``option`` is the option of the command line with the ref, or with a folder or a file.
+    """
     try:
-        commit = repository.resolve(ref)
+        return repository.resolve(ref)
     except GitError as error:
         message = f"{ref!r} is not a folder, a file, or a git ref"
         help = (
             str(error)
             or f"`git branch --all` and `git tag` list the refs; a shallow clone gets all of them with {DEEPEN}"
         )
-        raise DiagnosticsError([NO_SUCH_STATE.at(Span("--against"), message, help)]) from error
+        raise DiagnosticsError([NO_SUCH_STATE.at(Span(option), message, help)]) from error
+
+
+@contextlib.contextmanager
+def checked_out(repository: Repository, commit: str, ref: str) -> Iterator[Path]:
+    """Write the files of a commit that the lint reads to a temporary folder, and yield the folder.
+
+    ``ref`` is the name of the commit for diagnostics. Raises `DiagnosticsError` if the files cannot be read.
+    """
     with tempfile.TemporaryDirectory(prefix="roverlink-state-") as folder:
         try:
             wanted = [file for file in repository.files(commit) if _is_wanted(file)]
@@ -107,15 +119,20 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic])
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_bytes(data)
         except (GitError, OSError) as error:
-            raise DiagnosticsError(
-                [UNREADABLE_STATE.at(Span(ref), f"the earlier state cannot be read: {error}")]
-            ) from error
+            raise DiagnosticsError([UNREADABLE_STATE.at(Span(ref), f"the state cannot be read: {error}")]) from error
+        yield Path(folder)
+
+
+def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
+    repository = Repository(project)
+    commit = commit_of_ref(repository, ref, "--against")
+    with checked_out(repository, commit, ref) as folder:
 
         def commit_of(span: Span) -> Commit | None:
             file = span.file.removeprefix(f"{ref}:")
             return repository.commit_of_line(file, span.line, commit) if span.line else None
 
-        return dataclasses.replace(_baseline_in(Path(folder), f"{ref}:", layout, commit_of, findings), commit=commit)
+        return dataclasses.replace(_baseline_in(folder, f"{ref}:", layout, commit_of, findings), commit=commit)
 
 
 def _is_wanted(file: str) -> bool:

@@ -541,7 +541,9 @@ def test_a_burned_number_is_given_to_nobody(project: Path, run: Run) -> None:
     [
         (["lint", "--message", "PBEnvelope"], "need PROTO_ROOT"),
         (["next-number", "--envelope", "e.proto"], "need PROTO_ROOT"),
-        (["lint", "one", "--history", "other"], "two folders of .proto files are given, 'one' and 'other'"),
+        (["lint", "one", "--history", "."], "two folders of .proto files are given, 'one' and '.'"),
+        (["lint", ".", "--history", "main", "--accept"], "leave out 'main' after --history"),
+        (["lint", ".", "--history", "nowhere"], "'nowhere' is not a folder, a file, or a git ref"),
     ],
 )
 def test_words_without_effect(run: Run, arguments: list[str], said: str) -> None:

@@ -44,10 +44,11 @@ def branch_name(ref: str) -> str:
 class Branches:
     """Comparison of the branches of a repository: finds numbers of one message that mean different payloads.
 
-    ``owners`` are the full names that the message had. ``nodes`` has the graph's node of each branch's last commit.
+    ``owners`` are the ids of the message; several if several files declare its name. ``nodes`` has the graph's node of
+    each branch's last commit.
     """
 
-    def __init__(self, record: Record, owners: Sequence[str], nodes: Mapping[str, int]) -> None:
+    def __init__(self, record: Record, owners: Sequence[int], nodes: Mapping[str, int]) -> None:
         self._record, self._owners, self._nodes = record, owners, nodes
 
     def collisions(self, default: str | None) -> list[Collision]:

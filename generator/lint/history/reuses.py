@@ -40,10 +40,10 @@ _MOST = 16  # each usage of a number is compared with this many usages before it
 class Reuses:
     """Finder of the reuses of one message or enum: compares the usages (meanings) of each number with each other."""
 
-    def __init__(self, record: Record, owners: Sequence[str], traced: Sequence[TracedUsage]) -> None:
+    def __init__(self, record: Record, owner: int, traced: Sequence[TracedUsage]) -> None:
         self._record, self._traced = record, traced
-        self._owner = owners[0] if owners else ""
-        self._relations = Relations(record, owners)
+        self._owner = record.types[owner].name
+        self._relations = Relations(record, owner)
         self._survivors: dict[tuple[str, str, str, str], int] = {}
         self._values = ValueNames(self._owner, [one.usage.name for one in traced])
 
@@ -127,7 +127,8 @@ class Reuses:
         one, other = contents
         if one and other and one.enum != other.enum:
             return Kind.RETYPED
-        if old.type == new.type or (one and other and one.type == other.type):
+        moved = one and other and one.id == other.id and simple(old.type) == simple(new.type)
+        if old.type == new.type or moved:
             same_payload = bool(old.oneof and new.oneof)  # the meaning of a oneof's member is its type
             return (Kind.RENAMED if old.name != new.name else None) if same_payload else _by_name(old, new)
         if "map<" in (old.type[:4], new.type[:4]) or "group" in (old.type, new.type):
@@ -156,7 +157,8 @@ class Reuses:
             return old.name == new.name and alike(simple(old.type), simple(new.type))
         if not nearly_the_same(one, other, self._surviving(one, other)):
             return False
-        if self._record.declared(one.type, after) and self._record.declared(other.type, before):
+        beside = one.id != other.id and self._record.declared(one.id, after)
+        if beside and self._record.declared(other.id, before):
             return old.name == new.name
         at_a_stroke = self._relations.hands_over(earlier, later)
         return (at_a_stroke and is_telling(one, other)) or alike(old.name, new.name)
