@@ -108,7 +108,7 @@ class Branches:
     def _lifetimes(self, fact: Fact, node: int) -> Iterator[Lifetime]:
         """Yield the lifetimes of a fact (a declared field) that have not ended at the node, the latest first."""
         for owner in self._owners:
-            lifetimes = self._record.lineage.tips[node].alive.get(owner, {}).get(fact, frozenset())
+            lifetimes = self._record.lineage.tips[node].get(owner, {}).get(fact, frozenset())
             yield from (self._record.lineage.lifetimes[owner][index] for index in sorted(lifetimes, reverse=True))
 
 

@@ -123,20 +123,15 @@ class Graph:
 
 
 class Lines(Generic[_State]):
-    """The states at those nodes whose children were not visited yet, in a walk over the graph with parents first.
+    """The states at those nodes whose children were not visited yet, in a walk over the graph with parents first."""
 
-    The states at the nodes ``tips`` are kept to the end.
-    """
-
-    def __init__(self, graph: Graph, tips: Iterable[int], beginning: _State) -> None:
+    def __init__(self, graph: Graph, beginning: _State) -> None:
         self._states = {Graph.BEGINNING: beginning}
         self._needed = [0] * len(graph)
-        """For each node, the number of children and tips that still need its state.
+        """For each node, the number of children that still need its state.
 
         The last child that needs a state may change it without making a copy.
         """
-        for index in tips:
-            self._needed[index] += 1
         for node in graph.nodes:
             for parent in node.parents:
                 self._needed[parent] += 1

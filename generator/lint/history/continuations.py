@@ -15,8 +15,9 @@ If a message goes on under another name, the types inside it follow it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 from posixpath import basename
 from typing import NamedTuple, TypeVar
 
@@ -26,6 +27,8 @@ from roverlink.generator.protos.schema import Fact
 
 _Key = TypeVar("_Key")
 
+_MOST_PAIRS = 10_000  # types of one name that are compared each with each
+_MOST_ALIKE = 50  # added types with a field of the same number and name, which are compared with a removed one
 _TELLING = 2  # one equal field proves nothing: half of all messages have a single field
 
 
@@ -53,7 +56,8 @@ def continuations(removed: Declarations, added: Declarations) -> dict[Place, Pla
 
 def equal(one: NumberedType, other: NumberedType) -> bool:
     """Return True if two types declare the same fields or values; lines and comments may differ."""
-    return one.enum == other.enum and set(_declared(one)) == set(_declared(other))
+    ours, theirs = ({fact for fact in type.facts if not fact.claimed} for type in (one, other))
+    return one.enum == other.enum and ours == theirs
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +92,8 @@ class _Matching:
         self.found: dict[Place, Place] = {}
         self._removed, self._added = dict(sorted(removed.items())), dict(sorted(added.items()))
         self._messages = {place for all in (removed, added) for place, type in all.items() if not type.enum}
+        self._inside = _grouped(self._removed, lambda place: [_container(place)])
+        self._contents: dict[NumberedType, _Content] = {}
 
     def take_same_names(self) -> None:
         """Pair the types that have the same full name in another file."""
@@ -103,18 +109,33 @@ class _Matching:
 
     def take_moved(self) -> None:
         """Pair the types that have the same name in another package or in another message."""
-        by_name = _grouped(self._added, lambda place: [simple(place.name)])
-        # Key: both files, and both packages or messages without the parts of the names that are the same.
-        groups: dict[tuple[str, str, str, str], list[tuple[Place, Place]]] = {}
-        for one in self._removed:
-            for other in by_name.get(simple(one.name), ()):
-                if self._same_kind(one, other):
-                    groups.setdefault((one.path, other.path, *_scopes(one.name, other.name)), []).append((one, other))
-        judged = [(_sum(self._agreement(*pair) for pair in pairs), key, pairs) for key, pairs in groups.items()]
-        for agreement, key, pairs in sorted(judged, key=lambda each: (-each[0].ratio, -each[0].agreed, each[1])):
-            if self._is_move(agreement, *key):
-                for one, other in pairs:
-                    self._take(one, other)
+        # The types inside other ones follow these, and are compared on their own only if they are left.
+        for outer in (True, False):
+            groups: dict[tuple[str, str, str, str], list[tuple[Place, Place]]] = {}
+            for one, other in self._with_common_name(outer):
+                groups.setdefault((one.path, other.path, *_scopes(one.name, other.name)), []).append((one, other))
+            judged = [(_sum(self._agreement(*pair) for pair in pairs), key, pairs) for key, pairs in groups.items()]
+            for agreement, key, pairs in sorted(judged, key=lambda each: (-each[0].ratio, -each[0].agreed, each[1])):
+                if self._is_move(agreement, *key):
+                    for one, other in pairs:
+                        self._take(one, other)
+
+    def _with_common_name(self, outer: bool) -> Iterator[tuple[Place, Place]]:
+        """Yield the pairs of types with the same name in different packages or messages.
+
+        ``outer`` selects the types that are not inside other types of the commit.
+        """
+        removed, added = (
+            [place for place in places if not (outer and _container(place) in self._messages)]
+            for places in (self._removed, self._added)
+        )
+        ours, theirs = (_grouped(places, lambda place: [simple(place.name)]) for places in (removed, added))
+        for name in ours.keys() & theirs.keys():
+            # A commit that replaces a thousand messages may have a thousand enums `Type`.
+            few = len(ours[name]) * len(theirs[name]) <= _MOST_PAIRS
+            for one, other in product(ours[name], theirs[name]):
+                if self._same_kind(one, other) and (few or basename(one.path) == basename(other.path)):
+                    yield one, other
 
     def _is_move(self, agreement: _Agreement, old_path: str, new_path: str, old_scope: str, new_scope: str) -> bool:
         """Return True if the types of one package or message in a file moved to another one.
@@ -129,7 +150,7 @@ class _Matching:
     def take_renamed(self) -> None:
         """Pair the types that have another name and most of their fields."""
         ranked = []
-        for one, other in self._with_common_numbers():
+        for one, other in self._with_common_fields():
             agreement = self._agreement(one, other)
             if agreement.most and (agreement.telling or self._is_tiny_rename(one, other, agreement)):
                 far = (one.path != other.path, not alike(simple(one.name), simple(other.name)))
@@ -140,18 +161,24 @@ class _Matching:
     def _is_tiny_rename(self, one: Place, other: Place, agreement: _Agreement) -> bool:
         return one.path == other.path and agreement.ratio == 1 and alike(simple(one.name), simple(other.name))
 
-    def _with_common_numbers(self) -> Iterable[tuple[Place, Place]]:
-        """Yield the pairs of types with a common field: all pairs of a large commit would be too many to compare."""
-        by_field = _grouped(self._added, lambda place: _keys(self._added[place]))
+    def _with_common_fields(self) -> Iterator[tuple[Place, Place]]:
+        """Yield the pairs of types with a common field or value that few others of the commit have."""
+        by_field = _grouped(self._added, lambda place: self._content(self._added[place]).keys)
         for one, type in self._removed.items():
-            others = {other for key in _keys(type) for other in by_field.get(key, ())}
-            yield from ((one, other) for other in sorted(others))
+            shared = (by_field.get(key, ()) for key in self._content(type).keys)
+            others = {other for places in shared if len(places) <= _MOST_ALIKE for other in places}
+            yield from ((one, other) for other in sorted(others) if self._same_kind(one, other))
 
     def _same_kind(self, one: Place, other: Place) -> bool:
         return self._removed[one].enum == self._added[other].enum
 
     def _agreement(self, one: Place, other: Place) -> _Agreement:
-        return _agreement(self._removed[one], self._added[other])
+        return _agreement(self._content(self._removed[one]), self._content(self._added[other]))
+
+    def _content(self, type: NumberedType) -> _Content:
+        if type not in self._contents:
+            self._contents[type] = _content(type)
+        return self._contents[type]
 
     def _take(self, one: Place, other: Place) -> None:
         """Record that the removed type ``one`` goes on as ``other``, and so do the types inside it.
@@ -161,32 +188,49 @@ class _Matching:
         if one not in self._removed or other not in self._added:
             return
         self.found[other] = one
-        message = not self._removed.pop(one).enum
-        del self._added[other]
-        inside = [place for place in self._removed if place.path == one.path and _is_in(place.name, one.name)]
-        for place in inside if message else ():
-            follower = Place(other.path, other.name + place.name[len(one.name) :])
+        del self._removed[one], self._added[other]
+        for place in self._inside.get(one, ()):
+            follower = Place(other.path, f"{other.name}.{simple(place.name)}")
             if follower in self._added and place in self._removed and self._same_kind(place, follower):
                 self._take(place, follower)
 
 
-def _agreement(old: NumberedType, new: NumberedType) -> _Agreement:
+@dataclass(frozen=True, slots=True)
+class _Content:
+    """The fields of a message, or the values of an enum, as they are compared."""
+
+    parts: list[tuple[Fact, str]]
+    """Each field or value, with its name; names of values are without the words that all values begin with."""
+    by_number: dict[int, list[tuple[Fact, str]]]
+    keys: set[tuple[int, str]]
+    """Number and name of each field or value."""
+
+
+def _content(type: NumberedType) -> _Content:
+    facts = [fact for fact in type.facts if not fact.claimed]
+    parts = list(zip(facts, _own_names(facts) if type.enum else (fact.name for fact in facts)))
+    by_number: dict[int, list[tuple[Fact, str]]] = {}
+    for fact, name in parts:
+        by_number.setdefault(fact.number, []).append((fact, name))
+    return _Content(parts, by_number, {(fact.number, name) for fact, name in parts})
+
+
+def _agreement(old: _Content, new: _Content) -> _Agreement:
     """Return how many fields or values of a removed and an added type have the same number and the same meaning."""
-    ours, theirs = _declared(old), _declared(new)
-    if old.enum != new.enum:
-        agreeing: list[Fact] = []
-    elif old.enum:
-        named = {(number, name) for number, name in zip((fact.number for fact in theirs), _own_names(theirs))}
-        whole = {(fact.number, fact.name) for fact in theirs}
-        names = zip(ours, _own_names(ours))
-        agreeing = [f for f, own in names if (f.number, own) in named or (f.number, f.name) in whole]
-    else:
-        by_number: dict[int, list[Fact]] = {}
-        for fact in theirs:
-            by_number.setdefault(fact.number, []).append(fact)
-        agreeing = [fact for fact in ours if any(same_field(fact, one) for one in by_number.get(fact.number, ()))]
-    sizes = sorted((len(ours), len(theirs)))
-    return _Agreement(len(agreeing), sum(2 if fact.oneof else 1 for fact in agreeing), sizes[0], sizes[1])
+    agreeing = [
+        fact
+        for fact, name in old.parts
+        if any(_agree(fact, name, other, other_name) for other, other_name in new.by_number.get(fact.number, ()))
+    ]
+    sizes = sorted((len(old.parts), len(new.parts)))
+    return _Agreement(len(agreeing), sum(2 if fact.oneof else 1 for fact in agreeing), *sizes)
+
+
+def _agree(fact: Fact, name: str, other: Fact, other_name: str) -> bool:
+    """Return True if two fields, or two enum values with the same number, have the same meaning."""
+    if fact.type and other.type:
+        return same_field(fact, other)
+    return not (fact.type or other.type) and (name == other_name or fact.name == other.name)
 
 
 def _sum(agreements: Iterable[_Agreement]) -> _Agreement:
@@ -199,10 +243,6 @@ def _sum(agreements: Iterable[_Agreement]) -> _Agreement:
     )
 
 
-def _declared(type: NumberedType) -> list[Fact]:
-    return [fact for fact in type.facts if not fact.claimed]
-
-
 def _own_names(values: list[Fact]) -> list[str]:
     """Return the names of an enum's values without the words that all of them begin with: ``NONE`` for ``GPS_NONE``."""
     names = [value.name.split("_") for value in values]
@@ -210,11 +250,6 @@ def _own_names(values: list[Fact]) -> list[str]:
     while len(names) > 1 and all(len(name) > common + 1 and name[common] == names[0][common] for name in names):
         common += 1
     return ["_".join(name[common:]) for name in names]
-
-
-def _keys(type: NumberedType) -> set[tuple[bool, int, str]]:
-    """Return keys that two agreeing types have in common: kind and number, and for a field its type, if a scalar."""
-    return {(type.enum, fact.number, simple(fact.type)) for fact in _declared(type)}
 
 
 def _scopes(one: str, other: str) -> tuple[str, str]:
@@ -226,8 +261,9 @@ def _scopes(one: str, other: str) -> tuple[str, str]:
     return ".".join(ours), ".".join(theirs)
 
 
-def _is_in(name: str, message: str) -> bool:
-    return name.startswith(f"{message}.")
+def _container(place: Place) -> Place:
+    """Return the place of the message, or of the package, that contains a type."""
+    return Place(place.path, place.name.rpartition(".")[0])
 
 
 def _grouped(places: Iterable[Place], keys: Callable[[Place], Iterable[_Key]]) -> dict[_Key, list[Place]]:

@@ -72,7 +72,7 @@ class _Walk:
         self.born: list[int] = []
         """For each id, the node at which the type was first declared."""
         self._graph, self._types_of = graph, types_of
-        self._lines = Lines(graph, (), _State())
+        self._lines = Lines(graph, _State())
         self._parent: list[int] = []
         self._enum: list[bool] = []
         self._places: list[set[Place]] = []
@@ -244,4 +244,4 @@ class _Walk:
 
 def _empty(enum: bool) -> NumberedType:
     """Return a type without fields or values, in place of one whose file cannot be read."""
-    return NumberedType({}, 0, False, enum)
+    return NumberedType((), (), 0, False, enum)

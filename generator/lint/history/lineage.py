@@ -76,13 +76,14 @@ class Lineage:
     """The lifetimes of all facts (fields and enum values) of each message and enum, by the type's id."""
     changes: dict[int, dict[int, Declarations]] = field(default_factory=dict)
     """The declarations of each message and enum, at each node where they differ from those at the first parent."""
-    tips: dict[int, State] = field(default_factory=dict)
+    tips: dict[int, Mapping[int, Alive]] = field(default_factory=dict)
+    """The lifetimes of the facts that the last commits of the branches have, by node and by the type's id."""
 
 
 def sweep(graph: Graph, types_of: Callable[[str | None], NumberedTypes], tips: Collection[int]) -> Lineage:
     """Walk over all commits of the graph, parents first, and find when each field and enum value began and ended.
 
-    ``types_of`` returns the messages and enums of a blob. The states at the nodes ``tips`` are kept for later queries.
+    ``types_of`` returns the messages and enums of a blob. The facts at the nodes ``tips`` are kept for later queries.
     """
     walk = _Sweep(graph, types_of, tips)
     for node in graph.nodes:
@@ -95,10 +96,10 @@ class _Sweep:
         self.lineage = Lineage()
         self._graph, self._types_of = graph, types_of
         self._labels = identities(graph, types_of)
-        self._lines = Lines(graph, tips, State())
+        self._lines = Lines(graph, State())
         self._tips = frozenset(tips)
         if Graph.BEGINNING in self._tips:
-            self.lineage.tips[Graph.BEGINNING] = State()
+            self.lineage.tips[Graph.BEGINNING] = {}
 
     def visit(self, node: Node) -> None:
         """Find the facts (fields and enum values) that begin or end at a commit; its parents must have been visited."""
@@ -120,7 +121,7 @@ class _Sweep:
             here[type] = self._settle(node, type, befores, state.declared.get(type, _NOWHERE))
         self._lines.keep(node.index, state)
         if node.index in self._tips:
-            self.lineage.tips[node.index] = state
+            self.lineage.tips[node.index] = dict(state.alive)  # a child may change the state
 
     def _edit(self, node: Node, state: State) -> set[int]:
         """Apply the changed files of a node to a state, and return the messages and enums whose facts changed."""
@@ -175,7 +176,7 @@ class _Sweep:
         lifetimes = self.lineage.lifetimes.setdefault(type, [])
         after: dict[Fact, Lifetimes] = {}
         for (path, _), declaration in declared.items():
-            for fact, line in declaration.facts.items():
+            for fact, line in declaration.lines():
                 if fact not in after:
                     held = [before[fact] for before in befores if fact in before]
                     if not held:
@@ -207,4 +208,4 @@ def _same(one: Declarations, other: Declarations) -> bool:
 
 
 def _equal(one: NumberedType, other: NumberedType) -> bool:
-    return one is other or (one.facts.keys() == other.facts.keys() and one.broken == other.broken)
+    return one is other or (one.facts == other.facts and one.broken == other.broken)

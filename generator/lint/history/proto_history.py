@@ -14,7 +14,7 @@ from roverlink.generator.lint.history.commits import PastRepository, Ref, Revisi
 from roverlink.generator.lint.history.lineage import sweep
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.moved_files import LostPast, blobs_to_compare, lost_pasts, with_moved_files
-from roverlink.generator.lint.history.numbered_types import NumberedTypes, numbered_types
+from roverlink.generator.lint.history.numbered_types import NumberedTypes, Pool, numbered_types
 from roverlink.generator.lint.history.reuses import Reuses
 from roverlink.generator.lint.history.uncommitted import CheckedOut, Uncommitted, is_uncommitted
 from roverlink.generator.lint.history.usage_model import Collision, Reuse, TracedType, Usage
@@ -160,7 +160,8 @@ class _States:
         """Ids of the blobs that could not be read."""
         self._git, self._contents, self._report = git, contents, report
         self._cache = BlobCache(git.folder)
-        self._known = self._cache.load()
+        self._pool = Pool()
+        self._known = self._cache.load(self._pool)
         self._types: dict[str, NumberedTypes] = {}
         self._parsed = False
 
@@ -181,7 +182,7 @@ class _States:
             else:
                 # Comments of old files often have another encoding than UTF-8. Declarations are ASCII, so replaced
                 # characters change only comments.
-                self._types[blob] = numbered_types(parse(data.decode("utf-8", errors="replace")))
+                self._types[blob] = numbered_types(parse(data.decode("utf-8", errors="replace")), self._pool)
                 self._parsed = True
             if done % _SOME == 0:
                 self._report(done, len(blobs))

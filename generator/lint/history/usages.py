@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from roverlink.generator.lint.history.lineage import Lifetime
+from roverlink.generator.lint.history.lineage import Alive, Lifetime
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.uncommitted import is_uncommitted
 from roverlink.generator.lint.history.usage_model import Confidence, Interval, Usage
@@ -63,12 +63,24 @@ def _live_at(record: Record, owner: int, branches: Mapping[str, int]) -> dict[in
 
     The working tree or the index is named only if no branch has the lifetime's fact.
     """
+    # Most branches share the mapping of a message that none of them has changed.
+    refs_of: dict[int, list[str]] = {}
+    alive_by_id: dict[int, Alive] = {}
+    for ref, node in branches.items():
+        alive = record.lineage.tips[node].get(owner)
+        if alive and not is_uncommitted(ref):
+            refs_of.setdefault(id(alive), []).append(ref)
+            alive_by_id[id(alive)] = alive
     found: dict[int, list[str]] = {}
-    for ref, node in sorted(branches.items(), key=lambda one: is_uncommitted(one[0])):
-        for lifetimes in record.lineage.tips[node].alive.get(owner, {}).values():
+    for key, refs in refs_of.items():
+        for lifetimes in alive_by_id[key].values():
             for index in lifetimes:
-                if not is_uncommitted(ref) or index not in found:
-                    found.setdefault(index, []).append(ref)
+                found.setdefault(index, []).extend(refs)
+    for ref, node in branches.items():
+        if is_uncommitted(ref):
+            for lifetimes in record.lineage.tips[node].get(owner, {}).values():
+                for index in lifetimes - found.keys():
+                    found[index] = [ref]
     return found
 
 
