@@ -10,6 +10,7 @@ import dataclasses
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
@@ -17,7 +18,7 @@ from google.protobuf.message import DecodeError
 
 from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
-from roverlink.generator.git import Commit, GitError, Repository
+from roverlink.generator.git import Commit, GitError, Repository, commit_of_line
 from roverlink.generator.lint.input_rules import DEEPEN, NO_SUCH_STATE, UNREADABLE_STATE
 from roverlink.generator.lock import Entry, RowSettings
 from roverlink.generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
@@ -126,11 +127,12 @@ def checked_out(repository: Repository, commit: str, ref: str) -> Iterator[Path]
 def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
     repository = Repository(project)
     commit = commit_of_ref(repository, ref, "--against")
+    commits_of = cache(lambda file: repository.commits_of_lines(file, commit))
     with checked_out(repository, commit, ref) as folder:
 
         def commit_of(span: Span) -> Commit | None:
             file = span.file.removeprefix(f"{ref}:")
-            return repository.commit_of_line(file, span.line, commit) if span.line else None
+            return commit_of_line(commits_of(file), span.line)
 
         return dataclasses.replace(_baseline_in(folder, f"{ref}:", layout, commit_of, findings), commit=commit)
 

@@ -10,12 +10,13 @@ import dataclasses
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from itertools import groupby
 from pathlib import Path
 
 from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, in_order, shown
-from roverlink.generator.git import Commit, GitError, Repository
+from roverlink.generator.git import Commit, GitError, Repository, commit_of_line
 from roverlink.generator.lint import bare_tree, buf
 from roverlink.generator.lint.baseline import Baseline, Layout, checked_out, commit_of_ref, open_baseline
 from roverlink.generator.lint.comparison import SchemaChange
@@ -258,6 +259,7 @@ def _blame(project: Path, newest: str, baseline: Baseline | None) -> Callable[[S
     earlier state. The function returns None if the commit is unknown.
     """
     repository = Repository(project)
+    commits_of = cache(lambda file: repository.commits_of_lines(file, newest or None))
 
     def commit_of(span: Span) -> Commit | None:
         if not span.line:
@@ -266,6 +268,6 @@ def _blame(project: Path, newest: str, baseline: Baseline | None) -> Callable[[S
             return baseline.commit_of(span)
         if not (project / span.file).is_file():  # a file of an earlier commit: its name starts with the commit
             return None
-        return repository.commit_of_line(span.file, span.line, newest or None)
+        return commit_of_line(commits_of(span.file), span.line)
 
     return commit_of

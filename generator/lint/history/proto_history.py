@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
-from functools import cache
+from functools import cache, lru_cache
 from itertools import groupby
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from roverlink.generator.lint.history.usages import usages
 from roverlink.generator.protos.parser import parse
 
 _SOME = 64  # states between two reports of progress
+_FEW = 16  # messages whose usages are kept
 _NO_TYPES: NumberedTypes = {}
 
 
@@ -86,7 +87,8 @@ class History:
         places = self._nodes | ({newest: graph.node_of(newest)} if is_uncommitted(newest) else {})
         lineage = sweep(graph, states.types_of, frozenset(places.values()))
         self._record = Record(graph, lineage, graph.node_of(newest))
-        self._traced = cache(lambda ids, claimed: usages(self._record, ids, places, claimed))
+        # A few are kept: the usages of thousands of messages on hundreds of branches take 100 MB.
+        self._traced = lru_cache(_FEW)(lambda ids, claimed: usages(self._record, ids, places, claimed))
         self.reuses_of = cache(self._find_reuses)
         """Function that takes the id of a message or enum, and returns the reuses of its numbers.
 
