@@ -138,6 +138,14 @@ def _type(owner: str, *values: str) -> str:
         ),
         pytest.param(
             [
+                {"old/pose.proto": POSE, "proto/pose.proto": message("Pose", "float x", "bytes blob", "bool ok")},
+                {"old/pose.proto": None},
+                {"vendor/pose.proto": message("Pose", "string room", "bool known")},
+            ],
+            id="two copies at different times",
+        ),
+        pytest.param(
+            [
                 {"a.proto": POSE},
                 {"a.proto": _renamed(POSE, "Placement")},
                 {"b.proto": message("Pose", "string room", "bool known", "bytes raw")},
@@ -195,13 +203,12 @@ def test_a_merge_takes_over_that_a_name_has_another_type(repository: RepositoryB
     """One side renames a message and gives the name to a new one; the other side does not touch the file."""
     begin = repository.commit("Begin", {"pose.proto": POSE})
     repository.commit("Rename", {"pose.proto": _renamed(POSE, "Placement")}, branch="side", parents=[begin])
-    new = message("Pose", "string room", "bool known", "bytes raw")
-    side = repository.commit("Add another", {"new.proto": new}, branch="side")
+    both = _renamed(POSE, "Placement") + "message Pose { string room = 1; bool known = 2; }\n"
+    side = repository.commit("Add another", {"pose.proto": both}, branch="side")
     main = repository.commit("Write", {"README.md": "Text."})
-    merged = {"pose.proto": _renamed(POSE, "Placement"), "new.proto": new}
-    repository.commit("Merge", merged, parents=[main, side])
+    repository.commit("Merge", {"pose.proto": both}, parents=[main, side])
     repository.delete_branch("side")
-    repository.commit("Grow", {"new.proto": new.replace("\n}", "\n  bool extra = 4;\n}")})
+    repository.commit("Grow", {"pose.proto": both.replace("known = 2;", "known = 2; bytes raw = 3;")})
     history = read_history(repository.write())
     assert _reused(history) == set()
     assert [usage.name for usage in history.numbers("Placement")[4]] == ["frame_id"]

@@ -74,7 +74,10 @@ def test_a_branch_without_the_move_still_counts(repository: RepositoryBuilder, r
     repository.delete_branch("side")
     files = {"api/pose.proto": None, "proto/pose.proto": POSE}
     repository.commit("Merge", files, parents=[side, moved])
-    assert _ids(run(repository.write() / "proto", "--history")[1]) == [("HIS101", "Pose", 3)]
+    _, (found,) = run(repository.write() / "proto", "--history")
+    assert _ids([found]) == [("HIS101", "Pose", 3)]
+    ends = {use["name"]: use.get("last_subject") for use in found["history"]}
+    assert ends == {"z": None, "label_text": "Merge"}
 
 
 def test_a_move_that_is_not_committed_yet(repository: RepositoryBuilder, run: Run) -> None:
