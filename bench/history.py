@@ -38,8 +38,8 @@ def measure(lab: Lab) -> SectionResult:
         folder = lab.site.out / "history" / str(commits)
         repository = _repository(folder / "repository", commits)
         shutil.rmtree(folder / "cache", ignore_errors=True)
-        scans = (_scan(repository, folder / "cache") for _ in range(2))
-        timings.append(Timing(commits, *scans, _log(repository)))
+        cold, warm = (_scan(repository, folder / "cache") for _ in range(2))
+        timings.append(Timing(commits, cold, warm, _log(repository)))
         lab.say(f"history {commits} commits: {timings[-1].cold:.2f} s of CPU, then {timings[-1].warm:.2f} s")
     rows = [
         [

@@ -138,7 +138,8 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic])
 
 
 def _is_wanted(file: str) -> bool:
-    return file.endswith((".proto", ".options")) or file in (_TABLE, lock.NAME)
+    # The table may have another name than usual.
+    return file.endswith((".proto", ".options")) or file == lock.NAME or (file.endswith(".yaml") and "/" not in file)
 
 
 def _baseline_in(

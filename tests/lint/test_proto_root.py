@@ -80,12 +80,16 @@ def test_a_branch_without_the_move_still_counts(repository: RepositoryBuilder, r
     assert ends == {"z": None, "label_text": "Merge"}
 
 
-def test_a_move_that_is_not_committed_yet(repository: RepositoryBuilder, run: Run) -> None:
-    """The file is followed before the commit, too."""
+@pytest.mark.parametrize("staged", [True, False])
+def test_a_move_that_is_not_committed_yet(repository: RepositoryBuilder, run: Run, staged: bool) -> None:
+    """The file is followed before the commit, too, whether git was told of the move or not."""
     repository.commit("Begin", {"api/pose.proto": POSE, "proto/other.proto": message("Other", "bool on")})
     repository.commit("Lose z", {"api/pose.proto": WITHOUT_Z})
     root = repository.write()
-    git(root, "mv", "api/pose.proto", "proto/pose.proto")
+    if staged:
+        git(root, "mv", "api/pose.proto", "proto/pose.proto")
+    else:
+        (root / "api" / "pose.proto").rename(root / "proto" / "pose.proto")
     (root / "proto" / "pose.proto").write_text(REUSED)
     assert _ids(run(root / "proto", "--history")[1]) == [("HIS101", "Pose", 3)]
 
