@@ -13,7 +13,7 @@ from bench.errors import BenchError
 from bench.lab import Lab
 from bench.result import Chart, Curve, Group, SectionResult, Table
 
-SIZES = (100, 1_000, 2_000, 10_000)
+SIZES = (100, 1_000, 2_000, 10_000, 25_000)
 QUICK_SIZES = (100, 1_000)
 MEMBERS = 40
 """Members of the envelope; each commit removes one and adds another."""
@@ -23,11 +23,12 @@ _ENVELOPE = "components/common/envelope.proto"
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """Times of one history: number of commits, and CPU seconds of the first scan and of a second one."""
+    """Times of one history: number of commits, and CPU seconds of a first scan, of a second one, and of `git log`."""
 
     commits: int
     cold: float
     warm: float
+    log: float
 
 
 def measure(lab: Lab) -> SectionResult:
@@ -37,19 +38,27 @@ def measure(lab: Lab) -> SectionResult:
         folder = lab.site.out / "history" / str(commits)
         repository = _repository(folder / "repository", commits)
         shutil.rmtree(folder / "cache", ignore_errors=True)
-        timings.append(Timing(commits, *(_scan(repository, folder / "cache") for _ in range(2))))
+        cold, warm = (_scan(repository, folder / "cache") for _ in range(2))
+        timings.append(Timing(commits, cold, warm, _log(repository)))
         lab.say(f"history {commits} commits: {timings[-1].cold:.2f} s of CPU, then {timings[-1].warm:.2f} s")
     rows = [
-        [str(one.commits), f"{one.cold:.2f}", f"{one.warm:.2f}", f"{1000 * one.cold / one.commits:.2f}"]
+        [
+            str(one.commits),
+            f"{one.cold:.2f}",
+            f"{one.warm:.2f}",
+            f"{1000 * one.cold / one.commits:.2f}",
+            f"{one.log:.2f}",
+        ]
         for one in timings
     ]
     notes = [
         "CPU time of whole processes, git's included; cold is the first run, without a cache.",
+        "`git log --all -p -- '*.proto'` prints the same changes, for comparison.",
         f"Three of four commits change the envelope, which has {MEMBERS} members; all its states differ.",
     ]
     sizes = [one.commits for one in timings]
     curves = [Curve("cold", sizes, [one.cold for one in timings]), Curve("warm", sizes, [one.warm for one in timings])]
-    columns = ("commits", "cold, s", "warm, s", "cold, ms per commit")
+    columns = ("commits", "cold, s", "warm, s", "cold, ms per commit", "git log -p, s")
     return SectionResult(
         tables=[Table("Linting a history", columns, [Group("", rows)], notes)],
         charts=[Chart("Linting a history", "commits", "s", curves)],
@@ -67,6 +76,14 @@ def _scan(repository: Path, cache: Path) -> float:
     )
     if done.returncode != 1:
         raise BenchError(f"{' '.join(command)} found nothing or could not run:\n{done.stdout[-500:]}{done.stderr}")
+    return _cpu_of_children() - before
+
+
+def _log(repository: Path) -> float:
+    """Print the changes of all .proto files with git; return the CPU seconds."""
+    before = _cpu_of_children()
+    command = ["git", "-C", str(repository), "log", "--all", "-p", "--", "*.proto"]
+    subprocess.run(command, stdout=subprocess.DEVNULL, check=True)  # noqa: S603  # git, no shell
     return _cpu_of_children() - before
 
 

@@ -41,7 +41,11 @@ class Commit:
     subject: str
 
     def __str__(self) -> str:
-        return f"{self.id[:10]} {self.date} {self.subject}"
+        return f"{self.id[:10]} {self.date} {self.subject}" if self.id else self.subject
+
+
+UNCOMMITTED = Commit("", "", "a change that is not committed yet")
+"""Stands in place of the commit for a change that only the index or the working tree has."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,30 +136,43 @@ class Repository:
             while batch := list(islice(left, _BATCH)):
                 yield from _answers(git, batch)
 
-    def commit_of_line(self, path: str, line: int, commit: str | None = None) -> Commit | None:
-        """Return the commit that last changed a line of a file.
+    def commits_of_lines(self, path: str, commit: str | None = None) -> list[Commit | None]:
+        """Return the commit that last changed each line of a file.
 
-        ``commit`` selects an earlier state of the file. Returns None if the change is uncommitted, or if git cannot
-        tell.
+        ``commit`` selects an earlier state of the file. A line is None if its change is uncommitted. The list is empty
+        if git cannot tell.
         """
         try:
             # A .gitattributes of a stranger must not select a program of the user's configuration (gitattributes(5)).
-            said = self._run(
-                "blame", "--no-textconv", "--porcelain", f"-L{line},{line}", *([commit] if commit else []), "--", path
-            )
+            said = self._run("blame", "--no-textconv", "--porcelain", *([commit] if commit else []), "--", path)
         except GitError:
-            return None
-        # The first line begins with the commit's id, and each further line with a keyword (git-blame(1), THE PORCELAIN
-        # FORMAT). The id of a line that is not committed yet consists of zeros.
-        id, facts = said.split(None, 1)[0], dict(entry.partition(" ")[::2] for entry in said.splitlines()[1:])
-        if not id.strip("0") or "summary" not in facts:
-            return None
-        return commit_of(id, facts["author-time"], facts["summary"])
+            return []
+        # Each line of the file has a head, which begins with the commit's id; then, where the commit is named for the
+        # first time, lines that begin with a keyword; and a tab with the content (git-blame(1), THE PORCELAIN FORMAT).
+        # The id of a line that is not committed yet consists of zeros.
+        found: list[Commit | None] = []
+        known: dict[str, Commit | None] = {}
+        id, facts = "", dict[str, str]()
+        for line in said.split("\n"):
+            if line.startswith("\t"):
+                if id not in known:
+                    committed = id.strip("0") and "summary" in facts
+                    known[id] = commit_of(id, facts["author-time"], facts["summary"]) if committed else None
+                found.append(known[id])
+                id, facts = "", {}
+            elif not id:
+                id = line.partition(" ")[0]
+            else:
+                keyword, _, value = line.partition(" ")
+                facts[keyword] = value
+        return found
 
-    def _run(self, *arguments: str) -> str:
+    def _run(self, *arguments: str, index: str = "") -> str:
+        """Return what git prints. ``index`` is the path of another index file than the usual one."""
+        variables = environment() | ({"GIT_INDEX_FILE": index} if index else {})
         try:
             done = subprocess.run(  # noqa: S603  # no shell
-                command(self.folder, *arguments), capture_output=True, check=False, env=environment()
+                command(self.folder, *arguments), capture_output=True, check=False, env=variables
             )
         except OSError as error:
             raise GitError(f"git cannot be run: {error.strerror}") from error
@@ -195,6 +212,11 @@ def command(folder: Path, *arguments: str) -> list[str]:
     # Files of a pull request can form a bare repository: HEAD, config, objects, refs. Without the option, git would use
     # that repository, and its config can name programs to run (git-config(1), safe.bareRepository; git 2.38 or later).
     return ["git", "-c", "safe.bareRepository=explicit", "-C", str(folder), *arguments]
+
+
+def commit_of_line(commits: Sequence[Commit | None], line: int) -> Commit | None:
+    """Return the commit of a line, which counts from 1, from the commits of all lines; None if it is not known."""
+    return commits[line - 1] if 0 < line <= len(commits) else None
 
 
 def name_of_repository(address: str) -> str:

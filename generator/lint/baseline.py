@@ -5,10 +5,12 @@ The state comes from a git ref, a folder or a descriptor set.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
@@ -16,7 +18,7 @@ from google.protobuf.message import DecodeError
 
 from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
-from roverlink.generator.git import Commit, GitError, Repository
+from roverlink.generator.git import Commit, GitError, Repository, commit_of_line
 from roverlink.generator.lint.input_rules import DEEPEN, NO_SUCH_STATE, UNREADABLE_STATE
 from roverlink.generator.lock import Entry, RowSettings
 from roverlink.generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
@@ -88,14 +90,26 @@ def _descriptor_set(path: Path, spec: str, layout: Layout) -> Baseline:
     return Baseline(spec, schema, tuple(_members(schema, layout)), (), None, lambda _: None)
 
 
-def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
-    repository = Repository(project)
+def commit_of_ref(repository: Repository, ref: str, option: str) -> str:
+    """Return the id of the commit that a ref names; raise `DiagnosticsError` if there is none.
+
+    ``option`` is the option of the command line with the ref, or with a folder or a file.
+    """
     try:
-        commit = repository.resolve(ref)
+        return repository.resolve(ref)
     except GitError as error:
         message = f"{ref!r} is not a folder, a file, or a git ref"
         help = str(error) or _other_refs(repository, ref)
-        raise DiagnosticsError([NO_SUCH_STATE.at(Span("--against"), message, help)]) from error
+        raise DiagnosticsError([NO_SUCH_STATE.at(Span(option), message, help)]) from error
+
+
+@contextlib.contextmanager
+def checked_out(repository: Repository, commit: str, ref: str, findings: list[Diagnostic]) -> Iterator[Path]:
+    """Write the files of a commit that the lint reads to a temporary folder, and yield the folder.
+
+    ``ref`` is the name of the commit for diagnostics. A diagnostic for each file that is left out is added to
+    ``findings``. Raises `DiagnosticsError` if the commit cannot be read.
+    """
     with tempfile.TemporaryDirectory(prefix="roverlink-state-") as folder:
         try:
             for file, data in repository.contents(commit, _is_wanted):
@@ -110,15 +124,21 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic])
                     continue
                 findings.append(UNREADABLE_STATE.at(Span(f"{ref}:{file}"), fault))
         except (GitError, OSError) as error:
-            raise DiagnosticsError(
-                [UNREADABLE_STATE.at(Span(ref), f"the earlier state cannot be read: {error}")]
-            ) from error
+            raise DiagnosticsError([UNREADABLE_STATE.at(Span(ref), f"the state cannot be read: {error}")]) from error
+        yield Path(folder)
+
+
+def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
+    repository = Repository(project)
+    commit = commit_of_ref(repository, ref, "--against")
+    commits_of = cache(lambda file: repository.commits_of_lines(file, commit))
+    with checked_out(repository, commit, ref, findings) as folder:
 
         def commit_of(span: Span) -> Commit | None:
             file = span.file.removeprefix(f"{ref}:")
-            return repository.commit_of_line(file, span.line, commit) if span.line else None
+            return commit_of_line(commits_of(file), span.line)
 
-        return dataclasses.replace(_baseline_in(Path(folder), f"{ref}:", layout, commit_of, findings), commit=commit)
+        return dataclasses.replace(_baseline_in(folder, f"{ref}:", layout, commit_of, findings), commit=commit)
 
 
 def _other_refs(repository: Repository, ref: str) -> str:
@@ -131,7 +151,8 @@ def _other_refs(repository: Repository, ref: str) -> str:
 
 
 def _is_wanted(file: str) -> bool:
-    return file.endswith((".proto", ".options")) or file in (_TABLE, lock.NAME)
+    # The table may have another name than usual.
+    return file.endswith((".proto", ".options")) or file == lock.NAME or (file.endswith(".yaml") and "/" not in file)
 
 
 def _baseline_in(

@@ -11,7 +11,7 @@ from itertools import groupby
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span, Use
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.history import Confidence, History, Kind, Relation, Reuse, Usage, branch_name
+from roverlink.generator.lint.history import Confidence, History, Kind, Relation, Reuse, TracedType, Usage, branch_name
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
 
 _RELATIONS = {
@@ -26,58 +26,45 @@ _CONFIDENCES = {
 }
 
 
-def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[str, int, list[Reuse]]]:
+def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[TracedType, int, list[Reuse]]]:
     """Yield each number that had several meanings in git's history, with its changes of meaning.
 
-    Each item has the full name of the message or enum, the number, and the changes. Only changes of the given kinds
-    count. Numbers whose meanings the user has accepted with ``--accept`` are left out.
+    Each item has the message or enum, the number, and the changes. Only changes of the given kinds count. Numbers whose
+    meanings the user has accepted with ``--accept`` are left out.
     """
     past = context.past
     if past is None or not past.of_numbers:
         return
-    for owner in (*past.history.messages, *past.history.enums):
-        names = past.history.names(owner)
-        if any(_stands_for(name, owner, context, past.history) for name in names):
-            continue
-        accepted = [context.ledger.burned_in(name) for name in names]
-        found = [reuse for reuse in past.history.reuses(owner) if reuse.kind in kinds]
+    for type in past.history.types:
+        accepted = [context.ledger.burned_in(name) for name in type.names]
+        found = [reuse for reuse in past.history.reuses_of(type.id) if reuse.kind in kinds]
         for number, group in groupby(sorted(found, key=lambda reuse: reuse.number), key=lambda reuse: reuse.number):
             reuses = list(group)
             known = {use for burned in accepted if number in burned for use in burned[number].uses}
             uses = {(usage.type, usage.name) for reuse in reuses for usage in (reuse.earlier, reuse.later)}
             if not uses <= known:
-                yield owner, number, reuses
+                yield type, number, reuses
 
 
-def _stands_for(name: str, owner: str, context: Context, history: History) -> bool:
-    """Return True if the reuses of the message or enum ``owner`` are reported under its other full name ``name``.
-
-    A message that moved to another package has several full names. Its reuses are reported once, under the name that is
-    declared today.
-    """
-    today = [(_declared(context, each) is not None, each) for each in (owner, name)]
-    return today[0] < today[1] and {*history.names(owner)} <= {*history.names(name)}
-
-
-def _usages(history: History, owner: str, number: int, reuses: Sequence[Reuse]) -> list[Usage]:
+def _usages(history: History, owner: TracedType, number: int, reuses: Sequence[Reuse]) -> list[Usage]:
     """Return the usages of a number (its meanings) that the given reuses are about, the earliest first."""
     concerned = {usage for reuse in reuses for usage in (reuse.earlier, reuse.later)}
-    return [usage for usage in history.numbers(owner)[number] if usage in concerned]
+    return [usage for usage in history.numbers_of(owner.id)[number] if usage in concerned]
 
 
-def reported(rule: Rule, context: Context, owner: str, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
+def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
     """Return the diagnostic about one number that had several meanings in history.
 
     It is a hint if the baseline's history has all these meanings already. The context must contain the history.
     """
     assert context.past is not None, "the rules of history check this first"  # noqa: S101  # for mypy
-    usages = _usages(context.past.history, owner, number, reuses)
+    owner, usages = type.name, _usages(context.past.history, type, number, reuses)
     finding = rule.at(
         place_of(context, owner, number),
         f"number {number} of {owner!r} was {_told(usages, reuses)}; {_today(context, owner, number)}"
         f"{_CONFIDENCES[max(reuse.confidence for reuse in reuses)]}",
         _help(context, owner, number),
-        [(Span(f"{usage.came.id[:10]}:{usage.path}", usage.line), _usage(usage)) for usage in usages],
+        [(_place_in_history(context, usage), _usage(usage)) for usage in usages],
         type=owner,
         number=number,
         uses=[Use(usage.type, usage.name, usage.came, usage.went) for usage in usages],
@@ -87,6 +74,13 @@ def reported(rule: Rule, context: Context, owner: str, number: int, reuses: Sequ
     if all(_began(reuse) <= context.past.before for reuse in reuses):
         return dataclasses.replace(finding, severity=Severity.HINT)
     return finding
+
+
+def _place_in_history(context: Context, usage: Usage) -> Span:
+    """Return the place at which a usage was first declared: in a file of a commit, or in a file of today."""
+    if usage.came.id:
+        return Span(f"{usage.came.id[:10]}:{usage.path}", usage.line)
+    return context.place(usage.path, usage.line, 0)
 
 
 def _began(reuse: Reuse) -> set[str]:

@@ -120,6 +120,46 @@ Good::
     Severity.WARNING,
 )
 
+WRONG_ROOT = Rule(
+    "STA107",
+    "wrong-proto-root",
+    """The imports of the `.proto` files start at another folder than the given proto root.
+
+protoc looks for every import below the proto root. From a wrong one, it cannot compile the files that import others.
+
+Bad::
+
+    $ roverlink lint .
+    .: fatal[STA107] 2 of 2 imports, such as 'common/header.proto' in 'proto/imu.proto', are not found from here;
+    they start at 'proto'
+
+Good::
+
+    $ roverlink lint proto
+""",
+    Severity.FATAL,
+)
+
+LOST_PAST = Rule(
+    "STA108",
+    "past-not-followed",
+    """The earlier history of a `.proto` file is not read, because the file was not moved in one commit.
+
+The lint follows a file from elsewhere in the repository to the proto root if one commit deletes the one and adds the
+other. If one commit copies the file and another one deletes the original, the file may as well be a copy of another
+project's file. Its earlier numbers are then not known.
+
+Bad::
+
+    $ git log --stat   # "Copy api/imu.proto to proto/", and later "Delete api/"
+
+Good::
+
+    $ git mv api/imu.proto proto/imu.proto && git commit
+""",
+    Severity.HINT,
+)
+
 UNREADABLE_PINS = Rule(
     "PIN101",
     "unreadable-pins",

@@ -5,23 +5,28 @@ The input is a project with a table (mapping.yaml), or a folder of .proto files 
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
+from itertools import groupby
 from pathlib import Path
 
 from roverlink.generator import lock, source_files
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, in_order
-from roverlink.generator.git import Commit, GitError, Repository
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, in_order, shown
+from roverlink.generator.git import Commit, GitError, Repository, commit_of_line
 from roverlink.generator.lint import bare_tree, buf
-from roverlink.generator.lint.baseline import Baseline, Layout, open_baseline
+from roverlink.generator.lint.baseline import Baseline, Layout, checked_out, commit_of_ref, open_baseline
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past, since_last_generate
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lint.history import read_history
-from roverlink.generator.lint.input_rules import DEEPEN, LIMITED_HISTORY, NO_PROTOS, UNREADABLE_HISTORY
+from roverlink.generator.lint.input_rules import DEEPEN, LIMITED_HISTORY, LOST_PAST, NO_PROTOS, UNREADABLE_HISTORY
 from roverlink.generator.lint.pinned_numbers import read_pinned
+from roverlink.generator.lint.wrong_root import wrong_root
 from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
 from roverlink.generator.protos.files import index_declarations, read_protos
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
@@ -41,6 +46,8 @@ class Question:
     """True if the program buf must also compare the earlier state with the current one."""
     history: bool = False
     """True if the lint must check the history of every number in git."""
+    newest: str = ""
+    """The git ref whose state is checked; empty for the files on disk, with the changes that are not committed yet."""
     branches: bool = False
     """True if the lint must compare the branches that are not merged yet with each other."""
     pins: tuple[Path, ...] = ()
@@ -90,11 +97,12 @@ def lint_project(table_path: Path, question: Question) -> Linted:
     """
     project = table_path.resolve().parent
     findings: list[Diagnostic] = []
-    table = reader.read(table_path, findings, table_path.name)
-    published = lock.read(project / lock.NAME, findings)
-    if not table.proto.root:  # `proto` is missing or misspelt: the project's whole folder is not what the user meant
-        raise DiagnosticsError([*findings, *lint(Context(table, None, published))])
-    return _lint(project, table, published, question, findings)
+    with _state(project, question.newest, findings) as folder:
+        table = reader.read(folder / table_path.name, findings, table_path.name)
+        published = lock.read(folder / lock.NAME, findings)
+        if not table.proto.root:  # `proto` is missing or misspelt: the project's folder is not what the user meant
+            raise DiagnosticsError([*findings, *lint(Context(table, None, published))])
+        return _lint(folder, project, table, published, question, findings)
 
 
 def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) -> Linted:
@@ -102,31 +110,57 @@ def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) 
 
     Raises `DiagnosticsError` if nothing can be linted.
     """
+    project, table = root.resolve(), bare_tree.table_of_tree(envelope)
     findings: list[Diagnostic] = []
-    return _lint(root.resolve(), bare_tree.table_of_tree(envelope), lock.Ledger(), question, findings)
+    with _state(project, question.newest, findings) as folder:
+        return _lint(folder, project, table, lock.Ledger(), question, findings)
+
+
+@contextlib.contextmanager
+def _state(project: Path, newest: str, findings: list[Diagnostic]) -> Iterator[Path]:
+    """Yield the folder with the files to check: the project's folder, or a temporary folder with the files of a ref.
+
+    A diagnostic for each file of a ref that is left out is added to ``findings``.
+    """
+    if not newest or not project.is_dir():
+        yield project
+        return
+    repository = Repository(project)
+    with checked_out(repository, commit_of_ref(repository, newest, "--history"), newest, findings) as folder:
+        yield folder
 
 
 def _lint(
-    project: Path, table: Table, published: lock.Ledger, question: Question, findings: list[Diagnostic]
+    folder: Path,
+    project: Path,
+    table: Table,
+    published: lock.Ledger,
+    question: Question,
+    findings: list[Diagnostic],
 ) -> Linted:
+    """Check the files in a folder, which has the state of the project that is checked. ``project`` is in git."""
     if question.with_buf:
         buf.require()
-    root, shown_root = project / table.proto.root, table.proto.root
+    root, shown_root = folder / table.proto.root, table.proto.root
     if not root.is_dir():
         message = f"the folder {str(table.proto.root or project)!r} does not exist; nothing was linted"
         raise DiagnosticsError(
             [*findings, NO_PROTOS.at(table.proto.at("root"), message, "correct the path of the folder")]
         )
-    if table.proto.root and source_files.leads_out(project, root):
+    if table.proto.root and source_files.leads_out(folder, root):
         message = f"the folder {table.proto.root!r} is outside the git repository; nothing was linted"
         help = "move the .proto files into the repository, or add their repository as a submodule"
         raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message, help)])
     if question.of_the_envelope:
         bare_tree.must_have_envelope(table, findings)
-    past = _past(root, table.envelope.message, question, findings) if question.of_the_past else None
-    found_before = len(findings)
+    in_git, found_before = project / table.proto.root, len(findings)
     declared = read_protos(root, shown_root, findings)
-    if not declared and len(findings) == found_before and not (past and past.history.messages):
+    shown_to_user = shown_root or os.path.relpath(in_git)
+    if wrong := wrong_root(root, declared, shown_to_user, table.proto.at("root")):
+        raise DiagnosticsError([*findings, wrong])
+    unread = len(findings) > found_before
+    past = _past(in_git, shown_root, table.envelope.message, question, findings) if question.of_the_past else None
+    if not declared and not unread and not (past and past.history.messages):
         message = "the folder contains no .proto file"
         help = "give the folder that contains your .proto files"
         raise DiagnosticsError([*findings, NO_PROTOS.at(Span(shown_root or "."), message, help)])
@@ -156,16 +190,17 @@ def _lint(
     )
     theirs = _of_buf(baseline.schema, schema, shown_root, findings) if question.with_buf and baseline else []
     findings += lint(context, theirs)
-    return Linted(tuple(in_order(findings)), project, _blame(project, baseline), context)
+    return Linted(tuple(in_order(findings)), folder, _blame(project, question.newest, baseline), context)
 
 
-def _past(root: Path, envelope: str, question: Question, findings: list[Diagnostic]) -> Past:
+def _past(root: Path, shown_root: str, envelope: str, question: Question, findings: list[Diagnostic]) -> Past:
     """Read the history and branches of the .proto files in git, and the commits that other projects use (pins).
 
-    Raises `DiagnosticsError` if git cannot read the history, for example because the folder is in no repository.
+    ``shown_root`` is the name of the folder ``root`` in diagnostics. Raises `DiagnosticsError` if git cannot read the
+    history, for example because the folder is in no repository.
     """
     try:
-        history = read_history(root, question.report)
+        history = read_history(root, question.report, question.newest)
     except GitError as error:
         message = "the history cannot be read"
         raise DiagnosticsError([*findings, UNREADABLE_HISTORY.at(Span(str(root)), message, str(error))]) from error
@@ -178,6 +213,15 @@ def _past(root: Path, envelope: str, question: Question, findings: list[Diagnost
                 Span(path), "some earlier versions of this file are binary, too large, or missing, and were not checked"
             )
         )
+    for commit, lost in groupby(history.lost, key=lambda one: one.commit):
+        first, *others = lost
+        and_others = f", nor that of {len(others)} other files" if others else ""
+        message = (
+            f"the history of this file before {commit} was not read{and_others}: the commit copied it from "
+            f"{first.origin!r}, and another commit deleted that file"
+        )
+        help = "look at its earlier numbers yourself, and reserve those that are not used any more"
+        findings.append(LOST_PAST.at(Span(shown(shown_root, first.path)), message, help))
     pins = read_pinned(read_pins(question.pins, findings), Repository(root), envelope, findings)
     return Past(history, question.history, question.branches, tuple(pins))
 
@@ -212,13 +256,14 @@ def _changes(schema: Schema, baseline: Baseline | None, published: lock.Ledger) 
     return (*changes, *since_last_generate(published, schema))
 
 
-def _blame(project: Path, baseline: Baseline | None) -> Callable[[Span], Commit | None]:
+def _blame(project: Path, newest: str, baseline: Baseline | None) -> Callable[[Span], Commit | None]:
     """Return a function that finds the commit which last changed the line of a place.
 
-    The place is in the current state or in the baseline, the earlier state. The function returns None if the commit is
-    unknown.
+    The place is in the current state, which is that of the ref ``newest`` if there is one, or in the baseline, the
+    earlier state. The function returns None if the commit is unknown.
     """
     repository = Repository(project)
+    commits_of = cache(lambda file: repository.commits_of_lines(file, newest or None))
 
     def commit_of(span: Span) -> Commit | None:
         if not span.line:
@@ -227,6 +272,6 @@ def _blame(project: Path, baseline: Baseline | None) -> Callable[[Span], Commit 
             return baseline.commit_of(span)
         if not (project / span.file).is_file():  # a file of an earlier commit: its name starts with the commit
             return None
-        return repository.commit_of_line(span.file, span.line)
+        return commit_of_line(commits_of(span.file), span.line)
 
     return commit_of

@@ -50,11 +50,11 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--history",
         nargs="?",
-        type=Path,
-        const=True,
-        metavar="PROTO_ROOT",
-        help="check also every commit in git's history, on all branches; PROTO_ROOT may be given here instead of at "
-        "the end",
+        const="",
+        metavar="REF|PROTO_ROOT",
+        help="check also every commit in git's history, on all branches, up to the changes that are not committed yet. "
+        "REF is a branch, tag or commit whose state is checked instead of the files on disk. PROTO_ROOT may be given "
+        "here instead of at the end",
     )
     parser.add_argument(
         "--branches",
@@ -107,7 +107,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _lint(arguments: argparse.Namespace) -> Linted:
-    of_history: Path | None = arguments.history if isinstance(arguments.history, Path) else None
+    of_history = Path(arguments.history) if arguments.history and Path(arguments.history).is_dir() else None
+    newest = "" if of_history else arguments.history or ""
+    if newest and arguments.accept:
+        raise SetupError(f"--accept writes down the state on disk; leave out '{newest}' after --history")
     if of_history is not None and arguments.root is not None:
         raise SetupError(
             f"two folders of .proto files are given, '{arguments.root}' and '{of_history}'; give only one of them"
@@ -120,6 +123,7 @@ def _lint(arguments: argparse.Namespace) -> Linted:
             against=arguments.against,
             with_buf=arguments.with_buf,
             history=arguments.history is not None,
+            newest=newest,
             branches=arguments.branches,
             pins=tuple(arguments.pins),
             report=report,

@@ -32,15 +32,15 @@ def _finding(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
 def _use(use: Use) -> dict[str, Any]:
     """Return the JSON values for one meaning (type and name) that a number had in git's history.
 
-    ``last_commit`` is the commit that removed this meaning; None if a branch still has it.
+    ``last_commit`` is the commit that removed this meaning; None if a branch still has it. The id of a commit is None
+    for a change that is not committed yet.
     """
-    last = (
-        {"last_commit": use.went.id, "last_date": use.went.date, "last_subject": use.went.subject} if use.went else {}
-    )
+    went = use.went
+    last = {"last_commit": went.id or None, "last_date": went.date, "last_subject": went.subject} if went else {}
     return {
         "type": use.type,
         "name": use.name,
-        "first_commit": use.came.id,
+        "first_commit": use.came.id or None,
         "first_date": use.came.date,
         "first_subject": use.came.subject,
         "last_commit": None,

@@ -89,10 +89,12 @@ class RepositoryBuilder:
         self._stream.append(f"reset refs/heads/{name}\nfrom {'0' * 40}\n".encode())
 
     def write(self) -> Path:
-        """Write the repository, without a working tree; the folder that it is in."""
+        """Write the repository, and check out its branch main; the folder that it is in."""
         self.root.mkdir(parents=True, exist_ok=True)
         git(self.root, "init", "--quiet", "--initial-branch", "main")
         git(self.root, "fast-import", "--quiet", "--force", input=b"\n".join([*self._stream, b"done\n"]))
+        if "main" in self._heads:
+            git(self.root, "reset", "--quiet", "--hard")
         return self.root
 
 

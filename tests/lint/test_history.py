@@ -152,9 +152,7 @@ def test_a_new_package(repository: RepositoryBuilder) -> None:
     history = _read(repository)
     for name in ("PBEnvelope", "rover.PBEnvelope"):
         assert [reuse.kind for reuse in history.reuses(name)] == [Kind.REUSED]
-        assert _usages(history, 1, name) == [
-            ("Imu", "imu", [("Begin", ["Give it a package"]), ("Give it a package", [])])
-        ]
+        assert _usages(history, 1, name) == [("Imu", "imu", [("Begin", [])])]
 
 
 def test_two_messages_of_one_name(repository: RepositoryBuilder) -> None:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -541,7 +543,9 @@ def test_a_burned_number_is_given_to_nobody(project: Path, run: Run) -> None:
     [
         (["lint", "--message", "PBEnvelope"], "need PROTO_ROOT"),
         (["next-number", "--envelope", "e.proto"], "need PROTO_ROOT"),
-        (["lint", "one", "--history", "other"], "two folders of .proto files are given, 'one' and 'other'"),
+        (["lint", "one", "--history", "."], "two folders of .proto files are given, 'one' and '.'"),
+        (["lint", ".", "--history", "main", "--accept"], "leave out 'main' after --history"),
+        (["lint", ".", "--history", "nowhere"], "'nowhere' is not a folder, a file, or a git ref"),
     ],
 )
 def test_words_without_effect(run: Run, arguments: list[str], said: str) -> None:
@@ -562,3 +566,53 @@ def test_accepting_needs_a_ledger(repository: RepositoryBuilder, run: Run) -> No
     code, _, err = run("lint", "--history", _written(repository), *_TREE, "--accept")
     assert code == 2
     assert "fatal[RET102] --accept needs --history" in err
+
+
+# --- what is not committed yet, and other states ------------------------------------------------------------------
+
+
+@pytest.fixture
+def root(repository: RepositoryBuilder) -> Path:
+    """A checked-out tree whose envelope lost its number 2."""
+    repository.commit("Take GPS away", {_FILE: _envelope("Imu imu = 1;")})
+    return _written(repository)
+
+
+@pytest.mark.parametrize("against", [(), ("--against", "HEAD")])
+def test_a_reuse_is_found_before_the_commit(root: Path, run: Run, against: tuple[str, ...]) -> None:
+    """What is only written on disk is an error at its line; before it was written, there was nothing."""
+    assert run("lint", "--history", root, *_TREE, *against)[0] == 0
+    (root / _FILE).write_text(_envelope("Imu imu = 1;", "Wind wind = 2;"))
+    code, out, _ = run("lint", "--history", root, *_TREE, *against, "--format", "json")
+    (found,) = (one for one in _found(out) if one["id"] == "HIS101")
+    assert (code, found["severity"], found["number"]) == (1, "error", 2)
+    assert found["history"][1]["first_commit"] is None
+    assert (root / found["also"][1]["path"]).is_file()
+
+
+def test_a_hook_refuses_the_commit_of_a_reuse(root: Path) -> None:
+    """The hook looks at the index: a reuse that is not staged does not matter, one that is staged does."""
+    hook = root / ".git" / "hooks" / "pre-commit"
+    command = shlex.join([sys.executable, "-m", "roverlink", "lint", ".", *_TREE, "--history"])
+    hook.write_text(f"#!/bin/sh\n{command} >&2\n")
+    hook.chmod(0o755)
+    (root / "README.md").write_text("Text.")
+    git(root, "add", "README.md")
+    (root / _FILE).write_text(_envelope("Imu imu = 1;", "Wind wind = 2;"))
+    identity = ("-c", "user.name=A", "-c", "user.email=a@example.com")
+    git(root, *identity, "commit", "--quiet", "--message", "Write")
+    with pytest.raises(AssertionError, match="number 2 of 'PBEnvelope' was 'gps'"):
+        git(root, *identity, "commit", "--quiet", "--all", "--message", "Measure the wind")
+
+
+def test_the_history_of_another_state(repository: RepositoryBuilder, run: Run) -> None:
+    """`--history REF` checks the files of the ref, and no commit that was built upon it."""
+    repository.commit("Take GPS away", {_FILE: _envelope("Imu imu = 1;")})
+    repository.branch("release")
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    root = _written(repository)
+    assert run("lint", root, *_TREE, "--history", "release")[0] == 0
+    code, out, _ = run("lint", root, *_TREE, "--history", "main", "--format", "json")
+    assert (code, [one["number"] for one in _found(out)]) == (1, [2])
+    (root / _FILE).write_text(_envelope("Imu imu = 1;"))
+    assert run("lint", root, *_TREE, "--history", "main")[0] == 1

@@ -17,6 +17,7 @@ from roverlink.generator.lint.history.usage_model import (
     Kind,
     Relation,
     Reuse,
+    TracedType,
     Usage,
 )
 
@@ -29,6 +30,7 @@ __all__ = [
     "Usage",
     "Relation",
     "Reuse",
+    "TracedType",
     "branch_name",
     "differ",
     "read_history",

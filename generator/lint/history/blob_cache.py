@@ -19,7 +19,7 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
-from roverlink.generator.lint.history.numbered_types import NumberedType, NumberedTypes
+from roverlink.generator.lint.history.numbered_types import NumberedType, NumberedTypes, Pool
 from roverlink.generator.protos import parser, schema
 from roverlink.generator.protos.schema import Fact
 from roverlink.generator.user_cache import cache_folder
@@ -35,7 +35,7 @@ class BlobCache:
         name = hashlib.sha256(os.fsencode(repository.resolve())).hexdigest()[:32]
         self._file = cache_folder() / "history" / f"{name}.json"
 
-    def load(self) -> dict[str, NumberedTypes]:
+    def load(self, pool: Pool) -> dict[str, NumberedTypes]:
         """Return the messages and enums of each known blob, by the blob's id.
 
         The result is empty if the file cannot be read, or was written by another version of the program.
@@ -47,7 +47,7 @@ class BlobCache:
             os.utime(self._file)
         except OSError:
             return {}
-        return dict(_decoded(body)) if said == _checksum(body) else {}
+        return dict(_decoded(body, pool)) if said == _checksum(body) else {}
 
     def save(self, known: Mapping[str, NumberedTypes]) -> None:
         """Replace the cache file. If this is not possible, the next run reads the history from git again.
@@ -105,32 +105,35 @@ def _version() -> bytes:
 def _encoded(known: Mapping[str, NumberedTypes]) -> bytes:
     """Return the content of the cache as JSON.
 
-    A fact is a declared field or enum value. Each distinct fact is stored once, and blobs refer to it by index.
+    A fact is a declared field or enum value. Each distinct fact and type is stored once, and referred to by its index.
     """
     # A commit usually changes one field of a file, so its state repeats all other facts of the state before. JSON and
     # not pickle: unpickling a file that somebody else could have written runs code of that file.
-    index: dict[Fact, int] = {}
-    blobs = {
-        blob: [
-            (
-                name,
-                type.line,
-                type.broken,
-                type.enum,
-                [(index.setdefault(f, len(index)), n) for f, n in type.facts.items()],
-            )
-            for name, type in types.items()
-        ]
-        for blob, types in known.items()
-    }
-    return json.dumps({"facts": list(index), "blobs": blobs}, separators=(",", ":")).encode()
+    # Each line is a JSON value, so that reading them needs little memory: the facts, the number of types, each type,
+    # and each blob with its types.
+    facts: dict[Fact, int] = {}
+    types: dict[NumberedType, int] = {}
+    blobs = [
+        _json([blob, {name: types.setdefault(type, len(types)) for name, type in declared.items()}])
+        for blob, declared in known.items()
+    ]
+    listed = [
+        [[facts.setdefault(fact, len(facts)) for fact in one.facts], one.offsets, one.line, one.broken, one.enum]
+        for one in types
+    ]
+    return b"\n".join([_json(list(facts)), *map(_json, [len(listed), *listed]), *blobs])
 
 
-def _decoded(body: bytes) -> Iterator[tuple[str, NumberedTypes]]:
-    content = json.loads(body)
-    facts = [Fact(*fact) for fact in content["facts"]]
-    for blob, types in content["blobs"].items():
-        yield blob, {
-            name: NumberedType({facts[index]: number for index, number in lines}, line, broken, enum)
-            for name, line, broken, enum, lines in types
-        }
+def _json(value: object) -> bytes:
+    return json.dumps(value, separators=(",", ":")).encode()
+
+
+def _decoded(body: bytes, pool: Pool) -> Iterator[tuple[str, NumberedTypes]]:
+    lines = iter(body.splitlines())
+    facts = [pool.fact(Fact(*fact)) for fact in json.loads(next(lines))]
+    types = []
+    for _ in range(json.loads(next(lines))):
+        indices, offsets, *others = json.loads(next(lines))
+        types.append(pool.shared(tuple(facts[index] for index in indices), tuple(offsets), *others))
+    for blob, declared in map(json.loads, lines):
+        yield blob, {sys.intern(name): types[index] for name, index in declared.items()}

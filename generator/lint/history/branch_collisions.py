@@ -44,10 +44,11 @@ def branch_name(ref: str) -> str:
 class Branches:
     """Comparison of the branches of a repository: finds numbers of one message that mean different payloads.
 
-    ``owners`` are the full names that the message had. ``nodes`` has the graph's node of each branch's last commit.
+    ``owners`` are the ids of the message; several if several files declare its name. ``nodes`` has the graph's node of
+    each branch's last commit.
     """
 
-    def __init__(self, record: Record, owners: Sequence[str], nodes: Mapping[str, int]) -> None:
+    def __init__(self, record: Record, owners: Sequence[int], nodes: Mapping[str, int]) -> None:
         self._record, self._owners, self._nodes = record, owners, nodes
 
     def collisions(self, default: str | None) -> list[Collision]:
@@ -107,7 +108,7 @@ class Branches:
     def _lifetimes(self, fact: Fact, node: int) -> Iterator[Lifetime]:
         """Yield the lifetimes of a fact (a declared field) that have not ended at the node, the latest first."""
         for owner in self._owners:
-            lifetimes = self._record.lineage.tips[node].alive.get(owner, {}).get(fact, frozenset())
+            lifetimes = self._record.lineage.tips[node].get(owner, {}).get(fact, frozenset())
             yield from (self._record.lineage.lifetimes[owner][index] for index in sorted(lifetimes, reverse=True))
 
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Generic, Protocol, TypeVar
 
 from roverlink.generator.lint.history.commits import Revision
 
@@ -19,6 +21,14 @@ from roverlink.generator.lint.history.commits import Revision
 # - The ancestors of a node are a bit set in one integer. n nodes take about n * n / 16 bytes: 6 MB for 10,000 nodes.
 #
 # Nodes are numbered in the order of `git log --date-order`, reversed: parents always have smaller numbers.
+
+
+class _Copyable(Protocol):
+    def copy(self: _State) -> _State:
+        """Return a copy that may be changed."""
+
+
+_State = TypeVar("_State", bound=_Copyable)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +59,7 @@ class Graph:
         This makes `precedes` fast.
         """
         for revision in revisions:
-            self._node_of[revision.commit.id] = self._add(revision)
+            self._node_of[revision.id] = self._add(revision)
 
     def __len__(self) -> int:
         return len(self._ancestors)
@@ -64,6 +74,26 @@ class Graph:
     def precedes(self, one: int, other: int) -> bool:
         """Return True if the node ``one`` is an ancestor of the node ``other``, or the same node."""
         return bool(self._ancestors[other] >> one & 1)
+
+    def on_first_parents(self, one: int, other: int) -> bool:
+        """Return True if the way from the node ``other`` back along first parents leads to the node ``one``."""
+        begin, end = self._intervals[one]
+        return begin <= self._intervals[other][0] < end
+
+    @cached_property
+    def _intervals(self) -> list[tuple[int, int]]:
+        """For each node, the range of positions in the tree of first parents that its descendants there have."""
+        sizes = [1] * len(self)
+        for node in reversed(self.nodes):
+            sizes[node.parents[0]] += sizes[node.index]
+        # The first child of a node gets the position behind the node, each further child the one behind its sibling.
+        begins, free = [0] * len(self), [1] * len(self)
+        for node in self.nodes:
+            parent = node.parents[0]
+            begins[node.index] = free[parent]
+            free[parent] += sizes[node.index]
+            free[node.index] = begins[node.index] + 1
+        return [(begin, begin + size) for begin, size in zip(begins, sizes)]
 
     def merge_bases(self, one: int, other: int) -> list[int]:
         """Return the latest common ancestors of two nodes (commits), as ``git merge-base --all`` does."""
@@ -92,13 +122,49 @@ class Graph:
         return index
 
 
+class Lines(Generic[_State]):
+    """The states at those nodes whose children were not visited yet, in a walk over the graph with parents first."""
+
+    def __init__(self, graph: Graph, beginning: _State) -> None:
+        self._states = {Graph.BEGINNING: beginning}
+        self._needed = [0] * len(graph)
+        """For each node, the number of children that still need its state.
+
+        The last child that needs a state may change it without making a copy.
+        """
+        for node in graph.nodes:
+            for parent in node.parents:
+                self._needed[parent] += 1
+
+    def take(self, index: int) -> _State:
+        """Return the state at the node ``index``, as a state that the caller may change.
+
+        This is a copy if other nodes still need the state.
+        """
+        state = self.release(index)
+        return state.copy() if index in self._states else state
+
+    def release(self, index: int) -> _State:
+        """Return the state at the node ``index`` for a child that only reads it."""
+        state = self._states[index]
+        self._needed[index] -= 1
+        if not self._needed[index]:
+            del self._states[index]
+        return state
+
+    def keep(self, index: int, state: _State) -> None:
+        """Keep the state at the node ``index`` as long as other nodes need it."""
+        if self._needed[index]:
+            self._states[index] = state
+
+
 def depth(revisions: Collection[Revision], tips: Iterable[str]) -> int:
     """Return the depth of the history: the number of commits from the newest to the oldest commit.
 
     ``tips`` are the last commits of the branches. For each commit, the way to the nearest tip is counted; the result is
     the largest count.
     """
-    parents = {revision.commit.id: revision.parents for revision in revisions}
+    parents = {revision.id: revision.parents for revision in revisions}
     level = {tip for tip in tips if tip in parents}
     seen, steps = set(level), 0
     while level:

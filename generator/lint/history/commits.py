@@ -5,7 +5,9 @@ No commit is checked out.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from roverlink.generator.git import Commit, GitError, Repository, commit_of
 
@@ -23,16 +25,18 @@ _LOG = (
     *("log", "--exclude=refs/stash", "--all", "--date-order", "--full-history", "--sparse", "--no-follow"),
     # Compare a merge with its first parent only. The commits of its other parents are listed themselves.
     # --raw prints the ids of the blobs, which are the keys of the cache, instead of texts. -z: no path is quoted.
-    *("--raw", "--diff-merges=first-parent", "--no-renames", "--no-abbrev", "--relative", "-z", "--no-color"),
-    *("--encoding=UTF-8", "--no-show-signature", f"--format={'%x00'.join(_FIELDS)}", "--", "*.proto"),
+    *("--raw", "--diff-merges=first-parent", "--no-renames", "--no-abbrev", "--no-relative", "-z", "--no-color"),
+    *("--encoding=UTF-8", "--no-show-signature", f"--format={'%x00'.join(_FIELDS)}"),
 )
+PROTOS = ":(top)*.proto"
+"""Pattern (a pathspec of git) for all .proto files of the repository, also those outside the current folder."""
 
 
-@dataclass(frozen=True, slots=True)
-class Edit:
+class Edit(NamedTuple):
     """The change of one file by a commit, compared with the commit's first parent."""
 
     path: str
+    """Path of the file, relative to the top of the repository."""
     old: str | None
     """The id of the file's blob before the commit; None if the file did not exist."""
     new: str | None
@@ -40,8 +44,10 @@ class Edit:
 
 @dataclass(frozen=True, slots=True)
 class Revision:
-    """A commit with its parents and the files that it changed."""
+    """A commit with its parents and the .proto files that it changed; or the index or the working tree of git."""
 
+    id: str
+    """Id of the commit; other texts stand for the index and the working tree."""
     commit: Commit
     parents: tuple[str, ...]
     time: int
@@ -63,25 +69,23 @@ class Ref:
 class PastRepository(Repository):
     """A folder in a git repository, with access to all commits."""
 
-    def revisions(self) -> list[Revision]:
-        """Return the commits of all refs (branches, tags and others) except stashes.
+    def revisions(self, also: Sequence[str] = ()) -> list[Revision]:
+        """Return the commits of all refs (branches, tags and others) except stashes, and those of the commits ``also``.
 
         Parents come before children; otherwise the commits are sorted by time.
         """
-        words = self._run(*_LOG).split("\0")
+        words = self._run(*_LOG, *also, "--", PROTOS).split("\0")
         found, at = [], 0
         while at + len(_FIELDS) <= len(words):
             id, parents, time, written, subject = words[at : at + len(_FIELDS)]
-            at += len(_FIELDS)
-            edits = []
-            # A raw line is `:<old mode> <new mode> <old id> <new id> <status>`, then NUL and the path (git-diff(1), RAW
-            # OUTPUT FORMAT). git puts a line feed between the commit's format and the first of them.
-            while at + 1 < len(words) and words[at].lstrip("\n").startswith(":"):
-                edits.append(_edit(words[at].lstrip("\n"), words[at + 1]))
-                at += 2
+            edits, at = edits_at(words, at + len(_FIELDS))
             commit = commit_of(id, written, subject)
-            found.append(Revision(commit, tuple(parents.split()), int(time), tuple(edits)))
+            found.append(Revision(id, commit, tuple(parents.split()), int(time), tuple(edits)))
         return found[::-1]
+
+    def prefix(self) -> str:
+        """Return the folder's path in the repository with a slash at its end; empty for the top folder."""
+        return self._run("rev-parse", "--show-prefix").removesuffix("\n")
 
     def refs(self) -> list[Ref]:
         """Return all refs with their commits, sorted by name. If HEAD is on no branch, HEAD comes first."""
@@ -104,6 +108,20 @@ class PastRepository(Repository):
         # folder, which --git-path knows.
         file = self.folder / self._run("rev-parse", "--git-path", "shallow").strip()
         return frozenset(file.read_text(encoding="ascii").split())
+
+
+def edits_at(words: Sequence[str], at: int) -> tuple[list[Edit], int]:
+    """Return the edits in git's output from the position ``at`` on, and the position after them.
+
+    ``words`` is the output of a diff with the options ``--raw -z``, split at NUL.
+    """
+    edits = []
+    # A raw line is `:<old mode> <new mode> <old id> <new id> <status>`, then NUL and the path (git-diff(1), RAW OUTPUT
+    # FORMAT). In a log, git puts a line feed between the commit's format and the first of them.
+    while at + 1 < len(words) and words[at].lstrip("\n").startswith(":"):
+        edits.append(_edit(words[at].lstrip("\n"), words[at + 1]))
+        at += 2
+    return edits, at
 
 
 def _edit(what: str, path: str) -> Edit:

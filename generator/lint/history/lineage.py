@@ -1,8 +1,9 @@
-"""Walk over all commits, parents before children, that finds when each fact of each message begins and ends.
+"""Walk over all commits, parents before children, that finds when each fact of each type begins and ends.
 
-A fact is the declaration of a field or an enum value, without its place in the file. A line of history is a chain of
-commits, such as a branch. A fact may begin and end several times, and at other commits on each line of history. So the
-walk keeps, for each line, the lifetimes of facts that have not ended there. Rules for a merge:
+A type is a message or an enum, which keeps its id when its full name or its file changes (see `identities`). A fact is
+the declaration of a field or an enum value, without its place in the file. A line of history is a chain of commits,
+such as a branch. A fact may begin and end several times, and at other commits on each line of history. So the walk
+keeps, for each line, the lifetimes of facts that have not ended there. Rules for a merge:
 
 - A fact begins at the merge only if no parent has it. Otherwise its lifetimes in the parents continue.
 - A fact ends at the merge only if the merge itself deletes it. If a parent without the fact had it before, a commit on
@@ -15,12 +16,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
-from roverlink.generator.lint.history.commit_graph import Graph, Node
+from roverlink.generator.lint.history.commit_graph import Graph, Lines, Node
+from roverlink.generator.lint.history.continuations import Declarations, Place
+from roverlink.generator.lint.history.identities import Labels, identities
 from roverlink.generator.lint.history.numbered_types import NumberedType, NumberedTypes
 from roverlink.generator.protos.schema import Fact
 
-Declared = Mapping[str, NumberedType]
-"""The declarations of one message or enum at one commit, by the path of the file. Usually there is only one."""
 Lifetimes = frozenset[int]
 """Indices of the lifetimes of a fact (a declared field or enum value) that have not ended at a commit.
 
@@ -29,6 +30,8 @@ There are several if the fact began separately on branches that were merged late
 Alive = Mapping[Fact, Lifetimes]
 
 _NOTHING: Alive = {}
+_NOWHERE: Declarations = {}
+_UNLABELLED: Labels = {}
 
 
 @dataclass(slots=True)
@@ -49,34 +52,38 @@ class Lifetime:
 
 @dataclass(slots=True)
 class State:
-    """All messages and enums at one commit, by full name, and the lifetimes of their facts (fields and values).
+    """All messages and enums at one commit, by id, and the lifetimes of their facts (fields and values).
 
     The inner mappings are never changed.
     """
 
-    declared: dict[str, Declared] = field(default_factory=dict)
-    alive: dict[str, Alive] = field(default_factory=dict)
+    labels: dict[str, Labels] = field(default_factory=dict)
+    """The ids of the types in each file, by path."""
+    declared: dict[int, Declarations] = field(default_factory=dict)
+    """The declarations of each type. Usually there is only one."""
+    alive: dict[int, Alive] = field(default_factory=dict)
 
     def copy(self) -> State:
         """Return a copy that may be changed; the inner mappings are shared with this state."""
-        return State(dict(self.declared), dict(self.alive))
+        return State(dict(self.labels), dict(self.declared), dict(self.alive))
 
 
 @dataclass(slots=True)
 class Lineage:
     """Result of the walk over the history: the lifetimes of all facts, and the changes of all messages and enums."""
 
-    lifetimes: dict[str, list[Lifetime]] = field(default_factory=dict)
-    """The lifetimes of all facts (fields and enum values) of each message and enum, by its full name."""
-    changes: dict[str, dict[int, Declared]] = field(default_factory=dict)
+    lifetimes: dict[int, list[Lifetime]] = field(default_factory=dict)
+    """The lifetimes of all facts (fields and enum values) of each message and enum, by the type's id."""
+    changes: dict[int, dict[int, Declarations]] = field(default_factory=dict)
     """The declarations of each message and enum, at each node where they differ from those at the first parent."""
-    tips: dict[int, State] = field(default_factory=dict)
+    tips: dict[int, Mapping[int, Alive]] = field(default_factory=dict)
+    """The lifetimes of the facts that the last commits of the branches have, by node and by the type's id."""
 
 
-def sweep(graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collection[int]) -> Lineage:
+def sweep(graph: Graph, types_of: Callable[[str | None], NumberedTypes], tips: Collection[int]) -> Lineage:
     """Walk over all commits of the graph, parents first, and find when each field and enum value began and ended.
 
-    ``types_of`` returns the messages and enums of a blob. The states at the nodes ``tips`` are kept for later queries.
+    ``types_of`` returns the messages and enums of a blob. The facts at the nodes ``tips`` are kept for later queries.
     """
     walk = _Sweep(graph, types_of, tips)
     for node in graph.nodes:
@@ -85,96 +92,91 @@ def sweep(graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collecti
 
 
 class _Sweep:
-    def __init__(self, graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collection[int]) -> None:
+    def __init__(self, graph: Graph, types_of: Callable[[str | None], NumberedTypes], tips: Collection[int]) -> None:
         self.lineage = Lineage()
         self._graph, self._types_of = graph, types_of
-        self._states = {Graph.BEGINNING: State()}
-        self._needed = [0] * len(graph)
-        """For each node, the number of children and tips that still need its state.
-
-        The last child that needs a state may change it without making a copy.
-        """
-        for index in tips:
-            self._needed[index] += 1
-        for node in graph.nodes:
-            for parent in node.parents:
-                self._needed[parent] += 1
+        self._labels = identities(graph, types_of)
+        self._lines = Lines(graph, State())
         self._tips = frozenset(tips)
         if Graph.BEGINNING in self._tips:
-            self.lineage.tips[Graph.BEGINNING] = State()
+            self.lineage.tips[Graph.BEGINNING] = {}
 
     def visit(self, node: Node) -> None:
         """Find the facts (fields and enum values) that begin or end at a commit; its parents must have been visited."""
         # The edits are against the first parent (`--diff-merges=first-parent`), so the declarations of the other
         # parents are not needed. Their lifetimes are.
-        others = [self._release(parent) for parent in node.parents[1:]]
+        others = [self._lines.release(parent) for parent in node.parents[1:]]
         alive_there = [state.alive for state in others]
-        state = self._take(node.parents[0])
+        state = self._lines.take(node.parents[0])
         changed = self._edit(node, state)
         here = state.alive
         # Lines of history share the mappings of all messages that neither has changed since they diverged. So the
         # identity of two mappings tells that there is nothing to merge, without a look at their facts.
         for there in alive_there:
             if there is not here:
-                changed |= {owner for owner, alive in there.items() if here.get(owner) is not alive}
+                changed |= {type for type, alive in there.items() if here.get(type) is not alive}
                 changed |= here.keys() - there.keys()
-        # Sorted, because indices of lifetimes are handed out here, and the hash order of strings differs from run to
-        # run.
-        for owner in sorted(changed):
-            befores = [alive.get(owner, _NOTHING) for alive in (here, *alive_there)]
-            after = self._settle(node, owner, befores, state.declared.get(owner, {}))
-            here[owner] = after
-        self._states[node.index] = state
+        for type in changed:
+            befores = [alive.get(type, _NOTHING) for alive in (here, *alive_there)]
+            here[type] = self._settle(node, type, befores, state.declared.get(type, _NOWHERE))
+        self._lines.keep(node.index, state)
         if node.index in self._tips:
-            self.lineage.tips[node.index] = state
-        if not self._needed[node.index]:
-            del self._states[node.index]
+            self.lineage.tips[node.index] = dict(state.alive)  # a child may change the state
 
-    def _take(self, index: int) -> State:
-        """Return the state at the node ``index``, as a state that the caller may change.
-
-        This is a copy if other nodes still need the state.
-        """
-        state = self._release(index)
-        return state.copy() if index in self._states else state
-
-    def _release(self, index: int) -> State:
-        state = self._states[index]
-        self._needed[index] -= 1
-        if not self._needed[index]:
-            del self._states[index]
-        return state
-
-    def _edit(self, node: Node, state: State) -> set[str]:
+    def _edit(self, node: Node, state: State) -> set[int]:
         """Apply the changed files of a node to a state, and return the messages and enums whose facts changed."""
-        before: dict[str, Declared] = {}
+        before: dict[int, Declarations] = {}
+        labels_here = self._labels.get(node.index, {})
         for edit in node.revision.edits:
-            old = self._types_of(edit.old) if edit.old else {}
-            new = self._types_of(edit.new) if edit.new else {}
-            for owner in {**old, **new}:
-                declared = dict(state.declared.get(owner, {}))
-                before.setdefault(owner, state.declared.get(owner, {}))
-                declared.pop(edit.path, None)
-                if owner in new:
-                    declared[edit.path] = new[owner]
-                state.declared[owner] = declared
+            was = state.labels.get(edit.path, _UNLABELLED)
+            self._replace(state, edit.path, labels_here.get(edit.path, was), self._types_of(edit.new), before)
+        edited = {edit.path for edit in node.revision.edits}
+        for path in labels_here.keys() - edited:  # another parent of a merge gave the name to another type
+            types = {name: state.declared[id][Place(path, name)] for name, id in state.labels[path].items()}
+            self._replace(state, path, labels_here[path], types, before)
         changed = set()
-        for owner, was in before.items():
-            if not _same(was, state.declared[owner]):
-                self.lineage.changes.setdefault(owner, {})[node.index] = state.declared[owner]
-                changed.add(owner)
+        for type, was_declared in before.items():
+            if not _same(was_declared, state.declared[type]):
+                self.lineage.changes.setdefault(type, {})[node.index] = state.declared[type]
+                changed.add(type)
         return changed
 
-    def _settle(self, node: Node, owner: str, befores: list[Alive], declared: Declared) -> Alive:
+    def _replace(
+        self, state: State, path: str, labels: Labels, types: NumberedTypes, before: dict[int, Declarations]
+    ) -> None:
+        """Replace the types of a file in a state, and add the former declarations of the changed ones to ``before``."""
+        was = state.labels.get(path, _UNLABELLED)
+        for name, id in was.items():
+            if labels.get(name) != id:
+                self._declare(state, id, Place(path, name), None, before)
+        for name, id in labels.items():
+            self._declare(state, id, Place(path, name), types[name], before)
+        if labels:
+            state.labels[path] = labels
+        else:
+            state.labels.pop(path, None)
+
+    def _declare(
+        self, state: State, id: int, place: Place, type: NumberedType | None, before: dict[int, Declarations]
+    ) -> None:
+        was = state.declared.get(id, _NOWHERE)
+        known = was.get(place)
+        if type is not None and known is not None and _equal(known, type):
+            return
+        before.setdefault(id, was)
+        others = {other: declared for other, declared in was.items() if other != place}
+        state.declared[id] = others if type is None else {**others, place: type}
+
+    def _settle(self, node: Node, type: int, befores: list[Alive], declared: Declarations) -> Alive:
         """Begin and end lifetimes of facts at a node (a commit), and return the lifetimes that each fact has there.
 
-        ``owner`` is the full name of the message or enum. ``befores`` has the lifetimes at each parent of the node.
+        ``type`` is the id of the message or enum. ``befores`` has the lifetimes at each parent of the node.
         ``declared`` has the declarations at the node.
         """
-        lifetimes = self.lineage.lifetimes.setdefault(owner, [])
+        lifetimes = self.lineage.lifetimes.setdefault(type, [])
         after: dict[Fact, Lifetimes] = {}
-        for path, declaration in declared.items():
-            for fact, line in declaration.facts.items():
+        for (path, _), declaration in declared.items():
+            for fact, line in declaration.lines():
                 if fact not in after:
                     held = [before[fact] for before in befores if fact in before]
                     if not held:
@@ -200,9 +202,10 @@ class _Sweep:
                 ended.append(node.index)
 
 
-def _same(one: Declared, other: Declared) -> bool:
+def _same(one: Declarations, other: Declarations) -> bool:
     """Return True if the same files declare the same facts of a message. The lines in the files may differ."""
-    return one.keys() == other.keys() and all(
-        declaration.facts.keys() == other[path].facts.keys() and declaration.broken == other[path].broken
-        for path, declaration in one.items()
-    )
+    return one.keys() == other.keys() and all(_equal(type, other[place]) for place, type in one.items())
+
+
+def _equal(one: NumberedType, other: NumberedType) -> bool:
+    return one is other or (one.facts == other.facts and one.broken == other.broken)

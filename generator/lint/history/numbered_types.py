@@ -5,7 +5,7 @@ A fact is the declaration of a field or an enum value: it gives a meaning to a n
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from roverlink.generator.protos.parser import File, resolve_type
@@ -16,35 +16,72 @@ from roverlink.generator.protos.schema import Fact, ProtoEnum, ProtoExtension, P
 class NumberedType:
     """A message or an enum in one state of a file."""
 
-    facts: dict[Fact, int]
-    """The facts of the message or enum, each with the first line of the file that declares the fact."""
+    facts: tuple[Fact, ...]
+    """The facts of the message or enum, sorted."""
+    offsets: tuple[int, ...]
+    """For each fact, the number of lines from the line of the type to the first line that declares the fact."""
     line: int
     broken: bool
     """True if the parser could not read some lines of the file."""
     enum: bool
+
+    def lines(self) -> Iterator[tuple[Fact, int]]:
+        """Yield each fact with the first line of the file that declares the fact."""
+        for fact, offset in zip(self.facts, self.offsets):
+            yield fact, self.line + offset
 
 
 NumberedTypes = dict[str, NumberedType]
 """The messages and enums in one state of a file, by full name."""
 
 
-def numbered_types(file: File) -> NumberedTypes:
+class Pool:
+    """Equal values, each kept once. Two states of a file have most facts in common, so thousands of states need it."""
+
+    def __init__(self) -> None:
+        self._facts: dict[Fact, Fact] = {}
+        self._types: dict[NumberedType, NumberedType] = {}
+        self._all_facts: dict[tuple[Fact, ...], tuple[Fact, ...]] = {}
+        self._offsets: dict[tuple[int, ...], tuple[int, ...]] = {}
+
+    def fact(self, fact: Fact) -> Fact:
+        """Return the equal fact that the pool keeps."""
+        return self._facts.setdefault(fact, fact)
+
+    def type(self, lines: Iterable[tuple[Fact, int]], line: int, broken: bool, enum: bool) -> NumberedType:
+        """Return the message or enum at the line ``line`` of a file, with the given facts and their lines."""
+        first: dict[Fact, int] = {}
+        for fact, at in lines:
+            first[fact] = min(first.get(fact, at), at)
+        facts = tuple(self.fact(fact) for fact in sorted(first))
+        offsets = tuple(first[fact] - line for fact in facts)
+        return self.shared(facts, offsets, line, broken, enum)
+
+    def shared(
+        self, facts: tuple[Fact, ...], offsets: tuple[int, ...], line: int, broken: bool, enum: bool
+    ) -> NumberedType:
+        """Return the type with the given attributes, whose facts must be from this pool."""
+        facts, offsets = self._all_facts.setdefault(facts, facts), self._offsets.setdefault(offsets, offsets)
+        type = NumberedType(facts, offsets, line, broken, enum)
+        return self._types.setdefault(type, type)
+
+
+def numbered_types(file: File, pool: Pool) -> NumberedTypes:
     """Return the messages and enums of a parsed file. If one is declared twice, its fields or values are combined.
 
     An extension counts as a field of the message that it extends, which may be declared in another file.
     """
-    found: NumberedTypes = {}
+    heads: dict[str, tuple[int, bool]] = {}
+    lines: dict[str, list[tuple[Fact, int]]] = {}
     types: list[ProtoMessage | ProtoEnum] = [*file.messages, *file.enums]
     for type in sorted(types, key=lambda one: one.span.line):
-        enum = isinstance(type, ProtoEnum)
-        facts = found.setdefault(type.full_name, NumberedType({}, type.span.line, file.broken, enum)).facts
-        for fact, line in _facts(type):
-            facts[fact] = min(facts.get(fact, line), line)
+        heads.setdefault(type.full_name, (type.span.line, isinstance(type, ProtoEnum)))
+        lines.setdefault(type.full_name, []).extend(_facts(type))
     for extension in file.extensions:
         owner, line = _extended(extension, file), extension.field.span.line
-        facts = found.setdefault(owner, NumberedType({}, line, file.broken, enum=False)).facts
-        facts.setdefault(extension.field.fact, line)
-    return found
+        heads.setdefault(owner, (line, False))
+        lines.setdefault(owner, []).append((extension.field.fact, line))
+    return {name: pool.type(lines[name], line, file.broken, enum) for name, (line, enum) in heads.items()}
 
 
 def _extended(extension: ProtoExtension, file: File) -> str:

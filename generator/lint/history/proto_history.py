@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cache
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from functools import cache, lru_cache
 from itertools import groupby
 from pathlib import Path
 
@@ -13,136 +13,194 @@ from roverlink.generator.lint.history.commit_graph import Graph, depth
 from roverlink.generator.lint.history.commits import PastRepository, Ref, Revision
 from roverlink.generator.lint.history.lineage import sweep
 from roverlink.generator.lint.history.lookup import Record
-from roverlink.generator.lint.history.numbered_types import NumberedTypes, numbered_types
+from roverlink.generator.lint.history.moved_files import LostPast, blobs_to_compare, lost_pasts, with_moved_files
+from roverlink.generator.lint.history.numbered_types import NumberedTypes, Pool, numbered_types
 from roverlink.generator.lint.history.reuses import Reuses
-from roverlink.generator.lint.history.usage_model import Collision, Reuse, Usage
-from roverlink.generator.lint.history.usages import TracedUsage, usages
+from roverlink.generator.lint.history.uncommitted import CheckedOut, Uncommitted, is_uncommitted
+from roverlink.generator.lint.history.usage_model import Collision, Reuse, TracedType, Usage
+from roverlink.generator.lint.history.usages import usages
 from roverlink.generator.protos.parser import parse
 
 _SOME = 64  # states between two reports of progress
+_FEW = 16  # messages whose usages are kept
+_NO_TYPES: NumberedTypes = {}
 
 
-def read_history(repository: Path, report: Callable[[int, int], None] | None = None) -> History:
+def read_history(folder: Path, report: Callable[[int, int], None] | None = None, newest: str = "") -> History:
     """Read the history of all .proto files below a folder, from all refs and both sides of each merge.
 
-    ``report`` shows progress: it is called with the number of file states read so far, and their total number. Raises
-    `GitError` if git fails.
+    The newest state is that of the working tree, or in a hook of ``git commit`` that of the index. ``newest`` names
+    another one: a git ref. Commits that were built upon this ref are left out then. ``report`` shows progress: it is
+    called with the number of file states read so far, and their total number. Raises `GitError` if git fails.
     """
-    git = PastRepository(repository)
-    refs, boundary, revisions = git.refs(), git.boundary(), git.revisions()
-    types, unread = _types(git, revisions, report or _ignore_progress)
-    return History(revisions, refs, bool(boundary), types, unread)
+    git, checked_out = PastRepository(folder), CheckedOut(folder)
+    last = (git.resolve(newest),) if newest else checked_out.parents()
+    revisions, refs = git.revisions(last), git.refs()
+    uncommitted = Uncommitted()
+    if newest:
+        revisions, refs = _up_to(last[0], revisions, refs)
+    else:
+        # The time is that of the newest commit: the order of commits does not depend on it.
+        uncommitted = checked_out.uncommitted(last, max((one.time for one in revisions), default=0))
+    states = _States(git, uncommitted.contents, report or _ignore_progress)
+    root = git.prefix()
+    revisions = [*revisions, *uncommitted.revisions]
+    lost: list[LostPast] = []
+    if root:
+        states.read(blobs_to_compare(revisions, root))
+        lost = lost_pasts(revisions, root, states.types_of)
+    revisions = with_moved_files(revisions, root, states.types_of)
+    states.read(edit.new for revision in revisions for edit in revision.edits if edit.new)
+    states.save()
+    tip = revisions[-1].id if uncommitted.revisions else (*last, "")[0]
+    return History(revisions, refs, tip, bool(git.boundary()), states, lost)
+
+
+def _up_to(last: str, revisions: Sequence[Revision], refs: Sequence[Ref]) -> tuple[list[Revision], list[Ref]]:
+    """Return the revisions and refs without the commits that were built upon the commit ``last``."""
+    later = set[str]()
+    for revision in revisions:
+        if any(parent == last or parent in later for parent in revision.parents):
+            later.add(revision.id)
+    return [one for one in revisions if one.id not in later], [ref for ref in refs if ref.commit not in later]
 
 
 class History:
     """The meanings that each number of each message and enum had in the history of a repository.
 
-    Messages and enums are found by name, with or without package. If a message or enum moved to another package, its
-    old and new names have the same history. The names of the .proto files do not matter.
+    A message or enum is followed when its file, its package or its name changes (see `identities`). The functions that
+    take a name ask for the messages and enums that have it in the newest state, or else that once had it.
     """
 
     def __init__(
         self,
         revisions: Sequence[Revision],
         refs: Sequence[Ref],
+        newest: str,
         shallow: bool,
-        types: Mapping[str, NumberedTypes],
-        unread: frozenset[str],
+        states: _States,
+        lost: Sequence[LostPast],
     ) -> None:
         graph = Graph(revisions)
         self._refs = refs
         self._nodes = {ref: graph.node_of(commit) for ref, commit in branches(refs).items()}
-        lineage = sweep(graph, lambda blob: types.get(blob, {}), frozenset(self._nodes.values()))
-        self._record = Record(graph, lineage)
-        self._traced = cache(self._find_traced)
-        self.reuses = cache(self._find_reuses)
-        """Function that takes the name of a message or enum, and returns the reuses of its numbers.
+        places = self._nodes | ({newest: graph.node_of(newest)} if is_uncommitted(newest) else {})
+        lineage = sweep(graph, states.types_of, frozenset(places.values()))
+        self._record = Record(graph, lineage, graph.node_of(newest))
+        # A few are kept: the usages of thousands of messages on hundreds of branches take 100 MB.
+        self._traced = lru_cache(_FEW)(lambda ids, claimed: usages(self._record, ids, places, claimed))
+        self.reuses_of = cache(self._find_reuses)
+        """Function that takes the id of a message or enum, and returns the reuses of its numbers.
 
         A reuse is a pair of usages (meanings) of one number. Mere renames are included.
         """
-        self.commits = len(revisions)
+        self.commits = sum(not is_uncommitted(revision.id) for revision in revisions)
         """The number of commits in the history."""
         self.shallow = shallow
         """True if the clone is shallow: its earliest commits are missing."""
         self.depth = depth(revisions, [ref.commit for ref in refs])
         """The number of commits from the newest to the oldest one."""
-        self.unread = tuple(sorted(_paths(revisions, unread)))
+        self.lost = tuple(lost)
+        """Files that were copied into the folder, and whose originals were deleted by other commits."""
+        self.unread = tuple(sorted(_paths(revisions, states.unread)))
         """Paths of files with a state that could not be read, because it is missing, too large, or binary."""
 
     @property
+    def types(self) -> tuple[TracedType, ...]:
+        """All messages and enums that existed at some time, sorted by name."""
+        return tuple(sorted(self._record.types.values(), key=lambda each: (each.name, each.id)))
+
+    @property
     def messages(self) -> tuple[str, ...]:
-        """Full names of all messages that existed at some time."""
-        return tuple(sorted(name for name, enum in self._kinds() if not enum))
+        """All full names that messages had at some time."""
+        return tuple(sorted({name for type in self.types if not type.enum for name in type.names}))
 
     @property
     def enums(self) -> tuple[str, ...]:
-        """Full names of all enums that existed at some time."""
-        return tuple(sorted(name for name, enum in self._kinds() if enum))
-
-    def names(self, name: str) -> tuple[str, ...]:
-        """Return the full names that a message or enum had. There are several if its package changed."""
-        return tuple(self._record.owners(name))
+        """All full names that enums had at some time."""
+        return tuple(sorted({name for type in self.types if type.enum for name in type.names}))
 
     def numbers(self, name: str) -> dict[int, tuple[Usage, ...]]:
         """Return every number that a message or enum ever had, with its usages (meanings), the earliest first."""
-        return _by_number(traced.usage for traced in self._traced(name, False))
+        return _by_number(traced.usage for traced in self._traced(self._ids(name), False))
+
+    def numbers_of(self, id: int) -> dict[int, tuple[Usage, ...]]:
+        """Return the same as `numbers` for the message or enum with an id."""
+        return _by_number(traced.usage for traced in self._traced((id,), False))
 
     def claims(self, name: str) -> dict[int, tuple[Usage, ...]]:
         """Return every number that a commented-out declaration of a message or enum ever had, with its meanings."""
-        return _by_number(traced.usage for traced in self._traced(name, True))
+        return _by_number(traced.usage for traced in self._traced(self._ids(name), True))
+
+    def reuses(self, name: str) -> tuple[Reuse, ...]:
+        """Return the reuses of the numbers of a message or enum."""
+        return tuple(reuse for id in self._ids(name) for reuse in self.reuses_of(id))
 
     def collisions(self, name: str) -> tuple[Collision, ...]:
         """Return the numbers of a message to which branches have given different payloads since they diverged."""
-        found = Branches(self._record, self._record.owners(name), self._nodes)
+        found = Branches(self._record, self._ids(name), self._nodes)
         return tuple(found.collisions(default_branch(self._refs)))
 
-    def _find_reuses(self, name: str) -> tuple[Reuse, ...]:
-        return tuple(Reuses(self._record, self._record.owners(name), self._traced(name, False)).all())
+    def _ids(self, name: str) -> tuple[int, ...]:
+        return tuple(self._record.named(name))
 
-    def _find_traced(self, name: str, claimed: bool) -> list[TracedUsage]:
-        return usages(self._record, self._record.owners(name), self._nodes, claimed)
-
-    def _kinds(self) -> set[tuple[str, bool]]:
-        return {
-            (name, declaration.enum)
-            for name, changes in self._record.lineage.changes.items()
-            for declared in changes.values()
-            for declaration in declared.values()
-        }
+    def _find_reuses(self, id: int) -> tuple[Reuse, ...]:
+        return tuple(Reuses(self._record, id, self._traced((id,), False)).all())
 
 
 def _by_number(found: Iterable[Usage]) -> dict[int, tuple[Usage, ...]]:
     return {number: tuple(group) for number, group in groupby(found, key=lambda usage: usage.number)}
 
 
-def _types(
-    git: PastRepository, revisions: Sequence[Revision], report: Callable[[int, int], None]
-) -> tuple[dict[str, NumberedTypes], frozenset[str]]:
-    """Return the messages and enums in each blob, by the blob's id, and the ids of blobs that could not be read."""
-    blobs = list(dict.fromkeys(edit.new for revision in revisions for edit in revision.edits if edit.new))
-    blob_cache = BlobCache(git.folder)
-    known = blob_cache.load()
-    types = {blob: known[blob] for blob in blobs if blob in known}
-    new, unread = [blob for blob in blobs if blob not in known], set[str]()
-    for done, (blob, data) in enumerate(git.blobs(new), len(types)):
-        # A NUL byte means a binary file for git, too (gitattributes(5), `diff`: git looks at the beginning of the
-        # content).
-        if isinstance(data, str) or b"\0" in data:
-            unread.add(blob)
-        else:
-            # Comments of old files often have another encoding than UTF-8. Declarations are ASCII, so replaced
-            # characters change only comments.
-            types[blob] = numbered_types(parse(data.decode("utf-8", errors="replace")))
-        if done % _SOME == 0:
-            report(done, len(blobs))
-    report(len(blobs), len(blobs))
-    # Nothing new was read: do not write the same cache again.
-    if len(unread) < len(new):
-        blob_cache.save(types)
-    return types, frozenset(unread)
+class _States:
+    """The states of .proto files: the messages and enums in each blob that was read."""
+
+    def __init__(
+        self, git: PastRepository, contents: Mapping[str, bytes | None], report: Callable[[int, int], None]
+    ) -> None:
+        self.unread = set[str]()
+        """Ids of the blobs that could not be read."""
+        self._git, self._contents, self._report = git, contents, report
+        self._cache = BlobCache(git.folder)
+        self._pool = Pool()
+        self._known = self._cache.load(self._pool)
+        self._types: dict[str, NumberedTypes] = {}
+        self._parsed = False
+
+    def types_of(self, blob: str | None) -> NumberedTypes:
+        """Return the messages and enums of a blob; nothing for None, and for a blob that was not read."""
+        return self._types.get(blob, _NO_TYPES) if blob else _NO_TYPES
+
+    def read(self, blobs: Iterable[str]) -> None:
+        """Read some blobs, from the cache as far as it has them."""
+        blobs = list(dict.fromkeys(blobs))
+        self._types |= {blob: self._known[blob] for blob in blobs if blob in self._known}
+        new = [blob for blob in blobs if blob not in self._types and blob not in self.unread]
+        for done, (blob, data) in enumerate(self._data(new), len(blobs) - len(new)):
+            # A NUL byte means a binary file for git, too (gitattributes(5), `diff`: git looks at the beginning of the
+            # content).
+            if not isinstance(data, bytes) or b"\0" in data:
+                self.unread.add(blob)
+            else:
+                # Comments of old files often have another encoding than UTF-8. Declarations are ASCII, so replaced
+                # characters change only comments.
+                self._types[blob] = numbered_types(parse(data.decode("utf-8", errors="replace")), self._pool)
+                self._parsed = True
+            if done % _SOME == 0:
+                self._report(done, len(blobs))
+        self._report(len(blobs), len(blobs))
+
+    def save(self) -> None:
+        """Write the cache, if new blobs were parsed."""
+        if self._parsed:
+            self._cache.save(self._types)
+
+    def _data(self, blobs: Sequence[str]) -> Iterator[tuple[str, bytes | str | None]]:
+        yield from ((blob, self._contents[blob]) for blob in blobs if blob in self._contents)
+        yield from self._git.blobs([blob for blob in blobs if blob not in self._contents])
 
 
-def _paths(revisions: Iterable[Revision], blobs: frozenset[str]) -> set[str]:
+def _paths(revisions: Iterable[Revision], blobs: Set[str]) -> set[str]:
     return {edit.path for revision in revisions for edit in revision.edits if edit.new in blobs}
 
 

@@ -14,6 +14,7 @@ from roverlink.generator.lint.comparison.judgement import (
     judge_field,
     judge_value,
 )
+from roverlink.generator.lint.history.continuations import Declarations
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.same_meaning import is_named, part, type_state
 from roverlink.generator.lint.history.usage_model import Confidence, Content, Kind, Relation, Reuse
@@ -42,12 +43,12 @@ _KINDS = {
 class Reuses:
     """Finder of the reuses of one message or enum: compares the usages (meanings) of each number with each other."""
 
-    def __init__(self, record: Record, owners: Sequence[str], traced: Sequence[TracedUsage]) -> None:
+    def __init__(self, record: Record, owner: int, traced: Sequence[TracedUsage]) -> None:
         self._record, self._traced = record, traced
-        self._owner, self._owners = owners[0] if owners else "", owners
-        self._relations = Relations(record, owners)
-        self._numbers = cache(self._find_numbers)
-        self._kept: dict[tuple[str, str, str, str], Kept] = {}
+        self._owner = record.types[owner].name
+        self._relations = Relations(record, owner)
+        self._numbers = cache(lambda node: _numbers(record.declared(owner, node)))
+        self._kept: dict[tuple[Content, Content], Kept] = {}
         values = [one.usage.name for one in traced if not one.usage.type]
         self._shared = shared_words(self._owner.rpartition(".")[2], values) if values else frozenset()
 
@@ -95,11 +96,7 @@ class Reuses:
         moved = old.name != new.name and bool(self._numbers(before).get(new.name, set()) - {new.number})
         types = None
         if is_named(old.type) and is_named(new.type):
-            beside = (
-                one and other and self._record.declared(one.type, after) and self._record.declared(other.type, before)
-            )
-            at_once = self._relations.hands_over(earlier, later)
-            types = TypePair(type_state(old.type, one), type_state(new.type, other), bool(beside), at_once)
+            types = self._types(earlier, later, one, other, before, after)
         if old.type or new.type:
             judged = judge_field(part(old, one), part(new, other), types, moved)
         elif self._relations.together(old, new):
@@ -112,15 +109,22 @@ class Reuses:
             kind = Kind.REUSED
         return self._reuse(kind, earlier, later, one, other, judged.reason) if kind else None
 
-    def _find_numbers(self, node: int) -> dict[str, set[int]]:
-        """Return the numbers that each name in the message or enum has at a node."""
-        found: dict[str, set[int]] = {}
-        for owner in self._owners:
-            for declaration in self._record.declared(owner, node).values():
-                for fact in declaration.facts:
-                    if not fact.claimed:
-                        found.setdefault(fact.name, set()).add(fact.number)
-        return found
+    def _types(
+        self,
+        earlier: TracedUsage,
+        later: TracedUsage,
+        one: Content | None,
+        other: Content | None,
+        before: int,
+        after: int,
+    ) -> TypePair:
+        """Return the types of two usages as they are judged; ``one`` and ``other`` are their contents."""
+        old, new = type_state(earlier.usage.type, one), type_state(later.usage.type, other)
+        at_once = self._relations.hands_over(earlier, later)
+        if one is None or other is None or one.id == other.id:
+            return TypePair(old, new, False, at_once)
+        beside = self._record.declared(one.id, after) and self._record.declared(other.id, before)
+        return TypePair(old, new, bool(beside), at_once)
 
     # --- one usage, other contents ----------------------------------------------------------------------------------
 
@@ -148,10 +152,9 @@ class Reuses:
 
     def _compare_contents(self, old: Content, new: Content) -> Kept:
         """Compare two contents of a message. The result is cached for later comparisons."""
-        key = (old.type, old.commit.id, new.type, new.commit.id)
-        if key not in self._kept:
-            self._kept[key] = compare_parts(type_state(old.type, old), type_state(new.type, new))
-        return self._kept[key]
+        if (old, new) not in self._kept:
+            self._kept[old, new] = compare_parts(type_state(old.type, old), type_state(new.type, new))
+        return self._kept[old, new]
 
     def _reuse(
         self,
@@ -178,6 +181,16 @@ class Reuses:
             confidence=max(_confidence(earlier, old), _confidence(later, new)),
             reason=reason,
         )
+
+
+def _numbers(declared: Declarations) -> dict[str, set[int]]:
+    """Return the numbers that each name has in the declarations of a message or enum."""
+    found: dict[str, set[int]] = {}
+    for declaration in declared.values():
+        for fact in declaration.facts:
+            if not fact.claimed:
+                found.setdefault(fact.name, set()).add(fact.number)
+    return found
 
 
 def _join(classes: list[int], one: int, other: int) -> None:

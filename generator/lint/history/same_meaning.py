@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from roverlink.generator.lint.comparison.cardinality import EXPLICIT, MAP, REPEATED, REQUIRED
-from roverlink.generator.lint.comparison.judgement import NAMED, Part, TypeState
+from roverlink.generator.lint.comparison.judgement import NAMED, Part, TypeState, judge_field
 from roverlink.generator.lint.history.usage_model import Content
 from roverlink.generator.protos.parser import SCALARS
 from roverlink.generator.protos.schema import Fact
@@ -35,6 +35,11 @@ def _kind(type: str, content: Content | None) -> str:
 def type_state(type: str, content: Content | None) -> TypeState:
     """Return the type of a field as it is judged; without fields or values if ``content`` is None."""
     return TypeState(content.type, tuple(map(part, content.facts))) if content else TypeState(type.lstrip("."))
+
+
+def same_field(old: Fact, new: Fact) -> bool:
+    """Return True if two fields agree as far as they show themselves: compatible bytes, and names that are no other."""
+    return not judge_field(part(old), part(new), types=None, moved=False).certain
 
 
 def differ(one: tuple[str, str], other: tuple[str, str]) -> bool:

@@ -75,9 +75,28 @@ class Usage:
 
 
 @dataclass(frozen=True, slots=True)
+class TracedType:
+    """A message or enum, which was followed through the history: through moved files, packages and renames."""
+
+    id: int
+    names: tuple[str, ...]
+    """The full names that the type had: that of the newest state first, or the last one if it does not exist now."""
+    enum: bool
+    exists: bool
+    """True if the newest state declares the type."""
+
+    @property
+    def name(self) -> str:
+        """The full name of the type in the newest state, or its last full name."""
+        return self.names[0]
+
+
+@dataclass(frozen=True, slots=True)
 class Content:
     """The fields of a message, or the values of an enum, at a commit."""
 
+    id: int
+    """Id of the message or enum, which stays the same if it is renamed."""
     type: str
     """Full name of the message or enum."""
     commit: Commit

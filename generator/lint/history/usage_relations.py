@@ -5,11 +5,10 @@ The graph of commits shows the order. The times of commits are only compared for
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cache
 from itertools import combinations
 
-from roverlink.generator.lint.history.lineage import Declared
+from roverlink.generator.lint.history.continuations import Declarations
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.usage_model import Relation
 from roverlink.generator.lint.history.usages import Stretch, TracedUsage
@@ -19,15 +18,14 @@ from roverlink.generator.protos.schema import Fact
 class Relations:
     """Queries about the relations in time between usages of the numbers of one message or enum."""
 
-    def __init__(self, record: Record, owners: Sequence[str]) -> None:
+    def __init__(self, record: Record, owner: int) -> None:
         self._record, self._graph = record, record.graph
         self._times = cache(self._find_times)
         self._together: set[frozenset[Fact]] = set()
-        for owner in owners:
-            for declared in record.lineage.changes.get(owner, {}).values():
-                self._note_together(declared)
+        for declared in record.lineage.changes[owner].values():
+            self._note_together(declared)
 
-    def _note_together(self, declared: Declared) -> None:
+    def _note_together(self, declared: Declarations) -> None:
         facts = {fact for declaration in declared.values() for fact in declaration.facts if not fact.claimed}
         # In almost every state, each number has one fact. Then there are no pairs, and the rest is not needed.
         if len({fact.number for fact in facts}) == len(facts):
@@ -75,8 +73,9 @@ class Relations:
         nodes = set()
         for stretch in use.stretches:
             type = self._record.resolve(use.usage.type, stretch.owner, stretch.lifetime.came)
-            for name in [type] if type else self._record.of_simple_name(use.usage.type):
-                changes = self._record.lineage.changes[name]
+            known = self._record.once_resolved(use.usage.type, stretch.owner, stretch.lifetime.came)
+            for id in known if type is None else [type]:
+                changes = self._record.lineage.changes[id]
                 nodes |= {node for node in changes if self._record.has(stretch.owner, stretch.lifetime.fact, node)}
             nodes.add(stretch.lifetime.came)
         return sorted(nodes)

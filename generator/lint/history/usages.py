@@ -5,20 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from roverlink.generator.lint.history.lineage import Lifetime
+from roverlink.generator.lint.history.lineage import Alive, Lifetime
 from roverlink.generator.lint.history.lookup import Record
+from roverlink.generator.lint.history.uncommitted import is_uncommitted
 from roverlink.generator.lint.history.usage_model import Confidence, Interval, Usage
 from roverlink.generator.protos.schema import Fact
 
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A time during which the message or enum ``owner`` had a fact, and the branches that still have the fact.
+    """A time during which the message or enum ``owner`` (an id) had a fact, and the branches that still have the fact.
 
     A fact is the declaration of a field or an enum value.
     """
 
-    owner: str
+    owner: int
     lifetime: Lifetime
     live_at: tuple[str, ...]
 
@@ -36,11 +37,11 @@ class TracedUsage:
     stretches: tuple[Stretch, ...]
 
 
-def usages(record: Record, owners: Sequence[str], branches: Mapping[str, int], claimed: bool) -> list[TracedUsage]:
+def usages(record: Record, owners: Sequence[int], branches: Mapping[str, int], claimed: bool) -> list[TracedUsage]:
     """Return the usages (meanings) of all numbers of a message or enum, sorted by number and age.
 
-    ``owners`` are the full names that the message or enum had. If ``claimed`` is True, only the usages in commented-out
-    declarations are returned, and otherwise only those in real declarations.
+    ``owners`` are the ids of the message or enum; several if several files declare its name. If ``claimed`` is True,
+    only the usages in commented-out declarations are returned, and otherwise only those in real declarations.
     """
     confidence = record.confidence(owners)
     stretches: dict[Fact, list[Stretch]] = {}
@@ -57,13 +58,29 @@ def usages(record: Record, owners: Sequence[str], branches: Mapping[str, int], c
     return sorted(found, key=lambda traced: (traced.usage.number, traced.stretches[0].order, traced.usage.fact))
 
 
-def _live_at(record: Record, owner: str, branches: Mapping[str, int]) -> dict[int, list[str]]:
-    """Return the branches on which each lifetime of the message ``owner`` has not ended, by the lifetime's index."""
-    found: dict[int, list[str]] = {}
+def _live_at(record: Record, owner: int, branches: Mapping[str, int]) -> dict[int, list[str]]:
+    """Return the branches on which each lifetime of the message ``owner`` has not ended, by the lifetime's index.
+
+    The working tree or the index is named only if no branch has the lifetime's fact.
+    """
+    # Most branches share the mapping of a message that none of them has changed.
+    refs_of: dict[int, list[str]] = {}
+    alive_by_id: dict[int, Alive] = {}
     for ref, node in branches.items():
-        for lifetimes in record.lineage.tips[node].alive.get(owner, {}).values():
+        alive = record.lineage.tips[node].get(owner)
+        if alive and not is_uncommitted(ref):
+            refs_of.setdefault(id(alive), []).append(ref)
+            alive_by_id[id(alive)] = alive
+    found: dict[int, list[str]] = {}
+    for key, refs in refs_of.items():
+        for lifetimes in alive_by_id[key].values():
             for index in lifetimes:
-                found.setdefault(index, []).append(ref)
+                found.setdefault(index, []).extend(refs)
+    for ref, node in branches.items():
+        if is_uncommitted(ref):
+            for lifetimes in record.lineage.tips[node].get(owner, {}).values():
+                for index in lifetimes - found.keys():
+                    found[index] = [ref]
     return found
 
 

@@ -29,7 +29,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
     Numbers that another rule reports are left out.
     """
-    worse = {(owner, number) for owner, number, _ in reuses_by_number(context, frozenset(Kind) - {Kind.RENAMED})}
+    worse = {(owner.id, number) for owner, number, _ in reuses_by_number(context, frozenset(Kind) - {Kind.RENAMED})}
     for owner, number, reuses in reuses_by_number(context, frozenset({Kind.RENAMED})):
-        if owner == context.table.envelope.message and (owner, number) not in worse:
+        if owner.name == context.table.envelope.message and (owner.id, number) not in worse:
             yield reported(RULE, context, owner, number, reuses)
