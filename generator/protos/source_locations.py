@@ -76,8 +76,10 @@ class Places:
         return {f"reserved {first} to {last}": self.span((*path, index)) for index, (first, last) in enumerate(ranges)}
 
 
-def _clean(comment: str) -> str:
+def _clean(comment: str | bytes) -> str:
     """Return a comment's text without the space after the slashes, and without white space at both ends."""
+    # protoc accepts comments in any encoding. A text that is not UTF-8 comes out of the descriptor as bytes.
+    comment = comment.decode("utf-8", errors="replace") if isinstance(comment, bytes) else comment
     # protoc removes the `//`, but keeps the space after it (descriptor.proto, `leading_comments`).
     lines = [line.removeprefix(" ").rstrip() for line in comment.splitlines()]
     return "\n".join(lines).strip()

@@ -22,10 +22,6 @@ _NOT_YET = frozenset(
         "bare_member_deleted_from_a_renamed_envelope",
         "bare_member_deleted_in_the_working_tree",
         "bare_member_deleted_long_ago",
-        "bytes_latin_1_comment",
-        "bytes_latin_1_comment_against",
-        "bytes_latin_1_comment_in_history",
-        "bytes_latin_1_comment_in_the_working_tree",
         "judgement_json_name_kept",
         "root_too_deep",
         "root_too_high",
@@ -136,7 +132,6 @@ def test_a_link_out_of_the_tree_is_named(
     assert (found["path"], "link" in found["message"], "Secret" in _text(found)) == ("link.proto", True, False)
 
 
-@_WRONG_TODAY
 def test_init_reads_comments_that_are_not_utf_8(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A Latin-1 degree sign in a comment, which protoc accepts, stops no project from starting."""
     repository = RepositoryBuilder(tmp_path / "repository")
