@@ -64,7 +64,7 @@ def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses
         f"number {number} of {owner!r} was {_told(usages, reuses)}; {_today(context, owner, number)}"
         f"{_CONFIDENCES[max(reuse.confidence for reuse in reuses)]}",
         _help(context, owner, number),
-        [(_place_in_history(context, usage), _usage(usage)) for usage in usages],
+        [(place_in_history(context, usage), _usage(usage)) for usage in usages],
         type=owner,
         number=number,
         uses=[Use(usage.type, usage.name, usage.came, usage.went) for usage in usages],
@@ -76,7 +76,7 @@ def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses
     return finding
 
 
-def _place_in_history(context: Context, usage: Usage) -> Span:
+def place_in_history(context: Context, usage: Usage) -> Span:
     """Return the place at which a usage was first declared: in a file of a commit, or in a file of today."""
     if usage.came.id:
         return Span(f"{usage.came.id[:10]}:{usage.path}", usage.line)

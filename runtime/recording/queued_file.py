@@ -113,11 +113,18 @@ class QueuedFile:
     def give_up(self) -> None:
         """Close the file after an error, such as a full disk. The waiting messages are lost, and later ones too."""
         self.limit = 0  # from now on every message is dropped and counted
-        self.lost[0] += len(self.waiting)
-        self.waiting.clear()
+        while self.waiting:  # one by one: another thread may still be adding the batch that it has begun
+            self.waiting.popleft()
+            self.lost[0] += 1
         if not self._ended:
             self.lost[0] += self.file.finish_anyway()
             self._end()
+
+    @property
+    def lost_messages(self) -> int:
+        """Number of messages that came and are not in the file."""
+        # A batch that another thread had begun to add when the file was given up stays in the queue.
+        return self.lost.total() + (0 if self.limit else len(self.waiting))
 
     def delete(self) -> None:
         """Close the current part and delete it."""

@@ -129,7 +129,7 @@ class Recorder:
     @property
     def lost(self) -> int:
         """Number of messages that were not recorded, because the disk was too slow or the recording had failed."""
-        return sum(queued.lost.total() for queued in self._files)
+        return sum(queued.lost_messages for queued in self._files)
 
     @property
     def waiting(self) -> int:

@@ -18,10 +18,6 @@ from roverlink.__main__ import main
 
 _NOT_YET = frozenset(
     {
-        "bare_member_deleted",
-        "bare_member_deleted_from_a_renamed_envelope",
-        "bare_member_deleted_in_the_working_tree",
-        "bare_member_deleted_long_ago",
         "judgement_json_name_kept",
         "root_too_deep",
         "root_too_high",

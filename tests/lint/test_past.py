@@ -177,6 +177,7 @@ def test_a_history_without_reuse_gives_nothing(
     imports = "".join(f'import "{path}";\n' for path in payloads)
     for numbers in [*states, [3, 4, 5, 6]]:
         text = envelope(*(f"P{number} p_{number} = {number};" for number in sorted(numbers[:3])))
+        text = text.replace("oneof", f"reserved {numbers[3]};\n  oneof", 1)
         repository.commit("Change", {_FILE: text.replace("\n\n", f"\n\n{imports}\n", 1), **payloads})
     assert main(["lint", "--history", str(_written(repository)), *_TREE]) == 0
 
@@ -581,7 +582,8 @@ def root(repository: RepositoryBuilder) -> Path:
 @pytest.mark.parametrize("against", [(), ("--against", "HEAD")])
 def test_a_reuse_is_found_before_the_commit(root: Path, run: Run, against: tuple[str, ...]) -> None:
     """What is only written on disk is an error at its line; before it was written, there was nothing."""
-    assert run("lint", "--history", root, *_TREE, *against)[0] == 0
+    _, out, _ = run("lint", "--history", root, *_TREE, *against, "--format", "json")
+    assert [one["id"] for one in _found(out)] == ["ENV107"]
     (root / _FILE).write_text(_envelope("Imu imu = 1;", "Wind wind = 2;"))
     code, out, _ = run("lint", "--history", root, *_TREE, *against, "--format", "json")
     (found,) = (one for one in _found(out) if one["id"] == "HIS101")
@@ -611,7 +613,8 @@ def test_the_history_of_another_state(repository: RepositoryBuilder, run: Run) -
     repository.branch("release")
     repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
     root = _written(repository)
-    assert run("lint", root, *_TREE, "--history", "release")[0] == 0
+    _, out, _ = run("lint", root, *_TREE, "--history", "release", "--format", "json")
+    assert [one["id"] for one in _found(out)] == ["ENV107"]
     code, out, _ = run("lint", root, *_TREE, "--history", "main", "--format", "json")
     assert (code, [one["number"] for one in _found(out)]) == (1, [2])
     (root / _FILE).write_text(_envelope("Imu imu = 1;"))

@@ -28,7 +28,7 @@ class Record:
     """
 
     def __init__(self, graph: Graph, lineage: Lineage, newest: int) -> None:
-        self.graph, self.lineage, self._newest = graph, lineage, newest
+        self.graph, self.lineage, self.newest = graph, lineage, newest
         self._nodes_of_changes: dict[int, Sequence[int]] = {}
         self._contents: dict[tuple[int, int], Content] = {}
 
@@ -42,9 +42,9 @@ class Record:
     def _traced_type(self, id: int) -> TracedType:
         changes = self.lineage.changes[id]
         states = [declared for _, declared in sorted(changes.items()) if declared]
-        places = [place for declared in [*states, self.declared(id, self._newest)] for place in sorted(declared)]
+        places = [place for declared in [*states, self.declared(id, self.newest)] for place in sorted(declared)]
         names = tuple(dict.fromkeys(place.name for place in reversed(places)))
-        return TracedType(id, names, next(iter(states[-1].values())).enum, bool(self.declared(id, self._newest)))
+        return TracedType(id, names, next(iter(states[-1].values())).enum, bool(self.declared(id, self.newest)))
 
     @cached_property
     def _by_name(self) -> dict[str, list[int]]:
@@ -64,7 +64,7 @@ class Record:
         if found is None:
             found = [id for other, ids in self._by_name.items() if other.endswith(f".{name}") for id in ids]
             return sorted({id for id in found if self.types[id].exists} or {*found})
-        today = [id for id in found if any(place.name == name for place in self.declared(id, self._newest))]
+        today = [id for id in found if any(place.name == name for place in self.declared(id, self.newest))]
         return today or found
 
     def resolve(self, type: str, owner: int, node: int) -> int | None:

@@ -7,6 +7,7 @@ from functools import cache, lru_cache
 from itertools import groupby
 from pathlib import Path
 
+from roverlink.generator.git import Commit
 from roverlink.generator.lint.history.blob_cache import BlobCache
 from roverlink.generator.lint.history.branch_collisions import Branches, branches, default_branch
 from roverlink.generator.lint.history.commit_graph import Graph, depth
@@ -131,6 +132,22 @@ class History:
     def claims(self, name: str) -> dict[int, tuple[Usage, ...]]:
         """Return every number that a commented-out declaration of a message or enum ever had, with its meanings."""
         return _by_number(traced.usage for traced in self._traced(self._ids(name), True))
+
+    def removed(self, name: str) -> Iterator[tuple[Usage, list[Commit]]]:
+        """Yield the usages (meanings) of numbers that a message once had, and has no more in its newest state.
+
+        Each comes with the commits that removed it on the way to that state; there are none if the change is not
+        committed yet.
+        """
+        graph, newest = self._record.graph, self._record.newest
+        for id in self._ids(name):
+            kept = {fact.number for one in self._record.declared(id, newest).values() for fact in one.facts}
+            for traced in self._traced((id,), False):
+                lifetimes = [one.lifetime for one in traced.stretches if graph.precedes(one.lifetime.came, newest)]
+                if lifetimes and traced.usage.number not in kept:
+                    ends = {node for lifetime in lifetimes for node in lifetime.went if graph.precedes(node, newest)}
+                    commits = [graph[node].revision.commit for node in sorted(ends)]
+                    yield traced.usage, [commit for commit in commits if commit.id]
 
     def reuses(self, name: str) -> tuple[Reuse, ...]:
         """Return the reuses of the numbers of a message or enum."""

@@ -1,8 +1,9 @@
 """A number that was used in the past is not reserved in the envelope.
 
 Boards that send the old payload may still be in use. If a new payload gets the number, the rover mistakes the old
-payload for the new one. This rule checks an envelope of another repository (`owner: proto`). If the table owns the
-envelope (`owner: mapping`), an entry under `retired` reserves the number.
+payload for the new one. This rule checks an envelope of another repository (`owner: proto`), and with `--history` that
+of a tree without a table. If the table owns the envelope (`owner: mapping`), an entry under `retired` reserves the
+number.
 
 Bad::
 
@@ -25,11 +26,12 @@ Good::
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
+from dataclasses import replace
 
-from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lock import Entry
+from roverlink.generator.lint.history_diagnostics import place_in_history
 from roverlink.generator.protos.schema import ProtoMessage
 from roverlink.generator.table import Table
 
@@ -47,9 +49,35 @@ def check(context: Context) -> Iterator[Diagnostic]:
     for number, entry in sorted(published.items()):
         if _is_free(number, envelope) and not _is_of_another_rule(number, table):
             message = f"field {number}, {entry.name!r} ({entry.proto}), was removed, but its number is not reserved"
-            help = f"add {_reservation(entry, envelope)} to the message {envelope.full_name!r}"
+            help = f"add {_reservation(number, entry.name, envelope)} to the message {envelope.full_name!r}"
             also = [(entry.span, "published here")]
             yield RULE.at(envelope.at("name"), message, help, also, type=envelope.full_name, number=number)
+    yield from _removed_in_history(context, envelope, published.keys())
+
+
+def _removed_in_history(context: Context, envelope: ProtoMessage, known: Set[int]) -> Iterator[Diagnostic]:
+    """Yield a diagnostic for each free number that a tree without a table once used, according to git's history.
+
+    A project with a table has a ledger, which knows the numbers that were published. It is a hint if the baseline had
+    removed the number already. The numbers ``known`` are left out.
+    """
+    past = context.past
+    if context.table.proto.root or past is None or not past.of_numbers:
+        return
+    # The last usage of a number counts, if it had several.
+    removed = {usage.number: (usage, commits) for usage, commits in past.history.removed(envelope.full_name)}
+    for number, (usage, commits) in sorted(removed.items()):
+        if usage.oneof and number not in known and _is_free(number, envelope):
+            finding = RULE.at(
+                envelope.at("name"),
+                f"field {number}, {usage.name!r} ({usage.type}), was removed, but its number is not reserved",
+                f"add {_reservation(number, usage.name, envelope)} to the message {envelope.full_name!r}",
+                [(place_in_history(context, usage), f"added here ({usage.came})")],
+                type=envelope.full_name,
+                number=number,
+            )
+            before = any(commit.id in past.before for commit in commits)
+            yield replace(finding, severity=Severity.HINT) if before else finding
 
 
 def _is_free(number: int, envelope: ProtoMessage) -> bool:
@@ -57,14 +85,14 @@ def _is_free(number: int, envelope: ProtoMessage) -> bool:
     return not used and not any(first <= number <= last for first, last in envelope.reserved)
 
 
-def _reservation(entry: Entry, envelope: ProtoMessage) -> str:
-    """Return the statements with which the envelope can reserve a payload's number and name.
+def _reservation(number: int, name: str, envelope: ProtoMessage) -> str:
+    """Return the statements with which the envelope can reserve the number and the name of a payload.
 
     A name that the envelope already reserves or uses is left out.
     """
     known = {*envelope.reserved_names, *(field.name for field in envelope.fields)}
-    of_name = "" if entry.name in known else f' and `reserved "{entry.name}";`'
-    return f"`reserved {entry.number};`{of_name}"
+    of_name = "" if name in known else f' and `reserved "{name}";`'
+    return f"`reserved {number};`{of_name}"
 
 
 def _is_of_another_rule(number: int, table: Table) -> bool:
