@@ -159,10 +159,10 @@ def _print_adoption(adoption: Adoption) -> None:
     print("next:")
     directions = f"{counted(guessed, 'direction')} and " if guessed else ""
     print(f"  check {TABLE}: {directions}the peers' ports are guessed")
-    print("  roverlink generate                            run after each change of the table")
-    print("  roverlink lint                                check numbers, names and sizes")
-    print("  roverlink lint --against origin/main          in CI, after `roverlink generate --check`")
-    print("  roverlink run                                 run the bridge")
+    print("  roverlink generate                              run after each change of the table")
+    print("  roverlink lint                                  check numbers, names and sizes")
+    print("  roverlink lint --against origin/main --history  in CI, after `roverlink generate --check`")
+    print("  roverlink run                                   run the bridge")
 
 
 def _print_findings(adoption: Adoption) -> None:

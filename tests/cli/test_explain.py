@@ -121,6 +121,7 @@ def test_the_lines_are_all_of_the_bytes(handler: Any) -> None:
     assert bytes.fromhex("".join(line.bytes for line in wire_lines(data, envelope.DESCRIPTOR))) == data
 
 
+@pytest.mark.slow
 def test_a_group_is_told_by_its_two_ends(project: Path, done: Start) -> None:
     """Fields of a group stand deeper, between a line where it begins and one where it ends; groups may be in groups."""
     (project / "proto/legacy.proto").write_text(

@@ -108,6 +108,7 @@ def test_a_bridge_that_cannot_start_leaves_no_recording(
 
 
 @needs_dds
+@pytest.mark.slow
 def test_what_goes_to_the_boards_is_recorded(start: Start, done: Start, tmp_path: Path) -> None:
     """A command on a topic is in the recording as it was heard, and as the datagram that it became."""
     path = tmp_path / "run.mcap"
@@ -161,6 +162,7 @@ def test_a_replay_begins_again_until_it_is_interrupted(run: Path, start: Start, 
 
 
 @needs_dds
+@pytest.mark.slow
 def test_topics_are_replayed_over_dds(run: Path, start: Start, done: Start) -> None:
     """As ros, nodes hear the topics of the run."""
     listener = start("echo", "imu_data", "--json", "--count", _COUNT, "--middleware", "dds")

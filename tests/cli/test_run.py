@@ -164,6 +164,7 @@ def test_the_log_level_silences_it(start: Start, peer: socket.socket) -> None:
 
 
 @needs_dds
+@pytest.mark.slow
 def test_names_are_remapped_on_the_wire(start: Start) -> None:
     """Namespace, node name and topics are those of the command line, as another program sees them."""
     program = start(
@@ -300,6 +301,7 @@ def test_a_params_file_is_obeyed(start: Start, peer: socket.socket, tmp_path: Pa
 
 
 @needs_dds
+@pytest.mark.slow
 def test_a_wrong_domain_is_told(done: Start) -> None:
     """A ROS_DOMAIN_ID that cannot be is exit code 2."""
     code, _, errors = done("run", "--middleware", "dds", "--ros-args", *_FREE_PORT, ROS_DOMAIN_ID="mars")

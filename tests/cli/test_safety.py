@@ -123,6 +123,7 @@ def test_a_rover_whose_commander_is_gone_stops(
         board.wait_for(lambda distance: distance == 1.5, time.monotonic())
 
 
+@pytest.mark.slow
 def test_a_bridge_that_is_stopped_stops_the_rover(start: Start, bridge: Any, board: _Board) -> None:
     """Its last word to the board is the stop, though the commander still commands."""
     start("pub", "drive_motor", "{distance_to_go: 1.5}", "--rate", 50)

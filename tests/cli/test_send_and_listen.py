@@ -190,6 +190,7 @@ def test_listening_ends_with_an_interrupt(start: Start) -> None:
 
 
 @pytest.mark.parametrize("argument", ["--list", "imu_info"])
+@pytest.mark.slow
 def test_a_reader_that_has_had_enough_is_no_error(argument: str, environment: dict[str, str]) -> None:
     """`roverlink send --list | head -1` ends quietly, whoever closes first, and so does a command that says little."""
     command = [sys.executable, "-m", "roverlink", "send", argument]

@@ -39,6 +39,7 @@ def _fates(stream: list[Emission]) -> Counter[str]:
 
 
 @pytest.mark.parametrize("names", [[name] for name in SCENARIOS] + [list(SCENARIOS), list(reversed(SCENARIOS))])
+@pytest.mark.slow
 def test_a_seed_gives_one_stream_in_the_order_of_time(names: list[str]) -> None:
     """Whatever the scenario, and all of them at once."""
     stream = _first(2000, *names)

@@ -112,6 +112,7 @@ def test_top_shows_the_bridge(start: Start, done: Start) -> None:
 
 
 @needs_dds
+@pytest.mark.slow
 def test_a_node_whose_qos_does_not_match_is_shown(
     start: Start, done: Start, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

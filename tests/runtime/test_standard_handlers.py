@@ -95,6 +95,7 @@ def test_every_feed_is_checked() -> None:
 
 @pytest.mark.parametrize("topic", sorted(_CHECKS))
 @given(data=st.data())
+@pytest.mark.slow
 def test_a_feed_says_what_the_payload_says(topic: str, data: st.DataObject) -> None:
     """Any payload, as protobuf, becomes CDR in which Humble and Jazzy read the physical values, and comes back."""
     handler, (frame_id, check) = _EXTRA_TOPICS[topic], _CHECKS[topic]
