@@ -95,7 +95,7 @@ def lint_project(table_path: Path, question: Question) -> Linted:
 
     Raises `DiagnosticsError` if nothing can be linted.
     """
-    project = table_path.resolve().parent
+    project = table_path.parent.resolve()
     findings: list[Diagnostic] = []
     with _state(project, question.newest, findings) as folder:
         table = reader.read(folder / table_path.name, findings, table_path.name)

@@ -48,7 +48,7 @@ def build(bridge: Bridge, files: Mapping[str, str], protos: Path, folder: Path, 
         target.write_text(files[path], encoding="utf-8")
     compiled = folder / "protos"
     compiled.mkdir()
-    names = sorted(f"{path.rpartition('_pb2')[0]}.proto" for path in bridge.modules if path.endswith(".py"))
+    names = sorted(bridge.modules)
     _run(["/usr/bin/protoc", f"--proto_path={protos}", f"--cpp_out={compiled}", *names])
     options = [
         f"-I{part}"
