@@ -21,7 +21,10 @@ class Visitor:
         self._driver = driver
 
     def open(self, url: str) -> None:
-        """Open a page."""
+        """Open a page, and forget what the browser said about the page before."""
+        # The server of that page may have ended, and the page still asks it.
+        self._driver.get("about:blank")
+        self.complaints()
         self._driver.get(url)
 
     def screen(self, width: int, height: int) -> None:
