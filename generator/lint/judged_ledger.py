@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Set
+from typing import TypeVar
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.comparison import EnumPair, FieldPair, MessagePair, SchemaChange, values_by_number
@@ -15,6 +16,7 @@ from roverlink.generator.lint.fixits.put_back_or_reserve import values as declar
 from roverlink.generator.lint.free_numbers import next_enum_number, next_field_number
 from roverlink.generator.protos.schema import ProtoEnumValue
 
+_T = TypeVar("_T")
 _KEPT = frozenset({Meaning.SAME, Meaning.RENAMED})
 
 
@@ -36,11 +38,15 @@ def reused_fields(rule: Rule, context: Context, meanings: Set[Meaning]) -> Itera
             known = [one for one in context.ledger.fields(name) if one.number == field.number]
             pairs = [FieldPair(change, name, one, field, messages, (before.file, after.file)) for one in known]
             judged = [(pair, judge_pair(pair)) for pair in pairs]
-            reused = [(pair, one) for pair, one in judged if pair.old in gone]
-            if reused and not any(one.meaning in _KEPT for _, one in judged):
+            if reused := [(pair, one) for pair, one in _reused(judged) if pair.old in gone]:
                 free = next_field_number(context, name, offered)
                 offered |= {free} if free else set()
                 yield from (_field(rule, pair, one, free) for pair, one in reused if one.meaning in meanings)
+
+
+def _reused(judged: list[tuple[_T, Judgement]]) -> list[tuple[_T, Judgement]]:
+    """Return the judged declarations of a number; an empty list if the number has kept the meaning of one of them."""
+    return [] if any(one.meaning in _KEPT for _, one in judged) else judged
 
 
 def _field(rule: Rule, pair: FieldPair, judged: Judgement, free: int | None) -> Diagnostic:
@@ -81,8 +87,7 @@ def reused_values(rule: Rule, context: Context, meanings: Set[Meaning]) -> Itera
         for number, values in values_by_number(after).items():
             known = [one for one in context.ledger.values(name) if one.number == number]
             judged = [(one, _judge(pair, one, values)) for one in known]
-            reused = [(old, one) for old, one in judged if old in gone]
-            if reused and not any(one.meaning in _KEPT for _, one in judged):
+            if reused := [(old, one) for old, one in _reused(judged) if old in gone]:
                 free = next_enum_number(context, name, offered)
                 offered |= {free} if free else set()
                 yield from (

@@ -148,10 +148,10 @@ class LinkAlarms:
             while len(self._alarms) > _MOST:
                 del self._alarms[next(iter(self._alarms))]
 
-    def forget(self, bridge: str) -> None:
-        """Remove the alarms of a bridge that the page no longer shows."""
+    def keep(self, bridges: Collection[str]) -> None:
+        """Remove the alarms of all bridges but ``bridges``, because the page no longer shows the others."""
         with self._lock:
-            self._alarms = {key: alarm for key, alarm in self._alarms.items() if alarm.bridge != bridge}
+            self._alarms = {key: alarm for key, alarm in self._alarms.items() if alarm.bridge in bridges}
 
     def acknowledge(self, numbers: Collection[int]) -> list[str]:
         """Acknowledge alarms for all browsers, and return the subjects of those that were not acknowledged before."""

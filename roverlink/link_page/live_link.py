@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from roverlink.heard_bridges import full_name, place
+from roverlink.heard_bridges import QUIET_S, full_name, place
 from roverlink.link_page.last_values import HISTORY_S, History, LastValues, Values
 from roverlink.link_page.link_alarms import peers_of
 from roverlink.link_page.log_lines import LogLines
 from roverlink.topic_types import json_text
 
-QUIET_S = 3.0
-"""Time in seconds without a state after which the page says that the bridge no longer reports."""
 LINK_FIELDS = ("rate", "age")
 """Fields of a row's own state that can be plotted besides those of its messages."""
 

@@ -117,8 +117,7 @@ class LivePage:
     def tick(self) -> None:
         """Send what is new to all browsers; the thread of this object calls this periodically."""
         links = self._links
-        for gone in {alarm["bridge"] for alarm in self._alarms.as_list()} - links.keys():
-            self._alarms.forget(gone)
+        self._alarms.keep(links.keys())
         events = {}
         for id, link in links.items():
             before = link.state

@@ -9,21 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from golden import generate, snapshot
+from golden import PROBE_PROTO, PROBE_TABLE, generate, snapshot
 
 from generated.registry import REGISTRY
 from roverlink.runtime.core.translator import Translator
-
-_TABLE = """\
-version: 1
-proto: {root: proto}
-envelope: {file: envelope.proto, message: Envelope, oneof: payload}
-ros: {package: rover}
-peers: {board: {}}
-messages:
-  - {number: 1, name: probe, proto: Probe, topic: probe, direction: board_to_ros}
-"""
-_PROBE = 'syntax = "proto3";\n\nmessage Probe {\n  float depth_m = 1;\n}\n'
 
 Install = Callable[[str], None]
 
@@ -33,8 +22,8 @@ def project(tmp_path: Path) -> Path:
     """A project that wants no more than the Python code."""
     folder = tmp_path / "project"
     (folder / "proto").mkdir(parents=True)
-    (folder / "mapping.yaml").write_text(f"{_TABLE}targets: [python]\n", encoding="utf-8")
-    (folder / "proto" / "probe.proto").write_text(_PROBE, encoding="utf-8")
+    (folder / "mapping.yaml").write_text(f"{PROBE_TABLE}targets: [python]\n", encoding="utf-8")
+    (folder / "proto" / "probe.proto").write_text(PROBE_PROTO, encoding="utf-8")
     return folder
 
 

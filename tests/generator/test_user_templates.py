@@ -7,22 +7,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from golden import generate, snapshot
+from golden import PROBE_PROTO, PROBE_TABLE, generate, snapshot
 
 from roverlink.generator.emit import user_templates
 from roverlink.generator.emit.template_process import Limits
 
-_TABLE = """\
-version: 1
-proto: {root: proto}
-envelope: {file: envelope.proto, message: Envelope, oneof: payload}
-ros: {package: rover}
-peers: {board: {}}
-messages:
-  - {number: 1, name: probe, proto: Probe, topic: probe, direction: board_to_ros}
-targets: [ros2]
-"""
-_PROBE = 'syntax = "proto3";\n\nmessage Probe {\n  float depth_m = 1;\n}\n'
+_TABLE = f"{PROBE_TABLE}targets: [ros2]\n"
 
 
 @pytest.fixture
@@ -33,7 +23,7 @@ def project(tmp_path: Path) -> Path:
     for name in ("proto", "own"):
         (folder / name).mkdir(parents=True)
     (folder / "mapping.yaml").write_text(f"{_TABLE}templates: [own]\n")
-    (folder / "proto" / "probe.proto").write_text(_PROBE)
+    (folder / "proto" / "probe.proto").write_text(PROBE_PROTO)
     return folder
 
 

@@ -18,27 +18,17 @@ There may be no other findings. A verdict follows from the rules that users read
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
-from case_file import parse
+from case_file import CaseFile
 from repositories import RepositoryBuilder, git
 
 _UNCOMMITTED = ("staged", "working")
 _STEP = re.compile(r"(?P<name>\S+)(?: on (?P<branch>\S+))?(?: merging (?P<other>\S+))?")
 
 
-@dataclass(frozen=True)
-class GoldenHistory:
+class GoldenHistory(CaseFile):
     """A history in a file, with its verdict."""
-
-    path: Path
-
-    @property
-    def name(self) -> str:
-        """Name of the case."""
-        return self.path.stem
 
     @property
     def command(self) -> list[str]:
@@ -72,18 +62,6 @@ class GoldenHistory:
         for state in _UNCOMMITTED:
             self._leave_uncommitted(folder, state)
         return folder
-
-    @cached_property
-    def _parsed(self) -> tuple[str, dict[str, bytes]]:
-        return parse(self.path.read_bytes().decode())
-
-    @property
-    def _comment(self) -> str:
-        return self._parsed[0]
-
-    @property
-    def _sections(self) -> dict[str, bytes]:
-        return self._parsed[1]
 
     @property
     def _steps(self) -> list[re.Match[str]]:

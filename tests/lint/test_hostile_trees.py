@@ -11,19 +11,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from golden import PROBE_PROTO, PROBE_TABLE
 
 _ROOT = Path(__file__).parents[2]
-_TABLE = """\
-version: 1
-proto: {root: proto}
-envelope: {file: envelope.proto, message: Envelope, oneof: payload}
-ros: {package: rover}
-peers: {board: {}}
-messages:
-  - {number: 1, name: probe, proto: Probe, topic: probe, direction: board_to_ros}
-targets: [python, nanopb]
-"""
-_PROBE = 'syntax = "proto3";\n\nmessage Probe {\n  float depth_m = 1;\n}\n'
+_TABLE = f"{PROBE_TABLE}targets: [python, nanopb]\n"
 _SECRET = 'syntax = "proto3";\n\nmessage TopSecret {\n  float hunter_two = 1\n}\n'
 _COMMIT = ["git", "-c", "user.name=A", "-c", "user.email=a@example.com", "commit", "--quiet", "-m", "Change"]
 _MEMORY = 1 << 30  # bytes; a run without hostile files needs 0.4 GB of address space
@@ -42,7 +33,7 @@ def project(tmp_path: Path) -> Path:
     folder = tmp_path / "project"
     (folder / "proto").mkdir(parents=True)
     (folder / "mapping.yaml").write_text(_TABLE)
-    (folder / "proto" / "probe.proto").write_text(_PROBE)
+    (folder / "proto" / "probe.proto").write_text(PROBE_PROTO)
     subprocess.run(["git", "init", "--quiet", str(folder)], check=True)
     with (folder / ".git" / "config").open("a") as config:
         config.write("# TopSecret hunter_two\n")
@@ -147,7 +138,7 @@ def test_check_compares_no_hostile_file(project: Path, kind: str) -> None:
 def test_no_hostile_file_is_imported(project: Path, kind: str) -> None:
     """Protoc does not read what an import names, if it is no file of the repository; the import is an error."""
     _plant(project / "proto" / "planted", kind)
-    (project / "proto" / "probe.proto").write_text(_PROBE.replace("\n\n", '\n\nimport "planted";\n', 1))
+    (project / "proto" / "probe.proto").write_text(PROBE_PROTO.replace("\n\n", '\n\nimport "planted";\n', 1))
     for command in (("lint",), ("generate", "--check")):
         done = _run(project, *command)
         assert done.returncode == 1
@@ -158,7 +149,7 @@ def test_no_hostile_file_is_imported(project: Path, kind: str) -> None:
 def test_imports_stay_below_the_proto_root(project: Path, imported: str) -> None:
     """An import with an absolute path or dots is protoc's error, and no file is written anywhere."""
     before = sorted(project.parent.rglob("*"))
-    (project / "proto" / "probe.proto").write_text(_PROBE.replace("\n\n", f'\n\nimport "{imported}";\n', 1))
+    (project / "proto" / "probe.proto").write_text(PROBE_PROTO.replace("\n\n", f'\n\nimport "{imported}";\n', 1))
     done = _run(project, "lint")
     assert done.returncode == 1
     assert "proto/probe.proto" in done.stdout
@@ -279,7 +270,7 @@ def test_huge_files_in_an_earlier_state(project: Path) -> None:
     ledger = (project / "mapping.lock").read_text()
     _commit_huge(project, *names)
     (project / "mapping.lock").write_text(ledger)
-    (project / "proto" / "probe.proto").write_text(_PROBE.replace("float", "double"))
+    (project / "proto" / "probe.proto").write_text(PROBE_PROTO.replace("float", "double"))
     done = _run(project, "lint", "--against", "HEAD~1")
     assert done.returncode == 2
     for name in names:
@@ -295,7 +286,7 @@ def test_an_earlier_state_with_paths_out_of_its_folder(project: Path) -> None:
         said = subprocess.run(command, cwd=project, input=data, capture_output=True, check=True).stdout
         return bytes.fromhex(said.decode())
 
-    file = stored("blob", _PROBE.encode())
+    file = stored("blob", PROBE_PROTO.encode())
     inner = stored("tree", b"100644 planted.proto\0" + file)
     tree = stored("tree", b"40000 ..\0" + inner + b"100644 probe.proto\0" + file)
     command = ["git", "-c", "user.name=A", "-c", "user.email=a@example.com", "commit-tree", "-m", "Add", tree.hex()]
@@ -460,7 +451,7 @@ def test_no_program_of_an_embedded_repository_is_run(project: Path, arguments: t
         f'[diff]\n\texternal = "{mark}"\n[diff "evil"]\n\ttextconv = "{mark}; cat"\n\tcommand = "{mark}"\n'
         f'[log]\n\tshowSignature = true\n[gpg]\n\tprogram = "{mark}"\n'
     )
-    (proto / "probe.proto").write_text(_PROBE.replace("1;", "1 [deprecated = ];"))
+    (proto / "probe.proto").write_text(PROBE_PROTO.replace("1;", "1 [deprecated = ];"))
     assert _run(project, *arguments).returncode in (1, 2)
 
 

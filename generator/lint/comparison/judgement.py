@@ -217,19 +217,19 @@ class Kept:
     """Comparison of the fields or values of two types by number."""
 
     before: int
-    """How many fields or values the old type has."""
+    """Number of fields or values of the old type."""
     kept: int
-    """How many of them have the same meaning and type in the new type. Doubtful ones are counted."""
+    """Number of them that have the same meaning and type in the new type. Doubtful ones are counted."""
     telling: int
-    """How many of those have names that two types hardly share by chance."""
+    """Number of these whose names two types hardly share by chance."""
     retyped: int
-    """How many of the old fields have the same name and another type now."""
+    """Number of old fields that have the same name and another type now."""
     replaced: int
-    """How many of the old numbers have another meaning and name now."""
+    """Number of old fields or values whose number has another meaning and name now."""
 
     @property
     def left(self) -> int:
-        """How many of the old fields have kept their meaning, perhaps with another type."""
+        """Number of old fields that have kept their meaning, perhaps with another type."""
         return self.kept + self.retyped
 
     @property

@@ -8,8 +8,8 @@ reads states that do not compile, because a board may run firmware from such a c
 from __future__ import annotations
 
 from roverlink.generator.lint.history.branch_collisions import branch_name
+from roverlink.generator.lint.history.judged_facts import differ
 from roverlink.generator.lint.history.proto_history import History, read_history
-from roverlink.generator.lint.history.same_meaning import differ
 from roverlink.generator.lint.history.usage_model import (
     Allocation,
     Confidence,

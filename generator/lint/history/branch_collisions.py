@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
 from roverlink.generator.lint.history.commits import Ref
+from roverlink.generator.lint.history.judged_facts import differ
 from roverlink.generator.lint.history.lineage import Lifetime
 from roverlink.generator.lint.history.lookup import Record
-from roverlink.generator.lint.history.same_meaning import differ
 from roverlink.generator.lint.history.usage_model import Allocation, Collision
 from roverlink.generator.protos.schema import Fact
 

@@ -21,8 +21,8 @@ from itertools import product
 from posixpath import basename
 from typing import NamedTuple, TypeVar
 
+from roverlink.generator.lint.history.judged_facts import same_field
 from roverlink.generator.lint.history.numbered_types import NumberedType
-from roverlink.generator.lint.history.same_meaning import same_field
 from roverlink.generator.lint.names.similar_names import Likeness, compare_names, is_telling
 from roverlink.generator.protos.schema import Fact
 

@@ -7,7 +7,7 @@ one commit copies the file and another one deletes the original, its history is 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from posixpath import basename, relpath
 
@@ -17,10 +17,12 @@ from roverlink.generator.lint.history.continuations import Place, continuations
 from roverlink.generator.lint.history.numbered_types import NumberedTypes
 
 TypesOf = Callable[[str | None], NumberedTypes]
+Moves = Mapping[str, Collection[str]]
+"""The files outside of the proto root that were moved to it, by path, with the ids of the commits that did it."""
 
 
 def blobs_to_compare(revisions: Sequence[Revision], root: str) -> list[str]:
-    """Return the ids of the blobs that `with_moved_files` compares.
+    """Return the ids of the blobs that `moves_into` and `lost_pasts` compare.
 
     ``root`` is the path of the proto root in the repository, with a slash at its end.
     """
@@ -33,14 +35,11 @@ def blobs_to_compare(revisions: Sequence[Revision], root: str) -> list[str]:
     return list(found)
 
 
-def with_moved_files(revisions: Sequence[Revision], root: str, types_of: TypesOf) -> list[Revision]:
+def with_moved_files(revisions: Sequence[Revision], root: str, moves: Moves) -> list[Revision]:
     """Return the revisions with only those edits that belong to the proto root; their paths are relative to it.
 
-    These are the edits of files below ``root``, and of files that a later commit moved there.
+    These are the edits of files below ``root``, and of files that a later commit moved there; see `moves_into`.
     """
-    if not root:
-        return list(revisions)
-    moves = _moves(revisions, root, types_of)
     numbers = {commit: number for number, commit in enumerate({one for commits in moves.values() for one in commits})}
     after = _moves_before(revisions, numbers)
     masks = {path: sum(1 << numbers[one] for one in commits) for path, commits in moves.items()}
@@ -70,9 +69,8 @@ class LostPast:
     """The commit that added the file to the proto root."""
 
 
-def lost_pasts(revisions: Sequence[Revision], root: str, types_of: TypesOf) -> list[LostPast]:
+def lost_pasts(revisions: Sequence[Revision], root: str, types_of: TypesOf, moves: Moves) -> list[LostPast]:
     """Return the files of the proto root that were copied from a file elsewhere which another commit deleted."""
-    moves = _moves(revisions, root, types_of)
     found: dict[str, LostPast] = {}
     for revision, gone, come in _copies(revisions, root):
         if gone.path not in moves and come.path not in found and _is_move(gone, come, types_of):
@@ -102,10 +100,10 @@ def _copies(revisions: Sequence[Revision], root: str) -> Iterator[tuple[Revision
                 known.setdefault(basename(edit.path), {})[edit.path] = edit.new
 
 
-def _moves(revisions: Sequence[Revision], root: str, types_of: TypesOf) -> dict[str, set[str]]:
-    """Return the files elsewhere in the repository that were moved to the proto root, with the commits that did it.
+def moves_into(revisions: Sequence[Revision], root: str, types_of: TypesOf) -> Moves:
+    """Return the files that were moved to the proto root from elsewhere, perhaps after earlier moves.
 
-    A file may have been moved several times before.
+    ``types_of`` must know the blobs of `blobs_to_compare`.
     """
     moves: dict[str, set[str]] = {}
     for revision in reversed(revisions):  # the latest move first: its source may be the target of an earlier one

@@ -14,7 +14,13 @@ from roverlink.generator.lint.history.commit_graph import Graph, depth
 from roverlink.generator.lint.history.commits import PastRepository, Ref, Revision
 from roverlink.generator.lint.history.lineage import sweep
 from roverlink.generator.lint.history.lookup import Record
-from roverlink.generator.lint.history.moved_files import LostPast, blobs_to_compare, lost_pasts, with_moved_files
+from roverlink.generator.lint.history.moved_files import (
+    LostPast,
+    blobs_to_compare,
+    lost_pasts,
+    moves_into,
+    with_moved_files,
+)
 from roverlink.generator.lint.history.numbered_types import NumberedTypes, Pool, numbered_types
 from roverlink.generator.lint.history.reuses import Reuses
 from roverlink.generator.lint.history.uncommitted import CheckedOut, Uncommitted, is_uncommitted
@@ -49,8 +55,9 @@ def read_history(folder: Path, report: Callable[[int, int], None] | None = None,
     lost: list[LostPast] = []
     if root:
         states.read(blobs_to_compare(revisions, root))
-        lost = lost_pasts(revisions, root, states.types_of)
-    revisions = with_moved_files(revisions, root, states.types_of)
+        moves = moves_into(revisions, root, states.types_of)
+        lost = lost_pasts(revisions, root, states.types_of, moves)
+        revisions = with_moved_files(revisions, root, moves)
     states.read(edit.new for revision in revisions for edit in revision.edits if edit.new)
     states.save()
     tip = revisions[-1].id if uncommitted.revisions else (*last, "")[0]

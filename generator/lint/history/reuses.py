@@ -15,8 +15,8 @@ from roverlink.generator.lint.comparison.judgement import (
     judge_value,
 )
 from roverlink.generator.lint.history.continuations import Declarations
+from roverlink.generator.lint.history.judged_facts import is_named, part, type_state
 from roverlink.generator.lint.history.lookup import Record
-from roverlink.generator.lint.history.same_meaning import is_named, part, type_state
 from roverlink.generator.lint.history.usage_model import Confidence, Content, Kind, Relation, Reuse
 from roverlink.generator.lint.history.usage_relations import Relations
 from roverlink.generator.lint.history.usages import TracedUsage

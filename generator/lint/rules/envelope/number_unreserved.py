@@ -29,7 +29,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Set
 from dataclasses import replace
 
-from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.history_diagnostics import place_in_history
 from roverlink.generator.protos.schema import ProtoMessage
@@ -48,10 +48,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     published = {entry.number: entry for entry in reversed(context.published)}
     for number, entry in sorted(published.items()):
         if _is_free(number, envelope) and not _is_of_another_rule(number, table):
-            message = f"field {number}, {entry.name!r} ({entry.proto}), was removed, but its number is not reserved"
-            help = f"add {_reservation(number, entry.name, envelope)} to the message {envelope.full_name!r}"
-            also = [(entry.span, "published here")]
-            yield RULE.at(envelope.at("name"), message, help, also, type=envelope.full_name, number=number)
+            yield _finding(envelope, number, entry.name, entry.proto, (entry.span, "published here"))
     yield from _removed_in_history(context, envelope, published.keys())
 
 
@@ -68,16 +65,16 @@ def _removed_in_history(context: Context, envelope: ProtoMessage, known: Set[int
     removed = {usage.number: (usage, commits) for usage, commits in past.history.removed(envelope.full_name)}
     for number, (usage, commits) in sorted(removed.items()):
         if usage.oneof and number not in known and _is_free(number, envelope):
-            finding = RULE.at(
-                envelope.at("name"),
-                f"field {number}, {usage.name!r} ({usage.type}), was removed, but its number is not reserved",
-                f"add {_reservation(number, usage.name, envelope)} to the message {envelope.full_name!r}",
-                [(place_in_history(context, usage), f"added here ({usage.came})")],
-                type=envelope.full_name,
-                number=number,
-            )
+            added = place_in_history(context, usage), f"added here ({usage.came})"
+            finding = _finding(envelope, number, usage.name, usage.type, added)
             before = any(commit.id in past.before for commit in commits)
             yield replace(finding, severity=Severity.HINT) if before else finding
+
+
+def _finding(envelope: ProtoMessage, number: int, name: str, type: str, earlier: tuple[Span, str]) -> Diagnostic:
+    message = f"field {number}, {name!r} ({type}), was removed, but its number is not reserved"
+    help = f"add {_reservation(number, name, envelope)} to the message {envelope.full_name!r}"
+    return RULE.at(envelope.at("name"), message, help, [earlier], type=envelope.full_name, number=number)
 
 
 def _is_free(number: int, envelope: ProtoMessage) -> bool:
