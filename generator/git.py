@@ -21,7 +21,9 @@ from roverlink.generator.source_files import LARGEST, too_large
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 # git sets these variables for a hook (githooks(5)). They select the hook's repository; the folder may be in another.
 _OF_A_HOOK = ("GIT_DIR", "GIT_WORK_TREE", "GIT_COMMON_DIR", "GIT_INDEX_FILE", "GIT_PREFIX")
-_FILES = ("100644", "100755")  # modes of regular files; a link has 120000, a submodule 160000
+_FILES = ("100644", "100755")  # modes of regular files; a link has 120000
+SUBMODULE = "160000"
+"""Mode of a submodule in a tree: its object id is a commit of another repository (gitsubmodules(7))."""
 _BATCH = (
     256  # ids per request: 256 * 41 bytes fit into the pipe (64 KiB on Linux), so git and this process never both wait
 )

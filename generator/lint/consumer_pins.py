@@ -13,7 +13,7 @@ from pathlib import Path
 
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span
-from roverlink.generator.git import GitError, Repository
+from roverlink.generator.git import SUBMODULE, GitError, Repository
 from roverlink.generator.lint.input_rules import UNREADABLE_PINS
 
 _CMAKE = ("CMakeLists.txt", ".cmake")
@@ -22,7 +22,6 @@ _VARIABLE = re.compile(r"\$\{(\w+)\}")
 _COMMENT = re.compile(r"(\"(?:\\.|[^\"\\])*\")|#[^\n]*")
 _DECLARE = re.compile(r"\b(?:FetchContent_Declare|ExternalProject_Add)\s*\((?P<body>[^()]*)\)", re.IGNORECASE)
 _LIST_LINE = re.compile(r"(?P<name>\S+)[ \t:=]+(?P<commit>\S+)\s*(#.*)?")
-_SUBMODULE = "160000"  # the mode of a submodule in a tree
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +138,7 @@ def _submodules(folder: Path, consumer: str) -> Iterator[Pin]:
     # A submodule is an entry of the tree whose object id is the commit of the other repository. So HEAD tells the pin
     # even if the submodule was never checked out; .gitmodules only adds the address (gitsubmodules(7)).
     for mode, object_id, path in listed:
-        if mode == _SUBMODULE:
+        if mode == SUBMODULE:
             span = Span(str(folder / ".gitmodules"))
             yield Pin(f"{consumer}/{path}", object_id, span, str(folder), address=addresses.get(path, ""))
 

@@ -147,7 +147,8 @@ LOST_PAST = Rule(
 
 The lint follows a file from elsewhere in the repository to the proto root if one commit deletes the one and adds the
 other. If one commit copies the file and another one deletes the original, the file may as well be a copy of another
-project's file. Its earlier numbers are then not known.
+project's file. Its earlier numbers are then not known. Nor are those of files that were put in the place of a
+submodule, because their history is in another repository.
 
 Bad::
 

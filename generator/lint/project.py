@@ -216,10 +216,12 @@ def _past(root: Path, shown_root: str, envelope: str, question: Question, findin
     for commit, lost in groupby(history.lost, key=lambda one: one.commit):
         first, *others = lost
         and_others = f", nor that of {len(others)} other files" if others else ""
-        message = (
-            f"the history of this file before {commit} was not read{and_others}: the commit copied it from "
-            f"{first.origin!r}, and another commit deleted that file"
+        why = (
+            f"the commit put it in the place of the submodule {first.origin!r}, whose repository has its history"
+            if first.of_submodule
+            else f"the commit copied it from {first.origin!r}, and another commit deleted that file"
         )
+        message = f"the history of this file before {commit} was not read{and_others}: {why}"
         help = "look at its earlier numbers yourself, and reserve those that are not used any more"
         findings.append(LOST_PAST.at(Span(shown(shown_root, first.path)), message, help))
     pins = read_pinned(read_pins(question.pins, findings), Repository(root), envelope, findings)

@@ -29,6 +29,17 @@ class Fact(NamedTuple):
     oneof: str = ""
     claimed: bool = False
     """True if the declaration is commented out."""
+    json_name: str = ""
+    """The name that the field has in JSON by its option ``json_name``; empty if that is the usual one for its name."""
+
+
+def default_json_name(name: str) -> str:
+    """Return the name in JSON of a field without the option ``json_name``: ``motorSpeed`` for ``motor_speed``.
+
+    As protoc does it (descriptor.cc, ToJsonName), only the letter after an underscore changes.
+    """
+    first, *others = name.split("_")
+    return first + "".join(part[:1].upper() + part[1:] for part in others)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,7 +82,7 @@ class ProtoField(Declared):
     oneof: str = ""
     """The oneof that contains the field; empty for none."""
     json_name: str = ""
-    """The field's name in JSON; empty if it is unknown."""
+    """The field's name in JSON; empty if it is unknown, or if the parser found no option ``json_name``."""
     facets: Mapping[str, str] = field(default_factory=dict, hash=False)
     """Other settings of the field that change how it is decoded, by name.
 
@@ -105,7 +116,8 @@ class ProtoField(Declared):
     @property
     def fact(self) -> Fact:
         """The meaning that the declaration gives to the field's number: the declaration without its place."""
-        return Fact(self.number, self.name, self.wire_type, self.label, self.oneof)
+        json_name = "" if self.json_name in ("", default_json_name(self.name)) else self.json_name
+        return Fact(self.number, self.name, self.wire_type, self.label, self.oneof, json_name=json_name)
 
     @property
     def wire_type(self) -> str:

@@ -45,6 +45,11 @@ CASES = {
     "a_word_cut_short": ("message A { float temp = 1; }", "message A { float temperature = 1; }", ""),
     "only_a_number_in_common": ("message A { float wheel_1 = 1; }", "message A { float arm_1 = 1; }", "WIR114 1"),
     "only_a_unit_in_common": ("message A { float reach_mm = 1; }", "message A { float width_mm = 1; }", "WIR114 1"),
+    "json_name_as_the_name_was": (
+        "message A { float motor_voltage = 1; }",
+        'message A { float supply = 1 [json_name = "motor_voltage"]; }',
+        "",
+    ),
     "json_name_kept": (
         "message A { float voltage = 1; }",
         'message A { float supply = 1 [json_name = "voltage"]; }',

@@ -18,7 +18,6 @@ from roverlink.__main__ import main
 
 _NOT_YET = frozenset(
     {
-        "judgement_json_name_kept",
         "root_too_deep",
         "root_too_high",
     }
@@ -80,26 +79,27 @@ def _checked_out(repository: RepositoryBuilder) -> Path:
     return root
 
 
-@_WRONG_TODAY
+@pytest.mark.parametrize("folder", ["protos", "a[b]/*/\\p?"])
 def test_what_cannot_be_followed_is_said_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A proto root that was a submodule has a history elsewhere: one warning names the commit where ours begins."""
+    """A proto root that was a submodule has a history elsewhere: one hint names the commit where ours begins."""
     repository = RepositoryBuilder(tmp_path / "repository")
     repository.commit("Begin", {"README.md": "Text.\n"})
     root = _checked_out(repository)
     monkeypatch.chdir(root)
-    git(root, "update-index", "--add", "--cacheinfo", f"160000,{'1' * 40},protos")
+    git(root, "update-index", "--add", "--cacheinfo", f"160000,{'1' * 40},{folder}")
     git(root, *_IDENTITY, "commit", "--quiet", "--message", "Add the submodule")
-    git(root, "rm", "--quiet", "--cached", "protos")
-    Path("protos").mkdir(exist_ok=True)
+    git(root, "rm", "--quiet", "--cached", f":(literal){folder}")
+    Path(folder).mkdir(parents=True, exist_ok=True)
     for name in ("arm", "leg", "head"):
-        Path("protos", f"{name}.proto").write_text(message(name.title(), "float voltage"))
+        Path(folder, f"{name}.proto").write_text(message(name.title(), "float voltage"))
     git(root, "add", "--all")
     git(root, *_IDENTITY, "commit", "--quiet", "--message", "Take the protos over")
     commit = git(root, "rev-parse", "HEAD")[:10]
-    found = _findings(["lint", "--history", "protos"], capsys)
-    assert [(one["severity"], commit in _text(one)) for one in found] == [("warning", True)]
+    assert main(["lint", "--history", folder, "--format", "json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [(one["id"], one["severity"], commit in _text(one)) for one in found] == [("STA108", "hint", True)]
 
 
 def test_files_of_many_megabytes_are_read(

@@ -20,7 +20,14 @@ from roverlink.generator.lint.comparison.judgement import (
 )
 from roverlink.generator.lint.comparison.pairing import EnumPair, FieldPair
 from roverlink.generator.lint.comparison.schema_change import SchemaChange
-from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema
+from roverlink.generator.protos.schema import (
+    ProtoEnum,
+    ProtoEnumValue,
+    ProtoField,
+    ProtoMessage,
+    Schema,
+    default_json_name,
+)
 
 
 def judge_pair(pair: FieldPair) -> Judgement:
@@ -67,7 +74,9 @@ def type_state(type: ProtoMessage | ProtoEnum, schema: Schema) -> TypeState:
 
 def _part(field: ProtoField, count: str) -> Part:
     payload = bool(field.oneof and field.type == "message")
-    return Part(field.number, field.name, kind(field), count, field.json_name, payload)
+    # The ledger knows no names in JSON. Few fields have an unusual one.
+    json_name = field.json_name or default_json_name(field.name)
+    return Part(field.number, field.name, kind(field), count, json_name, payload)
 
 
 def _types(pair: FieldPair) -> TypePair | None:

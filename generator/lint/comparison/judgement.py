@@ -172,7 +172,8 @@ def _judge_alone(old: Part, new: Part, shared: frozenset[str] = frozenset()) -> 
     if broken_by_cardinality(*counts) and not only_required(*counts):
         return Judgement(Meaning.WIRE, f"it was {shown(old.cardinality)} and is now {shown(new.cardinality)}")
     compared = compare_names(old.name, new.name, shared)
-    if compared.likeness is not Likeness.SAME and old.json_name and old.json_name == new.json_name:
+    # The name in JSON of `motor_speed` is `motorSpeed`, but people also write the old name as it was.
+    if compared.likeness is not Likeness.SAME and new.json_name and new.json_name in (old.json_name, old.name):
         return Judgement(Meaning.RENAMED)
     if compared.likeness in (Likeness.SIMILAR, Likeness.DOUBTFUL) and new.kind not in _WITHOUT_UNIT:
         measures = measure(words(old.name)), measure(words(new.name))

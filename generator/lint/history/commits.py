@@ -5,11 +5,12 @@ No commit is checked out.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from roverlink.generator.git import Commit, GitError, Repository, commit_of
+from roverlink.generator.git import SUBMODULE, Commit, GitError, Repository, commit_of
 
 # %P lists the parents. %ct is the committer's time, which tells when a state appeared on its branch; %at, the author's
 # time, is the date that people know the change by.
@@ -28,6 +29,7 @@ _LOG = (
     *("--raw", "--diff-merges=first-parent", "--no-renames", "--no-abbrev", "--no-relative", "-z", "--no-color"),
     *("--encoding=UTF-8", "--no-show-signature", f"--format={'%x00'.join(_FIELDS)}"),
 )
+_SPECIAL = re.compile(r"[*?\[\\]")  # in a glob
 PROTOS = ":(top)*.proto"
 """Pattern (a pathspec of git) for all .proto files of the repository, also those outside the current folder."""
 
@@ -40,6 +42,8 @@ class Edit(NamedTuple):
     old: str | None
     """The id of the file's blob before the commit; None if the file did not exist."""
     new: str | None
+    was_submodule: bool = False
+    """True if the path was a submodule before the commit, and is none after it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,16 +76,25 @@ class PastRepository(Repository):
     def revisions(self, also: Sequence[str] = ()) -> list[Revision]:
         """Return the commits of all refs (branches, tags and others) except stashes, and those of the commits ``also``.
 
-        Parents come before children; otherwise the commits are sorted by time.
+        Parents come before children; otherwise the commits are sorted by time. The edits are those of .proto files, and
+        of the submodules in whose place the folder is today.
         """
-        words = self._run(*_LOG, *also, "--", PROTOS).split("\0")
+        words = self._run(*_LOG, *also, "--", PROTOS, *self._folder_itself()).split("\0")
         found, at = [], 0
         while at + len(_FIELDS) <= len(words):
             id, parents, time, written, subject = words[at : at + len(_FIELDS)]
             edits, at = edits_at(words, at + len(_FIELDS))
+            edits = [edit for edit in edits if edit.was_submodule or edit.path.endswith(".proto")]
             commit = commit_of(id, written, subject)
             found.append(Revision(id, commit, tuple(parents.split()), int(time), tuple(edits)))
         return found[::-1]
+
+    def _folder_itself(self) -> list[str]:
+        """Return patterns for the folder and the folders around it, which do not match the files in them."""
+        parts = _SPECIAL.sub(r"\\\g<0>", self.prefix()).split("/")[:-1]
+        # A pathspec without a wildcard matches everything in a folder. In a glob, no `*` matches a slash
+        # (gitglossary(7), pathspec).
+        return [f":(top,glob){'/'.join(parts[:end])}*" for end in range(1, len(parts) + 1)]
 
     def prefix(self) -> str:
         """Return the folder's path in the repository with a slash at its end; empty for the top folder."""
@@ -126,7 +139,8 @@ def edits_at(words: Sequence[str], at: int) -> tuple[list[Edit], int]:
 
 def _edit(what: str, path: str) -> Edit:
     old_mode, new_mode, old, new = what[1:].split()[:4]
-    return Edit(path, old if _is_file(old_mode) else None, new if _is_file(new_mode) else None)
+    was_submodule = old_mode == SUBMODULE and new_mode != SUBMODULE
+    return Edit(path, old if _is_file(old_mode) else None, new if _is_file(new_mode) else None, was_submodule)
 
 
 def _is_file(mode: str) -> bool:

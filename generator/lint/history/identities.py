@@ -101,7 +101,7 @@ class _Walk:
                 state.labels[path] = labels
         removed, added = dict[Place, NumberedType](), dict[Place, NumberedType]()
         ids: dict[Place, int] = {}
-        for path, old, new in node.revision.edits:
+        for path, old, new, _ in node.revision.edits:
             labels, types = state.labels.get(path, _NONE), self._types_of(new)
             if new:
                 state.blobs[path] = new

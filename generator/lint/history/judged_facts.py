@@ -6,7 +6,7 @@ from roverlink.generator.lint.comparison.cardinality import EXPLICIT, MAP, REPEA
 from roverlink.generator.lint.comparison.judgement import NAMED, Part, TypeState, judge_field
 from roverlink.generator.lint.history.usage_model import Content
 from roverlink.generator.protos.parser import SCALARS
-from roverlink.generator.protos.schema import Fact
+from roverlink.generator.protos.schema import Fact, default_json_name
 
 _CARDINALITIES = {"repeated": REPEATED, "required": REQUIRED}
 
@@ -18,7 +18,8 @@ def part(fact: Fact, content: Content | None = None) -> Part:
     # The syntax of the file, which decides about presence, is not stored. Presence changes no bytes that are sent.
     count = MAP if fact.type.startswith("map<") else _CARDINALITIES.get(fact.label, EXPLICIT)
     kind = _kind(fact.type, content)
-    return Part(fact.number, fact.name, kind, count, payload=bool(fact.oneof) and kind in ("message", NAMED))
+    json_name = fact.json_name or default_json_name(fact.name)
+    return Part(fact.number, fact.name, kind, count, json_name, bool(fact.oneof) and kind in ("message", NAMED))
 
 
 def is_named(type: str) -> bool:

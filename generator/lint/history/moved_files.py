@@ -2,7 +2,8 @@
 
 A commit that moves ``api/imu.proto`` to ``proto/imu.proto`` removes the one and adds the other, and the types of the
 one go on as types of the other. Then the history of ``api/imu.proto`` belongs to the proto root, up to this commit. If
-one commit copies the file and another one deletes the original, its history is not followed, but reported as lost.
+one commit copies the file and another one deletes the original, its history is not followed, but reported as lost. So
+is the history of files that were put in the place of a submodule.
 """
 
 from __future__ import annotations
@@ -64,17 +65,29 @@ class LostPast:
     path: str
     """Path of the file, relative to the proto root."""
     origin: str
-    """Path of the deleted file from which it was copied, relative to the top of the repository."""
+    """Path of the deleted file from which it was copied, or of the submodule in whose place it was put.
+
+    The path is relative to the top of the repository.
+    """
+    of_submodule: bool
+    """True if the earlier history is in the repository of a submodule."""
     commit: Commit
     """The commit that added the file to the proto root."""
 
 
 def lost_pasts(revisions: Sequence[Revision], root: str, types_of: TypesOf, moves: Moves) -> list[LostPast]:
-    """Return the files of the proto root that were copied from a file elsewhere which another commit deleted."""
+    """Return the files of the proto root that were copied from a file elsewhere which another commit deleted.
+
+    Files that a commit put in the place of a submodule are returned, too.
+    """
     found: dict[str, LostPast] = {}
+    for revision in revisions:
+        for origin in (edit.path for edit in revision.edits if edit.was_submodule and root.startswith(f"{edit.path}/")):
+            for come in (edit for edit in revision.edits if edit.new and edit.path.startswith(root)):
+                found[come.path] = LostPast(relpath(come.path, root), origin, True, revision.commit)
     for revision, gone, come in _copies(revisions, root):
         if gone.path not in moves and come.path not in found and _is_move(gone, come, types_of):
-            found[come.path] = LostPast(relpath(come.path, root), gone.path, revision.commit)
+            found[come.path] = LostPast(relpath(come.path, root), gone.path, False, revision.commit)
     return list(found.values())
 
 

@@ -45,6 +45,8 @@ class Usage:
     name: str
     label: str
     oneof: str
+    json_name: str
+    """The field's name in JSON by its option ``json_name``; empty if it has the usual one."""
     intervals: tuple[Interval, ...]
     """The times during which the fact existed, the earliest first."""
     live_at: tuple[str, ...]
@@ -71,7 +73,7 @@ class Usage:
     @property
     def fact(self) -> Fact:
         """Declaration of the field or enum value that has the number, such as ``ImuInfo imu_info = 3``."""
-        return Fact(self.number, self.name, self.type, self.label, self.oneof)
+        return Fact(self.number, self.name, self.type, self.label, self.oneof, json_name=self.json_name)
 
 
 @dataclass(frozen=True, slots=True)

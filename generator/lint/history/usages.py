@@ -94,6 +94,7 @@ def _traced(record: Record, stretches: Sequence[Stretch], confidence: Confidence
         name=fact.name,
         label=fact.label,
         oneof=fact.oneof,
+        json_name=fact.json_name,
         intervals=tuple(_interval(record, stretch) for stretch in stretches),
         live_at=tuple(refs),
         went=None if refs or went is None else record.graph[went].revision.commit,

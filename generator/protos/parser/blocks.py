@@ -141,7 +141,7 @@ def read_ranges(
     found_ranges, found_names = words.ranges(signed)
     ranges += found_ranges
     names += found_names
-    words.skip_brackets()
+    words.bracketed_options()
     if not (words.done and words.closed and statement.ending and (found_ranges or found_names)):
         source.unreadable(statement, "numbers or names with wrong syntax")
 

@@ -36,7 +36,7 @@ def read_field(source: Source, statement: Statement, oneof: str) -> ProtoField |
     if not name or not ((words.done and type) or follows.text in ("=", "[") or follows.kind is Kind.NUMBER):
         source.unreadable(statement, "not a declaration")
         return None
-    number, complete = _numbered(words, signed=False)
+    number, complete, options = _numbered(words, signed=False)
     if not (complete and type and statement.ending):
         source.unreadable(statement, "a field with wrong syntax")
     group = type == "group"
@@ -47,7 +47,15 @@ def read_field(source: Source, statement: Statement, oneof: str) -> ProtoField |
     # `optional group Result = 1 {}` declares the message Result and the field `result` (Language Guide proto2,
     # "Groups").
     name = name.lower() if group else name
-    return ProtoField(span=source.span(statement), number=number, name=name, type=type, label=label, oneof=oneof)
+    return ProtoField(
+        span=source.span(statement),
+        number=number,
+        name=name,
+        type=type,
+        label=label,
+        oneof=oneof,
+        json_name=options.get("json_name", Words(())).string() or "",
+    )
 
 
 def read_value(source: Source, statement: Statement) -> ProtoEnumValue | None:
@@ -57,18 +65,19 @@ def read_value(source: Source, statement: Statement) -> ProtoEnumValue | None:
     if not name:
         source.unreadable(statement, "not an enum value")
         return None
-    number, complete = _numbered(words, signed=True)
+    number, complete, _ = _numbered(words, signed=True)
     if not (complete and statement.ending == ";"):
         source.unreadable(statement, "an enum value with wrong syntax")
     return None if number is None else ProtoEnumValue(span=source.span(statement), name=name, number=number)
 
 
-def _numbered(words: Words, signed: bool) -> tuple[int | None, bool]:
+def _numbered(words: Words, signed: bool) -> tuple[int | None, bool, dict[str, Words]]:
     """Read the part of a statement after the name: ``= 4 [options]``.
 
-    Returns the number, which is None if it is missing, and True if the part is complete and nothing else follows.
+    Returns the number, which is None if it is missing, then True if the part is complete and nothing else follows, and
+    the values of the options by name.
     """
     assigned = bool(words.take("="))
     number = words.number(signed)
-    words.skip_brackets()
-    return number, assigned and number is not None and words.done and words.closed
+    options = words.bracketed_options()
+    return number, assigned and number is not None and words.done and words.closed, options

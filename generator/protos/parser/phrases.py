@@ -161,24 +161,28 @@ class Words:
         end = self.number(signed)
         return start if end is None else end
 
-    def skip_brackets(self) -> None:
-        """Take the options in brackets, if the statement has any: ``[deprecated = true]``."""
+    def bracketed_options(self) -> dict[str, Words]:
+        """Take the options in brackets, if the statement has any: ``[deprecated = true]``. Returns values by name."""
+        options: dict[str, Words] = {}
         if not self.take("["):
-            return
+            return options
         while not self.done and not self.next().is_symbol("]"):
-            self.option(",")
+            name, value = self._option(",")
+            options[name] = Words(value)
             if not self.take(","):
                 break
         self.closed = bool(self.take("]"))
+        return options
 
-    def option(self, end: str = "") -> tuple[str, str]:
-        """Take an option such as ``deprecated = true``. Returns the texts of its name and value, without spaces.
-
-        The option ends before one of the characters in ``end``, unless that stands inside brackets.
-        """
-        name = "".join(token.text for token in self._up_to("=" + end))
-        value = self._up_to(end) if self.take("=") else []
+    def option(self) -> tuple[str, str]:
+        """Take an option such as ``deprecated = true``. Returns the texts of its name and value, without spaces."""
+        name, value = self._option("")
         return name, "".join(token.text for token in value)
+
+    def _option(self, end: str) -> tuple[str, list[Token]]:
+        """Take an option. It ends before one of the characters in ``end``, unless that stands inside brackets."""
+        name = "".join(token.text for token in self._up_to("=" + end))
+        return name, self._up_to(end) if self.take("=") else []
 
     def _up_to(self, ends: str) -> list[Token]:
         """Take tokens until one of the characters ``ends`` follows, or a bracket that closes an outer one."""

@@ -111,7 +111,7 @@ def _place(declared: Declared) -> tuple[int, int]:
 
 
 def _field(field: ProtoField, type: str, label: str) -> tuple[Any, ...]:
-    return field.number, field.name, type, label, field.oneof, *_place(field)
+    return field.number, field.name, type, label, field.oneof, field.fact.json_name, *_place(field)
 
 
 def _message(message: ProtoMessage, fields: list[tuple[Any, ...]]) -> tuple[Any, ...]:
