@@ -40,6 +40,8 @@ _NAMES = {
     "limit_added": ("speed", "speed_limit", DOUBT),
     "side_added": ("speed", "left_speed", DOUBT),
     "extreme_added": ("speed", "max_speed", DOUBT),
+    "extreme_dropped": ("speed_min", "speed", DOUBT),
+    "minutes": ("uptime_min", "uptime_s", DOUBT),
     "number_added": ("motor", "motor_2", DOUBT),
     "says_nothing": ("value", "speed", DOUBT),
     "one_of_many_words": ("range_test_plugin_enabled", "range_test_module_enabled", DOUBT),

@@ -5,8 +5,10 @@ The graph of commits shows the order. The times of commits are only compared for
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from functools import cache
-from itertools import combinations
+from itertools import combinations, islice
+from typing import NamedTuple
 
 from roverlink.generator.lint.history.continuations import Declarations
 from roverlink.generator.lint.history.lookup import Record
@@ -15,12 +17,21 @@ from roverlink.generator.lint.history.usages import Stretch, TracedUsage
 from roverlink.generator.protos.schema import Fact
 
 
+class _Handover(NamedTuple):
+    """A node (a commit) that ends a lifetime of a usage, and a lifetime of another usage that begins there or later."""
+
+    ended: Stretch
+    went: int
+    successor: Stretch
+
+
 class Relations:
     """Queries about the relations in time between usages of the numbers of one message or enum."""
 
     def __init__(self, record: Record, owner: int) -> None:
         self._record, self._graph = record, record.graph
         self._times = cache(self._find_times)
+        self._ends, self._begins = cache(_find_ends), cache(_find_begins)
         self._together: set[frozenset[Fact]] = set()
         for declared in record.lineage.changes[owner].values():
             self._note_together(declared)
@@ -43,26 +54,24 @@ class Relations:
         """Return the relation of two usages in time: in one commit, one after the other, or on different branches."""
         if self.together(earlier.usage.fact, later.usage.fact):
             return Relation.TOGETHER
-        return Relation.SUCCESSION if earlier is later or self._handovers(earlier, later) else Relation.BRANCHES
+        return Relation.SUCCESSION if earlier is later or self._handover(earlier, later) else Relation.BRANCHES
 
     def hands_over(self, earlier: TracedUsage, later: TracedUsage) -> bool:
         """Return True if one commit deleted the earlier usage (meaning) of a number and added the later usage."""
-        return any(went == stretch.lifetime.came for _, went, stretch in self._handovers(earlier, later))
+        ends = {went for went, _ in self._ends(earlier)}
+        return any(_came(stretch) in ends for stretch in later.stretches)
 
     def nodes(self, earlier: TracedUsage, later: TracedUsage) -> tuple[int, int]:
         """Return the last node (commit) that has the earlier usage, and the first node that has the later usage.
 
         If possible, the second node is a descendant of the first node.
         """
-        handovers = self._handovers(earlier, later)
-        if handovers:
-            stretch, went, successor = max(handovers, key=lambda each: (each[1], -each[2].lifetime.came))
-            return self._record.before(stretch.owner, stretch.lifetime.fact, went), successor.lifetime.came
+        if handover := self._handover(earlier, later):
+            ended, went, successor = handover
+            return self._record.before(ended.owner, ended.lifetime.fact, went), successor.lifetime.came
         stretch = earlier.stretches[-1]
-        ended = max(stretch.lifetime.went, default=None)
-        last = (
-            stretch.lifetime.came if ended is None else self._record.before(stretch.owner, stretch.lifetime.fact, ended)
-        )
+        end = max(stretch.lifetime.went, default=None)
+        last = stretch.lifetime.came if end is None else self._record.before(stretch.owner, stretch.lifetime.fact, end)
         return last, later.stretches[0].lifetime.came
 
     def nodes_of_content(self, use: TracedUsage) -> list[int]:
@@ -103,17 +112,30 @@ class Relations:
         lasts = stretch.live_at or not ends
         return self._graph[lifetime.came].revision.time, float("inf") if lasts else max(ends)
 
-    def _handovers(self, earlier: TracedUsage, later: TracedUsage) -> list[tuple[Stretch, int, Stretch]]:
-        """Return each case in which the later usage begins after the earlier usage has ended.
+    def _handover(self, earlier: TracedUsage, later: TracedUsage) -> _Handover | None:
+        """Return the latest case in which the later usage begins after the earlier usage has ended; None if none.
 
-        A usage can have several lifetimes, because a field can be removed and added again. Each item has a lifetime
-        (`Stretch`) of the earlier usage, the node of git's history (a commit) that ends this lifetime, and a lifetime
-        of the later usage that begins at this commit or at a descendant of it.
+        A usage can have several lifetimes, because a field can be removed and added again.
         """
-        return [
-            (stretch, went, successor)
-            for stretch in earlier.stretches
-            for went in stretch.lifetime.went
-            for successor in later.stretches
-            if self._graph.precedes(went, successor.lifetime.came)
-        ]
+        begins = self._begins(later)
+        for went, stretch in self._ends(earlier):
+            # Parents come before children, so nothing before this position follows.
+            for successor in islice(begins, bisect_left(begins, went, key=_came), None):
+                if self._graph.precedes(went, _came(successor)):
+                    return _Handover(stretch, went, successor)
+        return None
+
+
+def _find_ends(use: TracedUsage) -> list[tuple[int, Stretch]]:
+    """Return the nodes that end a lifetime of the usage, the latest first, each with the lifetime."""
+    ends = [(went, stretch) for stretch in use.stretches for went in stretch.lifetime.went]
+    return sorted(ends, key=lambda end: -end[0])
+
+
+def _find_begins(use: TracedUsage) -> list[Stretch]:
+    """Return the lifetimes of the usage, the earliest first."""
+    return sorted(use.stretches, key=_came)
+
+
+def _came(stretch: Stretch) -> int:
+    return stretch.lifetime.came

@@ -48,6 +48,8 @@ _UNITS: dict[str, tuple[str, float | None]] = {
     **{unit: (dimension, size) for dimension, units in _OF_DIMENSION.items() for unit, size in units.items()},
     **{unit: (dimension, None) for dimension, names in _WITHOUT_SIZE.items() for unit in names},
 }
+# `uptime_min` is a time in minutes, but `speed_min` is the smallest speed.
+_IN_MINUTES = frozenset({"time", "uptime", "runtime", "timeout", "duration", "period", "interval", "delay", "age", "per"})
 _RELATIVE = frozenset({"delta", "relative", "rel", "diff", "increment"})
 _ABSOLUTE = frozenset({"absolute", "abs"})
 _SCALE = re.compile(r"x(?P<factor>[1-9]\d*)")
@@ -84,12 +86,18 @@ def measure(words: Sequence[str]) -> Measure:
     subject = [word for word in words if word not in _RELATIVE | _ABSOLUTE] or list(words)
     relative = len(subject) < len(words) and not _RELATIVE.isdisjoint(words)
     end = len(subject)
-    while end > 1 and (subject[end - 1] in _UNITS or subject[end - 1] == "per" or _SCALE.fullmatch(subject[end - 1])):
+    while end > 1 and _belongs_to_unit(subject[end - 1], subject[: end - 1]):
         end -= 1
     tail = subject[end:]
     scales = [int(match["factor"]) for match in map(_SCALE.fullmatch, tail) if match]
     units = tuple(word for word in tail if word in _UNITS)
     return Measure(tuple(subject[:end]), units, math.prod(scales), relative, "per" in tail)
+
+
+def _belongs_to_unit(word: str, before: Sequence[str]) -> bool:
+    if word == "min" and _IN_MINUTES.isdisjoint(before):
+        return False
+    return word in _UNITS or word == "per" or _SCALE.fullmatch(word) is not None
 
 
 def is_unit(word: str) -> bool:
