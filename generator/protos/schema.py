@@ -116,7 +116,8 @@ class ProtoField(Declared):
     @property
     def fact(self) -> Fact:
         """The meaning that the declaration gives to the field's number: the declaration without its place."""
-        json_name = "" if self.json_name in ("", default_json_name(self.name)) else self.json_name
+        unusual = self.json_name and self.json_name != default_json_name(self.name)
+        json_name = self.json_name if unusual else ""
         return Fact(self.number, self.name, self.wire_type, self.label, self.oneof, json_name=json_name)
 
     @property

@@ -1,7 +1,8 @@
 """Smoke test of the wheel and the sdist: `make test-dist`.
 
 Both are installed into an environment that has nothing else, one after the other. In an empty folder, each one must do
-the three jobs of the README: edit the table and regenerate, lint in CI, and use the handlers in a program.
+the three jobs of the README: edit the table and regenerate, lint in CI, and use the handlers in a program. And it must
+lint a repository without a table, with the command in docs/lint.md.
 
 Only the standard library of Python is there when this script starts. Exit code 0: all jobs passed; 1: a job failed.
 """
@@ -36,6 +37,12 @@ _ROW = """  - number: 2
     proto: ContainerInfo
     topic: container_info
     direction: board_to_ros
+"""
+_ENVELOPE = """syntax = "proto3";
+message Gps { double latitude = 1; double longitude = 2; }
+message Imu { float heading = 1; }
+message Wind { float speed = 1; }
+message PBEnvelope { oneof payload { MEMBERS } }
 """
 _PROGRAM = """
 from generated.handlers import ContainerInfoHandler
@@ -115,6 +122,7 @@ def main(archives: list[Path]) -> int:
                 _edit_and_regenerate(user)
                 _lint_in_ci(user)
                 _use_the_handlers(user)
+                _lint_without_a_table(user)
             except (_JobError, subprocess.SubprocessError, ValueError) as error:
                 print(f"{archive.name} with Python {platform.python_version()}: {error}", file=sys.stderr)
                 return 1
@@ -178,6 +186,33 @@ def _use_the_handlers(user: _User) -> None:
     """Convert a message in a program that has its own main function."""
     (user.folder / "program.py").write_text(_PROGRAM)
     user.run("python program.py")
+
+
+def _lint_without_a_table(user: _User) -> None:
+    """Find that a pull request gives a number of a repository without a table to another message, as a CI server does.
+
+    The command is the one in docs/lint.md.
+    """
+    text = Path(__file__).parents[2].joinpath("docs", "lint.md").read_text(encoding="utf-8")
+    command = next(line for line in text.splitlines() if "run: roverlink lint" in line).partition("run: ")[2]
+    origin = user.folder / "origin"
+    user.run("git init --quiet --initial-branch main origin")
+    (origin / "protos").mkdir()
+    _commit(user, "Start", "Gps gps = 1; Imu imu = 2;")
+    _commit(user, "Remove the GPS", "Imu imu = 2;")
+    user.run("git -C origin checkout --quiet -b wind")
+    _commit(user, "Add the wind", "Imu imu = 2; Wind wind = 1;")
+    user.run("git clone --quiet --branch wind origin clone")
+    user.variables["GITHUB_BASE_REF"] = "main"
+    found = user.run(f"sh -c 'cd clone && {command}'", code=1)
+    if "::error file=protos/envelope.proto,line=5" not in found:
+        raise _JobError(f"`{command}` does not report the reused number\n{found}")
+
+
+def _commit(user: _User, name: str, members: str) -> None:
+    (user.folder / "origin" / "protos" / "envelope.proto").write_text(_ENVELOPE.replace("MEMBERS", members))
+    user.run("git -C origin add --all")
+    user.run(f"git -C origin commit --quiet --message '{name}'")
 
 
 if __name__ == "__main__":
