@@ -49,7 +49,7 @@ _UNITS: dict[str, tuple[str, float | None]] = {
     **{unit: (dimension, None) for dimension, names in _WITHOUT_SIZE.items() for unit in names},
 }
 # `uptime_min` is a time in minutes, but `speed_min` is the smallest speed.
-_IN_MINUTES = frozenset({"time", "uptime", "runtime", "timeout", "duration", "period", "interval", "delay", "age", "per"})
+_TIMES = frozenset({"time", "uptime", "runtime", "timeout", "duration", "period", "interval", "delay", "age"})
 _RELATIVE = frozenset({"delta", "relative", "rel", "diff", "increment"})
 _ABSOLUTE = frozenset({"absolute", "abs"})
 _SCALE = re.compile(r"x(?P<factor>[1-9]\d*)")
@@ -95,7 +95,7 @@ def measure(words: Sequence[str]) -> Measure:
 
 
 def _belongs_to_unit(word: str, before: Sequence[str]) -> bool:
-    if word == "min" and _IN_MINUTES.isdisjoint(before):
+    if word == "min" and {*_TIMES, "per"}.isdisjoint(before):
         return False
     return word in _UNITS or word == "per" or _SCALE.fullmatch(word) is not None
 
