@@ -73,3 +73,6 @@ Good::
     $ git checkout mapping.lock
 """,
 )
+
+LEDGER_RULES = (UNREADABLE_LEDGER, BROKEN_LEDGER, EDITED_LEDGER, DELETED_LEDGER)
+"""All rules about the file of the ledger."""

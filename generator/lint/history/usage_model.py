@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 
@@ -113,6 +114,11 @@ class Content:
     If not, this is the content at the nearest commit that declares the type.
     """
 
+    @property
+    def digest(self) -> str:
+        """A short text that only contents with the same fields or values have."""
+        return hashlib.sha256(repr([tuple(fact) for fact in self.facts]).encode()).hexdigest()[:8]
+
 
 class Kind(Enum):
     """The kind of a change of meaning between two usages (meanings) of a number."""
@@ -157,6 +163,10 @@ class Reuse:
     confidence: Confidence
     reason: str = ""
     """Why the meaning is another one, as a clause; empty for a mere rename."""
+    same_as_earlier: frozenset[Usage] = frozenset()
+    """The usages with the meaning of `earlier` under other names, which mere renames link with it."""
+    same_as_later: frozenset[Usage] = frozenset()
+    """The usages with the meaning of `later` under other names."""
 
     @property
     def certain(self) -> bool:

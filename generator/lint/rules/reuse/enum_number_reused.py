@@ -22,11 +22,14 @@ from collections.abc import Iterator
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.comparison.judgement import Meaning
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.judged_ledger import reused_values
+from roverlink.generator.lint.judged_ledger import burned_values, reused_values
 
 RULE = Rule("WIR112", "enum-number-reuse", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each enum value whose number belonged to another value in the ledger."""
-    return reused_values(RULE, context, {Meaning.OTHER, Meaning.WIRE})
+    reused = list(reused_values(RULE, context, {Meaning.OTHER, Meaning.WIRE}))
+    yield from reused
+    told = {finding.span for finding in reused}
+    yield from (finding for finding in burned_values(RULE, context) if finding.span not in told)

@@ -22,11 +22,14 @@ from collections.abc import Iterator
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.comparison.judgement import Meaning
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.judged_ledger import reused_fields
+from roverlink.generator.lint.judged_ledger import burned_fields, reused_fields
 
 RULE = Rule("WIR111", "field-number-reuse-in-message", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each field whose number belonged to a field with another meaning in the ledger."""
-    return reused_fields(RULE, context, {Meaning.OTHER, Meaning.WIRE})
+    reused = list(reused_fields(RULE, context, {Meaning.OTHER, Meaning.WIRE}))
+    yield from reused
+    told = {finding.span for finding in reused}
+    yield from (finding for finding in burned_fields(RULE, context) if finding.span not in told)
