@@ -42,7 +42,12 @@ def _is_known(history: History, type: TracedType, reuse: Reuse, known: set[PastU
 def _spelled(history: History, type: TracedType, usage: Usage) -> set[PastUse]:
     """Return a usage with each name that its type had. Older ledgers have the type as the .proto file wrote it."""
     names = {*history.types_of(type.id, usage), usage.type.lstrip(".")}
-    return {PastUse(name, usage.name) for name in names}
+    return {_use(usage.label, name, usage.name) for name in names}
+
+
+def _use(label: str, type: str, name: str, content: str = "") -> PastUse:
+    """Return a meaning as the ledger stores it. A list and a single value are different meanings."""
+    return PastUse(f"repeated {type}" if label == "repeated" else type, name, content)
 
 
 def meanings(history: History, type: TracedType, reuses: Iterable[Reuse]) -> list[PastUse]:
@@ -50,15 +55,18 @@ def meanings(history: History, type: TracedType, reuses: Iterable[Reuse]) -> lis
     found: dict[PastUse, None] = {}
     for reuse in reuses:
         for usage in (reuse.earlier, reuse.later):
-            found[PastUse(history.types_of(type.id, usage)[0], usage.name)] = None
+            found[_use(usage.label, history.types_of(type.id, usage)[0], usage.name)] = None
         if reuse.kind is Kind.REPLACED and reuse.new:
-            found[PastUse(history.types_of(type.id, reuse.later)[0], reuse.later.name, reuse.new.digest)] = None
+            of = reuse.later
+            found[_use(of.label, history.types_of(type.id, of)[0], of.name, reuse.new.digest)] = None
     return list(found)
 
 
 def meaning_of(declared: _Declared) -> PastUse:
     """Return the meaning that a declaration of today gives to its number, as the ledger stores it."""
-    return PastUse(declared.wire_type if isinstance(declared, ProtoField) else "", declared.name)
+    if isinstance(declared, ProtoField):
+        return _use(declared.label, declared.wire_type, declared.name)
+    return PastUse("", declared.name)
 
 
 def is_accepted(context: Context, owner: str, old: _Declared, *new: _Declared) -> bool:

@@ -153,6 +153,8 @@ def _today(context: Context, owner: str, number: int) -> str:
 
 def _help(context: Context, owner: str, number: int) -> str:
     accept = f"if this was only a rename or is harmless, `{command_to_accept(context, owner, number)}` accepts it"
+    if burned := context.ledger.burned_in(owner).get(number):
+        accept = f"accepted so far: {burned.told}; {accept}"
     declared = _declared(context, owner)
     if declared is None or _is_reserved(declared, number):
         return accept

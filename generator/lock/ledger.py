@@ -41,9 +41,9 @@ class PastUse(NamedTuple):
     """Meaning that a number had in the past."""
 
     type: str
-    """The full name of a message or enum, or the name of a scalar; empty for an enum value.
+    """The full name of a message or enum, or the name of a scalar, behind ``repeated`` for a list.
 
-    In a ledger of an earlier version of roverlink, it is the type as the .proto file wrote it.
+    Empty for an enum value. In a ledger of an earlier version of roverlink, it is the type as the .proto file wrote it.
     """
     name: str
     content: str = ""
@@ -68,13 +68,9 @@ class Burned:
 
     @property
     def told(self) -> str:
-        """The meanings, and the reason for which they were accepted: ``'Gps' and 'Wind' ('never built')``."""
-        names = dict.fromkeys(repr(use.type or use.name) for use in self.uses)
-        return " and ".join(names) + (f" (accepted: {self.reason!r})" if self.reason else "")
-
-    def came_back(self, use: PastUse) -> bool:
-        """Return True if ``use`` is an earlier meaning of the number, and not the one that it may keep."""
-        return use != self.now and use in self.uses
+        """The meanings, and why they were accepted: ``'gps' (Gps) and 'wind' (Wind) (accepted: never built)``."""
+        uses = dict.fromkeys(f"{use.name!r} ({use.type})" if use.type else repr(use.name) for use in self.uses)
+        return " and ".join(uses) + (f" (accepted: {self.reason})" if self.reason else "")
 
     def joined(self, known: Burned | None) -> Burned:
         """Return this burned number with the meanings of ``known`` added, an earlier record of the same number."""
@@ -132,16 +128,17 @@ class Ledger:
         burned = self.burned_in(owner).get(number)
         if burned is None:
             return None
+        if burned.now is not None:
+            return burned if use != burned.now and use in burned.uses else None
         # Earlier versions of roverlink lost `now` in a proto package. The wire schema still has a number in use.
         declared = self.schema.messages.get(owner) or self.schema.enums.get(owner)
         parts = () if declared is None else declared.fields if isinstance(declared, ProtoMessage) else declared.values
-        free = burned.now is None and all(part.number != number for part in parts)
-        return burned if free or burned.came_back(use) else None
+        return None if any(part.number == number for part in parts) else burned
 
     def settles(self, owner: str, number: int, old: PastUse, new: PastUse) -> bool:
         """Return True if the user has accepted that a number had the meaning ``old`` and has ``new`` now."""
         burned = self.burned_in(owner).get(number)
-        return burned is not None and new == burned.now and old in burned.uses
+        return burned is not None and old != new == burned.now and old in burned.uses
 
 
 def checksum(text: str) -> str:

@@ -54,7 +54,7 @@ def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
         text = source_files.read_text(path.parent, path.name)
     except FileNotFoundError:
         if Repository(path.parent).has("HEAD", path.name):
-            message = "the ledger was deleted; without it, every published number looks free"
+            message = "the ledger was deleted; without it, the numbers in it look free"
             findings.append(DELETED_LEDGER.at(Span(name), message, _RESTORE))
         return Ledger()
     except OSError as error:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, counted, table_file
 from roverlink.diagnostic_text import show_error
-from roverlink.generator.diagnostics import DiagnosticsError, Severity
+from roverlink.generator.diagnostics import DiagnosticsError, Severity, shown
 from roverlink.generator.lint.project import Linted, Question
 from roverlink.generator.lock import ACCEPTED_NAME, NAME
 from roverlink.lint_scope import add_subject, folder_of, linted
@@ -184,7 +184,7 @@ def _accept(arguments: argparse.Namespace, found: Linted, wanted: list[tuple[str
     changes, count = accept(table, found, wanted, arguments.reason or "")
     write(found.folder, changes)
     for change in changes:
-        print(f"{change.verb:>8} {change.path}")
+        print(f"{change.verb:>8} {shown(found.context.tree, change.path)}")
     ledger = ACCEPTED_NAME if table is None else NAME
-    print(f"accepted {counted(count, 'reused number')} in {ledger}; lint reports only further meanings from now on")
+    print(f"{counted(count, 'reused number')} accepted in {ledger}; from now on, lint reports only further meanings")
     return OK

@@ -2,7 +2,8 @@
 
 The value was deleted long ago, and its number is no longer reserved. The ledger (mapping.lock) has every number that
 was ever published. A board with old firmware may still send the old value, and the rover reads it as the new one. A
-value with a similar name counts as the old one (`roverlink explain WIR114`).
+value with a similar name counts as the old one (`roverlink explain WIR114`). The same holds for a burned number, whose
+past was accepted with `roverlink lint --history --accept` (`roverlink explain WIR111`).
 
 Bad::
 

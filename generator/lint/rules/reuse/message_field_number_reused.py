@@ -4,6 +4,9 @@ The field was deleted long ago, and its number is no longer reserved. The ledger
 was ever published. A board with old firmware may still send the old field, and the rover reads its bytes as the new
 field. A field with a similar name counts as the old one (`roverlink explain WIR114`).
 
+The same holds for a burned number: one whose past was accepted with `roverlink lint --history --accept`. If it was free
+then, no field may use it again. If a field had it, no earlier field may come back.
+
 Bad::
 
     message Imu { float x = 1; float y = 2; }      // once
