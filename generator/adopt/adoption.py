@@ -102,6 +102,8 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
     lower(draft, lint(context), context.schema or tree.schema)
     text = text_of(draft)
     published, moved = _taken_over(project, root, shown_root)
+    accepted = published.burned_in(draft.message)
+    past = dataclasses.replace(past, reused=[number for number in past.reused if number not in accepted])
     compiled, changes = compile_text(table_path, text, published)
     changes += moved
     envelope = shown(shown_root, tree.envelope.file)  # the table has all its content, so it may be replaced
