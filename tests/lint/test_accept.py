@@ -137,7 +137,10 @@ def _reused(repository: Repository) -> Repository:
     return table
 
 
-@pytest.fixture(params=["table", "table-package", "tree", "tree-package"])
+_VARIANTS = [pytest.param(kind, marks=pytest.mark.slow) for kind in ("table", "tree-package")]
+
+
+@pytest.fixture(params=["table-package", "tree", *_VARIANTS])
 def reused(request: pytest.FixtureRequest, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Repository:
     """A repository in which the numbers 2 and 3 of the envelope were reused."""
     kind, _, package = request.param.partition("-")
@@ -517,7 +520,7 @@ def _burned(draw: st.DrawFn) -> Burned:
     return Burned(owner, number, tuple(uses), draw(st.sampled_from([*uses, None])), draw(_REASONS))
 
 
-@settings(deadline=None, suppress_health_check=list(HealthCheck))
+@settings(deadline=None, max_examples=40, suppress_health_check=list(HealthCheck))
 @given(st.lists(_burned(), max_size=4))
 def test_what_is_written_is_read_again(tmp_path_factory: pytest.TempPathFactory, burned: list[Burned]) -> None:
     """Each accepted number comes back from the text as it was, with its reason, and the text does not change."""
