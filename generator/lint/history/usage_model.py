@@ -117,7 +117,9 @@ class Content:
     @property
     def digest(self) -> str:
         """A short text that only contents with the same fields or values have."""
-        return hashlib.sha256(repr([tuple(fact) for fact in self.facts]).encode()).hexdigest()[:8]
+        # The ledger stores it. So attributes that later versions add to facts must not change it.
+        facts = [(fact.number, fact.name, fact.type, fact.label) for fact in self.facts]
+        return hashlib.sha256(repr(facts).encode()).hexdigest()[:8]
 
 
 class Kind(Enum):
