@@ -1,59 +1,112 @@
-"""Implementation of `roverlink lint --history --accept`: records reused numbers as burned in the ledger, mapping.lock.
+"""Implementation of `roverlink lint --history --accept`: records reused numbers as burned in the ledger.
 
-A number is reused if git's history gives it several meanings, for example two different fields. After it is burned, it
-must never get another meaning, and later runs of the lint do not report its past meanings again.
+A number is reused if git's history gives it several meanings, for example two different fields. The user states that
+these meanings are known: that they are only names of one meaning, or that no machine confuses them. After that, the
+lint reports the number again only if it gets another meaning. The ledger is mapping.lock, or in a folder of .proto
+files without a table the file accepted-numbers.lock.
 """
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
-from roverlink.generator.emit.writer import Change
-from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.history_diagnostics import stands_today
+from roverlink.generator import lock
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span
+from roverlink.generator.emit.writer import Change, compare
+from roverlink.generator.lint.accepted_past import accepted, meanings, number_to_accept
+from roverlink.generator.lint.context import Context, Past
+from roverlink.generator.lint.history import Kind
+from roverlink.generator.lint.history_diagnostics import reuses_by_number, stands_today
 from roverlink.generator.lint.project import Linted
 from roverlink.generator.lock import Burned
+from roverlink.generator.lock.ledger_rules import LEDGER_RULES
 from roverlink.generator.pipeline import recompile
-from roverlink.generator.table.edit_rules import NOTHING_TO_ACCEPT_INTO
+from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
+from roverlink.generator.table.edit_rules import ACCEPT_WITHOUT_HISTORY, NO_SUCH_FINDING
 
 _HISTORY_RULES = ("HIS101", "HIS103", "HIS105")
 
+Number = tuple[str, int]
+"""A number of a message or enum, which is given by its full name."""
 
-def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:
+
+def accept(
+    table_path: Path | None, found: Linted, wanted: Sequence[Number] = (), reason: str = ""
+) -> tuple[list[Change], int]:
     """Return the file changes that record reused numbers as burned, and the count of these numbers.
 
-    ``found`` is the result of a lint with history; its diagnostics name the reused numbers. Nothing is written. Raises
-    `DiagnosticsError` if the project has no mapping.yaml or no history, or if mapping.yaml does not compile.
+    ``table_path`` is None for a folder without a table. ``found`` is the result of a lint with history. ``wanted`` are
+    the numbers to accept: all that the lint reports if it is empty. A number with an empty name is a number of the
+    envelope. ``reason`` is stored with them. Nothing is written. Raises `DiagnosticsError` if the lint had no history,
+    if it reports nothing about a number, if the ledger is damaged, or if mapping.yaml does not compile.
     """
-    past = found.context.past
-    if not found.context.table.proto.root or past is None or not past.of_numbers:
-        message = "--accept needs --history and a project with a mapping.yaml, because it writes to the ledger"
-        help = "run `roverlink lint --history --accept` in the folder of mapping.yaml"
-        raise DiagnosticsError([NOTHING_TO_ACCEPT_INTO.at(Span(str(table_path)), message, help)])
-    of_history = [finding for finding in found.findings if finding.rule.id in _HISTORY_RULES]
-    burned = {(one.owner, one.number): one for one in found.context.ledger.burned}
-    for finding in of_history:
-        one = _burned(finding, found.context)
-        burned[one.owner, one.number] = _joined(burned.get((one.owner, one.number)), one)
-    published = dataclasses.replace(found.context.ledger, burned=tuple(one for _, one in sorted(burned.items())))
-    compiled = recompile(table_path, published)
-    return compiled.changes(table_path.resolve().parent), len(of_history)
+    context, past = found.context, found.context.past
+    if past is None or not past.of_numbers:
+        help = "run `roverlink lint --history --accept`"
+        raise DiagnosticsError([ACCEPT_WITHOUT_HISTORY.at(Span("--accept"), "--accept needs --history", help)])
+    # Writing a ledger that was read only in part would lose the rest of it.
+    if damaged := [finding for finding in found.findings if finding.rule in LEDGER_RULES]:
+        raise DiagnosticsError(damaged)
+    reported = {(one.type, one.number or 0) for one in found.findings if one.rule.id in _HISTORY_RULES}
+    chosen = _chosen(context, wanted, reported) if wanted else reported
+    published = context.ledger.with_burned(_burned(context, past, chosen, reason))
+    if table_path is not None:
+        return recompile(table_path, published).changes(table_path.resolve().parent), len(chosen)
+    if unknown := list(_not_compiled(found, chosen)):
+        raise DiagnosticsError(unknown)
+    files = {lock.ACCEPTED_NAME: lock.render_accepted(published.burned)} if published.burned else {}
+    return compare(found.folder, files, {}, own=(lock.ACCEPTED_NAME,)), len(chosen)
 
 
-def _burned(finding: Diagnostic, context: Context) -> Burned:
-    owner, number = finding.type, finding.number or 0
-    return Burned(
-        owner, number, tuple((use.type, use.name) for use in finding.uses), stands_today(context, owner, number)
-    )
+def _chosen(context: Context, wanted: Iterable[Number], reported: Iterable[Number]) -> set[Number]:
+    """Return the full names and numbers of ``wanted``. Each must be reported, or accepted already."""
+    envelope = context.table.envelope.message
+    chosen = {(owner or envelope, number) for owner, number in wanted}
+    if any(not owner for owner, _ in chosen):
+        message = "a number without a message is a number of the envelope, and the envelope is not named"
+        help = "name the envelope with --message, or write the message before the number: --accept rover.ImuInfo:3"
+        raise DiagnosticsError([NO_SUCH_FINDING.at(Span("--accept"), message, help)])
+    known = {*reported, *((one.owner, one.number) for one in context.ledger.burned)}
+    if missing := sorted(chosen - known):
+        ready = ", ".join(number_to_accept(context, *one) for one in sorted(reported))
+        help = f"--accept takes the reported numbers: {ready}" if ready else "leave out --accept: nothing is reported"
+        raise DiagnosticsError(
+            [
+                NO_SUCH_FINDING.at(Span("--accept"), f"--history reports nothing about number {n} of {owner!r}", help)
+                for owner, n in missing
+            ]
+        )
+    return chosen
 
 
-def _joined(known: Burned | None, one: Burned) -> Burned:
-    """Return the burned number ``one`` with the meanings of ``known`` added.
+def _burned(context: Context, past: Past, chosen: set[Number], reason: str) -> Iterable[Burned]:
+    """Yield the chosen numbers as burned, with their meanings, those that were accepted before included."""
+    for known in context.ledger.burned:
+        if (known.owner, known.number) in chosen:
+            yield _today(context, dataclasses.replace(known, reason=reason or known.reason))
+    for type, number, reuses in reuses_by_number(context, frozenset(Kind) - {Kind.RENAMED}):
+        if (type.name, number) in chosen:
+            one = Burned(type.name, number, tuple(meanings(past.history, type, reuses)), None, reason)
+            for earlier in accepted(context, type, number):
+                one = one.joined(earlier)
+            yield _today(context, one)
 
-    ``known`` is the ledger's earlier record of the same number; None if the number was not burned before.
-    """
-    if known is None:
-        return one
-    return dataclasses.replace(one, uses=tuple(dict.fromkeys((*known.uses, *one.uses))))
+
+def _today(context: Context, burned: Burned) -> Burned:
+    """Return a burned number with the meaning that it has today, and may keep."""
+    now = stands_today(context, burned.owner, burned.number)
+    # The history spells a map and a group in another way than today's schema.
+    uses = burned.uses if now is None else tuple(dict.fromkeys((*burned.uses, now)))
+    return dataclasses.replace(burned, uses=uses, now=now)
+
+
+def _not_compiled(found: Linted, chosen: Iterable[Number]) -> Iterable[Diagnostic]:
+    """Yield the errors of protoc if they hide what a chosen number means today."""
+    context = found.context
+    compiled = {*context.schema.messages, *context.schema.enums} if context.schema else set()
+    declared = {one.full_name for file in context.files.values() for one in file.messages}
+    declared |= {one.full_name for file in context.files.values() for one in file.enums}
+    if any(owner in declared - compiled for owner, _ in chosen):
+        yield from (one for one in found.findings if one.rule is DOES_NOT_COMPILE and one.severity is Severity.ERROR)

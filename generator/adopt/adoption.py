@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from roverlink.generator import source_files
+from roverlink.generator import lock, source_files
 from roverlink.generator.adopt.draft import Draft
 from roverlink.generator.adopt.fitting import fit
 from roverlink.generator.adopt.guesses import guess_rows
@@ -101,7 +101,11 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
     # second one (below) gives the diagnostics with those severities, as the user will see them.
     lower(draft, lint(context), context.schema or tree.schema)
     text = text_of(draft)
-    compiled, changes = compile_text(table_path, text)
+    published, moved = _taken_over(project, root, shown_root)
+    accepted = published.burned_in(draft.message)
+    past = dataclasses.replace(past, reused=[number for number in past.reused if number not in accepted])
+    compiled, changes = compile_text(table_path, text, published)
+    changes += moved
     envelope = shown(shown_root, tree.envelope.file)  # the table has all its content, so it may be replaced
     changes = [dataclasses.replace(one, foreign=False) if one.path == envelope else one for one in changes]
     refuse_overwriting(changes)
@@ -131,6 +135,25 @@ def _context(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnosti
         excluded_files={file: tree.files[file] for file in tree.exclude},
         bounds=read_bounds(schema, tree.root, draft.root, findings),
     )
+
+
+def _taken_over(project: Path, root: Path, shown_root: str) -> tuple[Ledger, list[Change]]:
+    """Return the ledger with which the project starts, and the change that removes the ledger of the folder.
+
+    Numbers whose past the user accepted before there was a table are in the folder's own ledger. They move into the
+    project's ledger. A folder that the project must not write to keeps its own. Raises `DiagnosticsError` if a ledger
+    is damaged.
+    """
+    findings: list[Diagnostic] = []
+    known = lock.read(project / lock.NAME, findings)
+    path = shown(shown_root, lock.ACCEPTED_NAME)
+    accepted = lock.read(root / lock.ACCEPTED_NAME, findings, path)
+    if findings:
+        raise DiagnosticsError(findings)
+    if not accepted.burned:
+        return known, []
+    text = source_files.read_text(root, lock.ACCEPTED_NAME)
+    return known.with_burned(accepted.burned), [] if _foreign(project, root) else [Change(path, text, None)]
 
 
 def _foreign(project: Path, root: Path) -> str:

@@ -43,6 +43,8 @@ class Burned:
     number: int
     uses: tuple[str, ...]
     """Full names of the messages that had the number."""
+    reason: str = ""
+    """Why the user accepted the past of the number."""
 
 
 @dataclass(frozen=True, slots=True)

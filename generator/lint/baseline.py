@@ -152,7 +152,8 @@ def _other_refs(repository: Repository, ref: str) -> str:
 
 def _is_wanted(file: str) -> bool:
     # The table may have another name than usual.
-    return file.endswith((".proto", ".options")) or file == lock.NAME or (file.endswith(".yaml") and "/" not in file)
+    ledgers = (lock.NAME, lock.ACCEPTED_NAME)
+    return file.endswith((".proto", ".options")) or file in ledgers or (file.endswith(".yaml") and "/" not in file)
 
 
 def _baseline_in(

@@ -99,6 +99,8 @@ class Context:
     """The size limits of strings, arrays and other fields for nanopb; None if they were not read."""
     past: Past | None = None
     """The history of the .proto files in git; None if the user requested no check of the history."""
+    tree: str = ""
+    """The folder of .proto files as a command line names it; empty for a project with a table."""
 
     @property
     def published(self) -> tuple[Entry, ...]:
@@ -198,9 +200,7 @@ class Context:
         if self.past is not None:
             taken |= self.past.taken(envelope)
         for number, burned in self.ledger.burned_in(envelope).items():
-            taken[number] = (
-                f"was used for {' and '.join(repr(type) for type, _ in burned.uses)}, and must never be used again"
-            )
+            taken[number] = f"was used for {burned.told}, and must never be used again"
         taken |= {entry.number: f"was published for {entry.name!r} ({entry.proto})" for entry in self.published}
         taken |= dict.fromkeys(table.numbers, f"is used in {table.file}")
         taken |= {row.number: f"is retired: it was {row.name!r} ({row.proto})" for row in table.retired}

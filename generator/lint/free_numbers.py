@@ -30,7 +30,7 @@ def next_field_number(context: Context, full_name: str, taken: Iterable[int] = (
     ``taken`` are numbers that help texts have already offered for other fields.
     """
     known = {*taken} | {number for schema in _schemas(context) for number in _fields(schema, full_name)}
-    known |= {field.number for field in context.ledger.fields(full_name)}
+    known |= {field.number for field in context.ledger.fields(full_name)} | {*context.ledger.burned_in(full_name)}
     for _, message in context.declared(full_name):
         known |= {claim.number for claim in message.claims}
     closed = [_IMPLEMENTATION]
@@ -52,7 +52,7 @@ def next_enum_number(context: Context, full_name: str, taken: Iterable[int] = ()
     for enum in (schema.enums[full_name] for schema in _schemas(context) if full_name in schema.enums):
         known |= {value.number for value in enum.values}
         closed += enum.reserved
-    known |= {value.number for value in context.ledger.values(full_name)}
+    known |= {value.number for value in context.ledger.values(full_name)} | {*context.ledger.burned_in(full_name)}
     for file in context.files.values():
         known |= {c.number for enum in file.enums if enum.full_name == full_name for c in enum.claims}
     return _above(known, closed, LARGEST_ENUM_NUMBER)

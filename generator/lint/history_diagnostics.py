@@ -10,8 +10,10 @@ from collections.abc import Iterator, Sequence, Set
 from itertools import groupby
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span, Use
+from roverlink.generator.lint.accepted_past import command_to_accept, meaning_of, not_accepted
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.history import Confidence, History, Kind, Relation, Reuse, TracedType, Usage, branch_name
+from roverlink.generator.lock import PastUse
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
 
 _RELATIONS = {
@@ -29,20 +31,16 @@ _CONFIDENCES = {
 def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[TracedType, int, list[Reuse]]]:
     """Yield each number that had several meanings in git's history, with its changes of meaning.
 
-    Each item has the message or enum, the number, and the changes. Only changes of the given kinds count. Numbers whose
-    meanings the user has accepted with ``--accept`` are left out.
+    Each item has the message or enum, the number, and the changes. Only changes of the given kinds count. Those that
+    the user has accepted with ``--accept`` are left out.
     """
     past = context.past
     if past is None or not past.of_numbers:
         return
     for type in past.history.types:
-        accepted = [context.ledger.burned_in(name) for name in type.names]
         found = [reuse for reuse in past.history.reuses_of(type.id) if reuse.kind in kinds]
         for number, group in groupby(sorted(found, key=lambda reuse: reuse.number), key=lambda reuse: reuse.number):
-            reuses = list(group)
-            known = {use for burned in accepted if number in burned for use in burned[number].uses}
-            uses = {(usage.type, usage.name) for reuse in reuses for usage in (reuse.earlier, reuse.later)}
-            if not uses <= known:
+            if reuses := list(not_accepted(context, type, group)):
                 yield type, number, reuses
 
 
@@ -119,14 +117,11 @@ def place_of(context: Context, owner: str, number: int) -> Span:
     return part.at("number") if part else declared.span
 
 
-def stands_today(context: Context, owner: str, number: int) -> tuple[str, str] | None:
-    """Return type and name of the field or enum value that has a number today; None if no declaration has the number.
-
-    The type of an enum value is empty.
-    """
+def stands_today(context: Context, owner: str, number: int) -> PastUse | None:
+    """Return the meaning that a number has today; None if no declaration has the number."""
     declared = _declared(context, owner)
     part = _parts(context, declared).get(number) if declared else None
-    return None if part is None else (part.wire_type if isinstance(part, ProtoField) else "", part.name)
+    return meaning_of(part) if part else None
 
 
 def _declared(context: Context, owner: str) -> ProtoMessage | ProtoEnum | None:
@@ -157,11 +152,9 @@ def _today(context: Context, owner: str, number: int) -> str:
 
 
 def _help(context: Context, owner: str, number: int) -> str:
-    accept = (
-        "`roverlink lint --history --accept` records this case in the ledger; later runs only report new cases"
-        if context.table.proto.root
-        else "with `--against REF`, cases that the branch or tag REF has already are only hints"
-    )
+    accept = f"if this was only a rename or is harmless, `{command_to_accept(context, owner, number)}` accepts it"
+    if burned := context.ledger.burned_in(owner).get(number):
+        accept = f"accepted so far: {burned.told}; {accept}"
     declared = _declared(context, owner)
     if declared is None or _is_reserved(declared, number):
         return accept

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.accepted_past import is_accepted
 from roverlink.generator.lint.comparison import FieldPair, SchemaChange, each_once, fields
 from roverlink.generator.lint.comparison.judged_changes import judge_pair
 from roverlink.generator.lint.comparison.judgement import Meaning
@@ -20,7 +21,7 @@ def judged_fields(rule: Rule, context: Context, meaning: Meaning) -> Iterator[Di
         numbers = NewNumbers(context, change)
         for pair in fields(change):
             judged = judge_pair(pair)
-            if judged.meaning is meaning:
+            if judged.meaning is meaning and not is_accepted(context, pair.owner, pair.old, pair.new):
                 place = type_place if pair.old.name == pair.new.name else name_place
                 yield changed_field(rule, numbers, pair, f"{_told(pair)}: {judged.reason}", place)
 

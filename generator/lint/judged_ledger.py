@@ -6,6 +6,7 @@ from collections.abc import Iterator, Set
 from typing import TypeVar
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.accepted_past import is_accepted, meaning_of
 from roverlink.generator.lint.comparison import EnumPair, FieldPair, MessagePair, SchemaChange, values_by_number
 from roverlink.generator.lint.comparison.judged_changes import judge_number, judge_pair
 from roverlink.generator.lint.comparison.judgement import Judgement, Meaning
@@ -14,7 +15,8 @@ from roverlink.generator.lint.fixits.declarations import declaration
 from roverlink.generator.lint.fixits.put_back_or_reserve import reserve
 from roverlink.generator.lint.fixits.put_back_or_reserve import values as declared
 from roverlink.generator.lint.free_numbers import next_enum_number, next_field_number
-from roverlink.generator.protos.schema import ProtoEnumValue
+from roverlink.generator.lock import Burned
+from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
 
 _T = TypeVar("_T")
 _KEPT = frozenset({Meaning.SAME, Meaning.RENAMED})
@@ -36,6 +38,7 @@ def reused_fields(rule: Rule, context: Context, meanings: Set[Meaning]) -> Itera
         messages, offered = MessagePair(change, before, after), set[int]()
         for field in after.fields:
             known = [one for one in context.ledger.fields(name) if one.number == field.number]
+            known = [one for one in known if not is_accepted(context, name, one, field)]
             pairs = [FieldPair(change, name, one, field, messages, (before.file, after.file)) for one in known]
             judged = [(pair, judge_pair(pair)) for pair in pairs]
             if reused := [(pair, one) for pair, one in _reused(judged) if pair.old in gone]:
@@ -86,6 +89,7 @@ def reused_values(rule: Rule, context: Context, meanings: Set[Meaning]) -> Itera
         pair, offered = EnumPair(change, before, after), set[int]()
         for number, values in values_by_number(after).items():
             known = [one for one in context.ledger.values(name) if one.number == number]
+            known = [one for one in known if not is_accepted(context, name, one, *values)]
             judged = [(one, _judge(pair, one, values)) for one in known]
             if reused := [(old, one) for old, one in _reused(judged) if old in gone]:
                 free = next_enum_number(context, name, offered)
@@ -93,6 +97,35 @@ def reused_values(rule: Rule, context: Context, meanings: Set[Meaning]) -> Itera
                 yield from (
                     _value(rule, pair, values, old, one, free) for old, one in reused if one.meaning in meanings
                 )
+
+
+def burned_fields(rule: Rule, context: Context) -> Iterator[Diagnostic]:
+    """Yield a diagnostic of the rule for each field with a burned number that it must not have."""
+    for name, message in (context.schema.messages if context.schema else {}).items():
+        for field in message.fields:
+            if burned := context.ledger.must_not_be(name, field.number, meaning_of(field)):
+                yield _of_burned(rule, burned, field, next_field_number(context, name))
+
+
+def burned_values(rule: Rule, context: Context) -> Iterator[Diagnostic]:
+    """Yield a diagnostic of the rule for each enum value with a burned number that it must not have."""
+    for name, enum in (context.schema.enums if context.schema else {}).items():
+        for number, values in values_by_number(enum).items():
+            forbidden = [context.ledger.must_not_be(name, number, meaning_of(value)) for value in values]
+            # With an alias, the number may have an earlier name beside the one that it may keep.
+            if all(forbidden) and forbidden[0]:
+                yield _of_burned(rule, forbidden[0], values[0], next_enum_number(context, name))
+
+
+def _of_burned(rule: Rule, burned: Burned, now: ProtoField | ProtoEnumValue, free: int | None) -> Diagnostic:
+    was = f"number {burned.number} of {burned.owner!r} was used for {burned.told} in the past"
+    return rule.at(
+        now.at("number"),
+        f"{was}, and must never be used again",
+        f"give {now.name!r} the number {free}, which is free" if free else f"declare {now.name!r} in another type",
+        type=burned.owner,
+        number=burned.number,
+    )
 
 
 def _judge(pair: EnumPair, old: ProtoEnumValue, values: list[ProtoEnumValue]) -> Judgement:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.accepted_past import is_accepted
 from roverlink.generator.lint.comparison import EnumPair, SchemaChange, each_once
 from roverlink.generator.lint.comparison.enum_renames import moved_away, moved_here, renamed_values
 from roverlink.generator.lint.comparison.judged_changes import judge_number
@@ -22,7 +23,9 @@ def judged_values(rule: Rule, context: Context, meaning: Meaning) -> Iterator[Di
     def compare(change: SchemaChange) -> Iterator[Diagnostic]:
         for pair, number, gone, values in renamed_values(change):
             judged = judge_number(pair, number, gone, values)
-            if judged.meaning is meaning:
+            lost = [value for value in pair.old.values if value.number == number and value.name in gone]
+            accepted = all(is_accepted(context, pair.new.full_name, value, *values) for value in lost)
+            if judged.meaning is meaning and not accepted:
                 help = _help(context, pair, number, gone, values)
                 for value in values:
                     yield rule.at(

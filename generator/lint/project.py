@@ -113,7 +113,8 @@ def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) 
     project, table = root.resolve(), bare_tree.table_of_tree(envelope)
     findings: list[Diagnostic] = []
     with _state(project, question.newest, findings) as folder:
-        return _lint(folder, project, table, lock.Ledger(), question, findings)
+        published = lock.read(folder / lock.ACCEPTED_NAME, findings, lock.ACCEPTED_NAME)
+        return _lint(folder, project, table, published, question, findings)
 
 
 @contextlib.contextmanager
@@ -187,6 +188,7 @@ def _lint(
         earlier_settings=baseline.settings if baseline else (),
         bounds=read_bounds(schema, root, table.proto.root, findings, of_table),
         past=past,
+        tree="" if shown_root else shown_to_user,
     )
     theirs = _of_buf(baseline.schema, schema, shown_root, findings) if question.with_buf and baseline else []
     findings += lint(context, theirs)

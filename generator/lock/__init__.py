@@ -7,13 +7,15 @@ in it counts as published: boards may send it. Rules of the file:
 - Each payload, setting, field and enum value has its own line, so a diff can be reviewed line by line.
 - The line of a payload, field or value that no longer exists is not removed, but marked as ``gone``.
 - The last line is a checksum of the others. It shows that the file was edited or cut short.
+- A number with several meanings in git's history, whose past the user has accepted, is ``burned``. A folder of .proto
+  files without a table has these lines in a ledger of its own, accepted-numbers.lock.
 - Two branches that both change the ledger always have a merge conflict, at least in the checksum. Reading accepts the
   lines of both sides, and the next generate writes them in order.
 """
 
-from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, checksum
+from roverlink.generator.lock.ledger import ACCEPTED_NAME, NAME, Burned, Entry, Ledger, PastUse, checksum
 from roverlink.generator.lock.ledger_reader import read
-from roverlink.generator.lock.ledger_text import render, schema_lines
+from roverlink.generator.lock.ledger_text import render, render_accepted, schema_lines
 from roverlink.generator.lock.row_settings import (
     DEADMAN,
     EXTRA_TOPIC,
@@ -26,6 +28,7 @@ from roverlink.generator.lock.row_settings import (
 )
 
 __all__ = [
+    "ACCEPTED_NAME",
     "DEADMAN",
     "EXTRA_TOPIC",
     "LIMITS",
@@ -33,11 +36,13 @@ __all__ = [
     "Burned",
     "Entry",
     "Ledger",
+    "PastUse",
     "RowSettings",
     "Setting",
     "checksum",
     "read",
     "render",
+    "render_accepted",
     "schema_lines",
     "settings_of_row",
     "settings_of_rows",

@@ -1,16 +1,23 @@
-"""The ledger mapping.lock as data: every published number, and the wire schema at the last `roverlink generate`."""
+"""The ledger mapping.lock as data: every published number, and the wire schema at the last `roverlink generate`.
+
+A folder of .proto files without a table has no mapping.lock. The numbers whose past the user has accepted there are in
+the file accepted-numbers.lock in that folder, which is a ledger with nothing else.
+"""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from roverlink.generator.diagnostics import Span
 from roverlink.generator.lock.row_settings import RowSettings
-from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField, Schema
+from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField, ProtoMessage, Schema
 
 NAME = "mapping.lock"
+ACCEPTED_NAME = "accepted-numbers.lock"
+"""Name of the ledger in a folder of .proto files without a table."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +37,19 @@ class Entry:
     """True if the payload had no row, not even a retired one, when the ledger was written."""
 
 
+class PastUse(NamedTuple):
+    """Meaning that a number had in the past."""
+
+    type: str
+    """The full name of a message or enum, or the name of a scalar, behind ``repeated`` for a list.
+
+    Empty for an enum value. In a ledger of an earlier version of roverlink, it is the type as the .proto file wrote it.
+    """
+    name: str
+    content: str = ""
+    """Digest of the fields that replaced those of the message, if the message kept its name; else empty."""
+
+
 @dataclass(frozen=True, slots=True)
 class Burned:
     """Field number or enum number that had several meanings in history, and must never get another one.
@@ -40,10 +60,24 @@ class Burned:
     owner: str
     """Full name of the message or enum in which the number was used."""
     number: int
-    uses: tuple[tuple[str, str], ...]
-    """Type and name of each field or enum value that had the number; the type of an enum value is empty."""
-    now: tuple[str, str] | None
+    uses: tuple[PastUse, ...]
+    now: PastUse | None
     """The meaning that the number had when the user accepted it, and may keep; None if nothing used the number then."""
+    reason: str = ""
+    """Why the user accepted the past; empty if the user gave no reason."""
+
+    @property
+    def told(self) -> str:
+        """The meanings, and why they were accepted: ``'gps' (Gps) and 'wind' (Wind) (accepted: never built)``."""
+        uses = dict.fromkeys(f"{use.name!r} ({use.type})" if use.type else repr(use.name) for use in self.uses)
+        return " and ".join(uses) + (f" (accepted: {self.reason})" if self.reason else "")
+
+    def joined(self, known: Burned | None) -> Burned:
+        """Return this burned number with the meanings of ``known`` added, an earlier record of the same number."""
+        if known is None:
+            return self
+        uses = tuple(dict.fromkeys((*known.uses, *self.uses)))
+        return replace(self, uses=uses, reason=self.reason or known.reason)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +111,34 @@ class Ledger:
     def burned_in(self, owner: str) -> dict[int, Burned]:
         """Return the burned numbers of a message or enum, by number: they had several meanings in the past."""
         return {burned.number: burned for burned in self.burned if burned.owner == owner}
+
+    def with_burned(self, added: Iterable[Burned]) -> Ledger:
+        """Return the ledger with more burned numbers. A number that was burned before keeps its meanings."""
+        burned = {(one.owner, one.number): one for one in self.burned}
+        for one in added:
+            burned[one.owner, one.number] = one.joined(burned.get((one.owner, one.number)))
+        return replace(self, burned=tuple(one for _, one in sorted(burned.items())))
+
+    def must_not_be(self, owner: str, number: int, use: PastUse) -> Burned | None:
+        """Return the burned number that forbids ``use``, a meaning that a number has today; None if it is allowed.
+
+        A burned number that was free when its past was accepted is forbidden for every meaning. Else, its earlier
+        meanings are forbidden. Meanings that it never had are left to the comparison with earlier states.
+        """
+        burned = self.burned_in(owner).get(number)
+        if burned is None:
+            return None
+        if burned.now is not None:
+            return burned if use != burned.now and use in burned.uses else None
+        # Earlier versions of roverlink lost `now` in a proto package. The wire schema still has a number in use.
+        declared = self.schema.messages.get(owner) or self.schema.enums.get(owner)
+        parts = () if declared is None else declared.fields if isinstance(declared, ProtoMessage) else declared.values
+        return None if any(part.number == number for part in parts) else burned
+
+    def settles(self, owner: str, number: int, old: PastUse, new: PastUse) -> bool:
+        """Return True if the user has accepted that a number had the meaning ``old`` and has ``new`` now."""
+        burned = self.burned_in(owner).get(number)
+        return burned is not None and old != new == burned.now and old in burned.uses
 
 
 def checksum(text: str) -> str:

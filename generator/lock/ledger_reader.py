@@ -1,4 +1,4 @@
-"""Reader of the file mapping.lock. It returns a `Ledger`."""
+"""Reader of the files mapping.lock and accepted-numbers.lock. It returns a `Ledger`."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pathlib import Path
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.git import Repository
-from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, checksum
+from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, PastUse, checksum
 from roverlink.generator.lock.ledger_rules import BROKEN_LEDGER, DELETED_LEDGER, EDITED_LEDGER, UNREADABLE_LEDGER
 from roverlink.generator.lock.row_settings import AMOUNTS, EXTRA_TOPIC, Setting
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema
 
 _CONFLICT_END = ">>>>>>>"
 _CONFLICT_MARKERS = ("<<<<<<<", "|||||||", "=======", _CONFLICT_END)
-_RESTORE = "restore the file from version control; only `roverlink generate` may change it"
+_RESTORE = "restore the file from version control; only roverlink may change it"
 _TYPE = r"[A-Za-z_][\w.]*"
 # Field numbers have at most nine digits (2**29 - 1), enum values ten and a sign (int32). A longer number is no entry.
 _ENTRY = re.compile(
@@ -36,14 +36,15 @@ _FIELD = re.compile(
 _VALUE = re.compile(r"    (?P<number>-?[0-9]{1,10}) (?P<name>\w+)(?P<gone> gone)?")
 _RESERVED = re.compile(r'    reserved (?:(?P<first>-?[0-9]{1,10})(?: to (?P<last>-?[0-9]{1,10}))?|"(?P<name>[^"]+)")')
 _CHECKSUM = re.compile(r"checksum: (?P<digest>[0-9a-f]+)")
-_BURNED = re.compile(rf"  (?P<owner>{_TYPE}) (?P<number>-?[0-9]{{1,10}}): (?P<uses>\S.*)")
+_BURNED = re.compile(rf"  (?P<owner>{_TYPE}) (?P<number>-?[0-9]{{1,10}}): (?P<uses>\S.*?)(?: -- (?P<reason>\S.*))?")
+_USE = re.compile(r"(?:(?P<type>\S.*) )?(?P<name>\w+)(?: #(?P<content>[0-9a-f]+))?")
 _NOW = " now"
 _FILE = re.compile(r"  file (?P<path>\S.*)")
 _OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|rows:|schema:|burned:|files:)?")
 
 
 def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
-    """Read the ledger from the file mapping.lock. The ledger is empty if the file does not exist yet.
+    """Read the ledger from a file. The ledger is empty if the file does not exist yet.
 
     Adds a diagnostic to ``findings`` for a file that cannot be read, a line with wrong syntax, a wrong checksum, and a
     file that was deleted since git's last commit. Correct lines are still read. ``name`` is the file's name in
@@ -53,7 +54,7 @@ def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
         text = source_files.read_text(path.parent, path.name)
     except FileNotFoundError:
         if Repository(path.parent).has("HEAD", path.name):
-            message = "the ledger was deleted; without it, every published number looks free"
+            message = "the ledger was deleted; without it, the numbers in it look free"
             findings.append(DELETED_LEDGER.at(Span(name), message, _RESTORE))
         return Ledger()
     except OSError as error:
@@ -192,9 +193,9 @@ class _Reader:
             of_message = match["kind"] == "message"
             types = self._messages if of_message else self._enums
             self._type = types.setdefault(match["name"], _Type(of_message, span))
-        elif match := _BURNED.fullmatch(line):
-            burned = _burned(match)
-            self._burned[burned.owner, burned.number] = burned
+        elif (match := _BURNED.fullmatch(line)) and (burned := _burned(match)):
+            key = burned.owner, burned.number
+            self._burned[key] = burned.joined(self._burned.get(key))
         elif match := _FILE.fullmatch(line):
             self._files[match["path"]] = None
         elif match := _CHECKSUM.fullmatch(line):
@@ -244,16 +245,19 @@ class _Reader:
         return seen_before
 
 
-def _burned(match: re.Match[str]) -> Burned:
+def _burned(match: re.Match[str]) -> Burned | None:
+    """Return the burned number in a line; None if one of its meanings has another form."""
     texts = match["uses"].split(" | ")
     uses = [_use(text.removesuffix(_NOW)) for text in texts]
-    now = next((_use(text.removesuffix(_NOW)) for text in texts if text.endswith(_NOW)), None)
-    return Burned(match["owner"], int(match["number"]), tuple(uses), now)
+    now = next((use for use, text in zip(uses, texts, strict=True) if text.endswith(_NOW)), None)
+    known = tuple(use for use in uses if use)
+    return Burned(match["owner"], int(match["number"]), known, now, match["reason"] or "") if all(uses) else None
 
 
-def _use(text: str) -> tuple[str, str]:
-    type, _, name = text.rpartition(" ")
-    return type, name
+def _use(text: str) -> PastUse | None:
+    match = _USE.fullmatch(text)
+    # Earlier versions of roverlink wrote types as the .proto file did, which may start with a dot.
+    return PastUse((match["type"] or "").lstrip("."), match["name"], match["content"] or "") if match else None
 
 
 def _enum(name: str, type: _Type) -> ProtoEnum:

@@ -7,7 +7,7 @@ from roverlink.generator.diagnostics import Rule, Severity
 UNREADABLE_LEDGER = Rule(
     "LED101",
     "unreadable-ledger",
-    """The ledger, mapping.lock, cannot be read.
+    """The ledger, mapping.lock or accepted-numbers.lock, cannot be read.
 
 The ledger lists every number that was ever published. Without it, a number could be used again for another payload.
 
@@ -25,9 +25,9 @@ Good::
 BROKEN_LEDGER = Rule(
     "LED102",
     "broken-ledger",
-    """A line of the ledger, mapping.lock, does not have the form that `roverlink generate` writes.
+    """A line of the ledger, mapping.lock or accepted-numbers.lock, does not have the form that roverlink writes.
 
-The file was edited by hand, or merged wrongly. Only `roverlink generate` may change it.
+The file was edited by hand, or merged wrongly. Only roverlink may change it.
 
 Bad::
 
@@ -42,7 +42,7 @@ Good::
 EDITED_LEDGER = Rule(
     "LED103",
     "edited-ledger",
-    """The content of the ledger, mapping.lock, does not match its checksum.
+    """The content of the ledger, mapping.lock or accepted-numbers.lock, does not match its checksum.
 
 The file was edited, or a part of it is missing. A number that is removed from the ledger looks free, although boards
 still send it.
@@ -60,16 +60,19 @@ Good::
 DELETED_LEDGER = Rule(
     "LED104",
     "deleted-ledger",
-    """The ledger, mapping.lock, is missing, but git's last commit contains it.
+    """The ledger, mapping.lock or accepted-numbers.lock, is missing, but git's last commit contains it.
 
 A new ledger would only know the numbers of today. Older numbers would look free.
 
 Bad::
 
-    mapping.lock: error[LED104] the ledger was deleted; without it, every published number looks free
+    mapping.lock: error[LED104] the ledger was deleted; without it, the numbers in it look free
 
 Good::
 
     $ git checkout mapping.lock
 """,
 )
+
+LEDGER_RULES = (UNREADABLE_LEDGER, BROKEN_LEDGER, EDITED_LEDGER, DELETED_LEDGER)
+"""All rules about the file of the ledger."""

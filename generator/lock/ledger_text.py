@@ -1,11 +1,11 @@
-"""Conversion of the compiled table and the previous ledger to the text of mapping.lock."""
+"""Conversion of the compiled table and the previous ledger to the text of mapping.lock or accepted-numbers.lock."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
 from roverlink.generator import ir
-from roverlink.generator.lock.ledger import Burned, Ledger, checksum
+from roverlink.generator.lock.ledger import Burned, Ledger, PastUse, checksum
 from roverlink.generator.lock.row_settings import RowSettings
 from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
 
@@ -21,12 +21,25 @@ from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
 #       message Imu:
 #         1 x float
 #         2 y float gone
+#     burned:
+#       Envelope 7: Gps gps_info | Wind wind now -- no board with the GPS was built
+#       Envelope 8: Status status now | Status status #1f0a63d2
 #
+# Status 8 had other fields under the same name: the digest stands for the fields that replaced the first ones.
 # No line depends on another one. So a merge conflict, which the checksum always gives, is read line by line.
 _HEADER = """\
 # The ledger of {table}: every envelope number ever published, and the rows and wire schema of the last generate.
 # Written by `roverlink generate`; never edited. After a merge conflict in here, run it again.
 """
+_ACCEPTED_HEADER = """\
+# Numbers that had several meanings in git's history. This past was accepted: the lint reports new meanings only.
+# Written by `roverlink lint --history --accept`; never edited. After a merge conflict in here, accept a number again.
+"""
+
+
+def render_accepted(burned: Iterable[Burned]) -> str:
+    """Return the text of accepted-numbers.lock, the ledger of a folder of .proto files without a table."""
+    return _with_checksum([_ACCEPTED_HEADER, "version: 1", *_burned_lines(burned)])
 
 
 def render(bridge: ir.Bridge, settings: RowSettings, published: Ledger, unmarked: Sequence[str] = ()) -> str:
@@ -56,16 +69,30 @@ def render(bridge: ir.Bridge, settings: RowSettings, published: Ledger, unmarked
         gone = _gone(published.values(name), published.gone_values.get(name, ()), now)
         lines += [f"  enum {name}:", *now, *(f"{line} gone" for line in gone)]
     if published.burned:
-        lines += ["", "burned:", *(_burned_line(burned) for burned in published.burned)]
+        lines += _burned_lines(published.burned)
     if unmarked:
         lines += ["", "files:", *(f"  file {path}" for path in unmarked)]
+    return _with_checksum(lines)
+
+
+def _with_checksum(lines: Iterable[str]) -> str:
     text = "\n".join(lines) + "\n\n"
     return f"{text}checksum: {checksum(text)}\n"
 
 
+def _burned_lines(burned: Iterable[Burned]) -> list[str]:
+    ordered = sorted(burned, key=lambda one: (one.owner, one.number))
+    return ["", "burned:", *map(_burned_line, ordered)]
+
+
 def _burned_line(burned: Burned) -> str:
-    uses = (f"{type} {name}".strip() + (" now" if (type, name) == burned.now else "") for type, name in burned.uses)
-    return f"  {burned.owner} {burned.number}: {' | '.join(uses)}"
+    uses = (_use(use) + (" now" if use == burned.now else "") for use in burned.uses)
+    reason = f" -- {burned.reason}" if burned.reason else ""
+    return f"  {burned.owner} {burned.number}: {' | '.join(uses)}{reason}"
+
+
+def _use(use: PastUse) -> str:
+    return " ".join(filter(None, (use.type, use.name, use.content and f"#{use.content}")))
 
 
 def _number_lines(bridge: ir.Bridge, published: Ledger) -> dict[tuple[int, str], str]:

@@ -21,21 +21,21 @@ Good::
 """,
 )
 
-NOTHING_TO_ACCEPT_INTO = Rule(
+ACCEPT_WITHOUT_HISTORY = Rule(
     "RET102",
-    "no-ledger-to-accept-into",
-    """`--accept` is used without a table or without `--history`.
+    "accept-without-history",
+    """`--accept` is used without `--history`.
 
-`--accept` writes the numbers that `--history` reports into the ledger (mapping.lock). A tree of .proto files without a
-table has no ledger.
+`--accept` writes the numbers that `--history` reports into the ledger: mapping.lock, or in a folder of .proto files
+without a table the file accepted-numbers.lock.
 
 Bad::
 
-    $ roverlink lint proto --history --accept
+    $ roverlink lint --accept 18
 
 Good::
 
-    $ roverlink lint --history --accept
+    $ roverlink lint --history --accept 18
 """,
     Severity.FATAL,
 )
@@ -56,4 +56,24 @@ Good::
     messages:
       - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros}
 """,
+)
+
+NO_SUCH_FINDING = Rule(
+    "RET104",
+    "no-finding-to-accept",
+    """`--accept` names a number about which `--history` reports nothing.
+
+Nothing is written, because the number may be a typing error. A number of the envelope is written alone. A number of
+another message, or of an enum, is written with the full name: `rover.ImuInfo:3`. The help of a finding contains the
+command that accepts it.
+
+Bad::
+
+    $ roverlink lint --history --accept 81     # the finding is about 18
+
+Good::
+
+    $ roverlink lint --history --accept 18
+""",
+    Severity.FATAL,
 )

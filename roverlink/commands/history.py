@@ -60,6 +60,9 @@ def run(arguments: argparse.Namespace) -> int:
         _print_usage(usage, f"{usage.type} {usage.name}".strip())
     for usage in claims:
         _print_usage(usage, f"in a comment: {usage.type} {usage.name}".strip())
+    burned = context.ledger.burned_in(owner).get(arguments.number)
+    if burned:
+        print(f"accepted{': ' if burned.reason else ''}{burned.reason}")
     return code
 
 

@@ -154,8 +154,8 @@ def _print_adoption(adoption: Adoption) -> None:
         print(f"numbers that had another meaning before: {numbers}; see `roverlink lint --history`")
     _print_findings(adoption)
     added = sum(change.verb == "added" for change in adoption.changes)
-    changed = [change.path for change in adoption.changes if change.verb != "added"]
-    print(f"wrote {TABLE} and {added - 1} generated files" + "".join(f"; changed {path}" for path in changed))
+    others = [change for change in adoption.changes if change.verb != "added"]
+    print(f"wrote {TABLE} and {added - 1} generated files" + "".join(f"; {one.verb} {one.path}" for one in others))
     print("next:")
     directions = f"{counted(guessed, 'direction')} and " if guessed else ""
     print(f"  check {TABLE}: {directions}the peers' ports are guessed")

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_file
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, counted, table_file
 from roverlink.diagnostic_text import show_error
-from roverlink.generator.diagnostics import DiagnosticsError, Severity
+from roverlink.generator.diagnostics import DiagnosticsError, Severity, shown
 from roverlink.generator.lint.project import Linted, Question
+from roverlink.generator.lock import ACCEPTED_NAME, NAME
 from roverlink.lint_scope import add_subject, folder_of, linted
 from roverlink.progress import progress
 from roverlink.reports import FORMATS
 from roverlink.runtime.core.errors import SetupError
 
 _COUNTED = ("error", "warning", "hint")
+# Field numbers have at most nine digits (2**29 - 1), enum values ten and a sign (int32).
+_NUMBER = re.compile(r"(?:\.?(?P<owner>[A-Za-z_][\w.]*):(?=.)|(?=[0-9]))(?P<number>-?[0-9]{1,10})")
 
 
 def add(commands: Subparsers) -> None:
@@ -73,9 +77,19 @@ def add(commands: Subparsers) -> None:
     )
     parser.add_argument(
         "--accept",
-        action="store_true",
-        help="with --history: write the reused numbers that were found into mapping.lock, so that lint does not report "
-        "them again",
+        nargs="*",
+        action="extend",
+        metavar="NUMBER|TYPE:NUMBER",
+        help="with --history: state that the earlier meanings of a reused number are known: it was only renamed, or "
+        "does no harm. lint then reports only further meanings. NUMBER is a number of the envelope; for a number of "
+        "another message or of an enum, write its full name first: rover.ImuInfo:3. Without a number, everything that "
+        "--history reports is accepted. The numbers are written into mapping.lock, or for a PROTO_ROOT without a table "
+        f"into the file {ACCEPTED_NAME} in it; commit this file",
+    )
+    parser.add_argument(
+        "--reason",
+        metavar="TEXT",
+        help="with --accept: why the numbers are accepted; one line for the readers of the file",
     )
     parser.add_argument(
         "--format", choices=FORMATS, default="text", help="format of the findings (default: %(default)s)"
@@ -91,10 +105,11 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the checks, print the findings, and return the exit code."""
+    wanted = _wanted(arguments)
     try:
         found = _lint(arguments)
-        if arguments.accept:
-            return _accept(arguments, found)
+        if wanted is not None:
+            return _accept(arguments, found, wanted)
     except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
@@ -109,7 +124,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _lint(arguments: argparse.Namespace) -> Linted:
     of_history = Path(arguments.history) if arguments.history and Path(arguments.history).is_dir() else None
     newest = "" if of_history else arguments.history or ""
-    if newest and arguments.accept:
+    if newest and arguments.accept is not None:
         raise SetupError(f"--accept writes down the state on disk; leave out '{newest}' after --history")
     if of_history is not None and arguments.root is not None:
         raise SetupError(
@@ -131,20 +146,45 @@ def _lint(arguments: argparse.Namespace) -> Linted:
         return linted(arguments, root, question)
 
 
-def _accept(arguments: argparse.Namespace, found: Linted) -> int:
-    """Write the reused numbers that the check of git's history has found to the ledger (mapping.lock).
+def _wanted(arguments: argparse.Namespace) -> list[tuple[str, int]] | None:
+    """Return the numbers after --accept, each with the full name of its message or enum, which may be empty.
 
-    Write the other generated files, too, print the changed files, and return the exit code.
+    Returns None without --accept. Raises `SetupError` for a word that is no number.
+    """
+    if arguments.reason is not None:
+        if arguments.accept is None:
+            raise SetupError("--reason says why numbers are accepted; name them with --accept")
+        arguments.reason = " ".join(arguments.reason.split())
+        if not arguments.reason.isprintable() or not arguments.reason:
+            raise SetupError("--reason needs a text of printable characters")
+    if arguments.accept is None:
+        return None
+    wanted = []
+    for word in arguments.accept:
+        match = _NUMBER.fullmatch(word)
+        if match is None:
+            raise SetupError(
+                f"'{word}' after --accept is not a number, such as 18 or rover.ImuInfo:3; write a folder of .proto "
+                "files before --accept"
+            )
+        wanted.append((match["owner"] or "", int(match["number"])))
+    return wanted
+
+
+def _accept(arguments: argparse.Namespace, found: Linted, wanted: list[tuple[str, int]]) -> int:
+    """Write the reused numbers that the check of git's history has found to the ledger.
+
+    In a project with a table, write the other generated files, too. Print the changed files, and return the exit code.
     """
     # Imported here: a plain lint does not need the slow import of the emitter.
     from roverlink.generator.accept import accept
     from roverlink.generator.emit.writer import write
 
-    changes, accepted = accept(table_file(arguments.table), found)
+    table = None if found.context.tree else table_file(arguments.table)
+    changes, count = accept(table, found, wanted, arguments.reason or "")
     write(found.folder, changes)
     for change in changes:
-        print(f"{change.verb:>8} {change.path}")
-    print(
-        f"accepted {accepted} reused numbers from the history: they are in mapping.lock, and lint reports them no more"
-    )
+        print(f"{change.verb:>8} {shown(found.context.tree, change.path)}")
+    ledger = ACCEPTED_NAME if table is None else NAME
+    print(f"{counted(count, 'reused number')} accepted in {ledger}; from now on, lint reports only further meanings")
     return OK

@@ -136,6 +136,21 @@ class History:
         """Return the same as `numbers` for the message or enum with an id."""
         return _by_number(traced.usage for traced in self._traced((id,), False))
 
+    def types_of(self, id: int, usage: Usage) -> tuple[str, ...]:
+        """Return the full names that the type of a usage ever had, the latest first.
+
+        ``usage`` is one of `numbers_of` the message with the id. The name of a scalar or a map, and that of a type
+        which no file declares, is the only one.
+        """
+        stretches = next(traced.stretches for traced in self._traced((id,), False) if traced.usage == usage)
+        types: dict[int, None] = {}
+        for owner, node in ((one.owner, one.lifetime.came) for one in reversed(stretches)):
+            resolved = self._record.resolve(usage.type, owner, node)
+            found = self._record.once_resolved(usage.type, owner, node) if resolved is None else [resolved]
+            types |= dict.fromkeys(found)
+        names = [name for type in types for name in self._record.types[type].names]
+        return tuple(dict.fromkeys(names)) or (usage.type.lstrip("."),)
+
     def claims(self, name: str) -> dict[int, tuple[Usage, ...]]:
         """Return every number that a commented-out declaration of a message or enum ever had, with its meanings."""
         return _by_number(traced.usage for traced in self._traced(self._ids(name), True))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cache
 from itertools import combinations, groupby
 
@@ -17,7 +18,7 @@ from roverlink.generator.lint.comparison.judgement import (
 from roverlink.generator.lint.history.continuations import Declarations
 from roverlink.generator.lint.history.judged_facts import is_named, part, type_state
 from roverlink.generator.lint.history.lookup import Record
-from roverlink.generator.lint.history.usage_model import Confidence, Content, Kind, Relation, Reuse
+from roverlink.generator.lint.history.usage_model import Confidence, Content, Kind, Relation, Reuse, Usage
 from roverlink.generator.lint.history.usage_relations import Relations
 from roverlink.generator.lint.history.usages import TracedUsage
 from roverlink.generator.lint.names.value_names import shared_words
@@ -83,7 +84,11 @@ class Reuses:
                 _join(linked, one, other)
             if reuse is not None:
                 found.append((one, other, reuse))
-        return [reuse for one, other, reuse in found if _is_open(reuse, one, other, renamed, linked)]
+        return [
+            replace(reuse, same_as_earlier=_alike(uses, renamed, one), same_as_later=_alike(uses, renamed, other))
+            for one, other, reuse in found
+            if _is_open(reuse, one, other, renamed, linked)
+        ]
 
     def _compare(self, earlier: TracedUsage, later: TracedUsage) -> Reuse | None:
         """Compare two usages of a number, and return the reuse; None if both have the same meaning and name.
@@ -197,6 +202,12 @@ def _join(classes: list[int], one: int, other: int) -> None:
     """Give two usages the same class, together with all usages that are in their classes."""
     old, new = classes[other], classes[one]
     classes[:] = [new if each == old else each for each in classes]
+
+
+def _alike(uses: Sequence[TracedUsage], classes: Sequence[int], one: int) -> frozenset[Usage]:
+    """Return the other usages that have the class of a usage."""
+    same = (index for index, each in enumerate(classes) if each == classes[one] and index != one)
+    return frozenset(uses[index].usage for index in same)
 
 
 def _is_open(reuse: Reuse, one: int, other: int, renamed: Sequence[int], linked: Sequence[int]) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 
@@ -115,6 +116,13 @@ class Content:
     If not, this is the content at the nearest commit that declares the type.
     """
 
+    @property
+    def digest(self) -> str:
+        """A short text that only contents with the same fields or values have."""
+        # The ledger stores it. So attributes that later versions add to facts must not change it.
+        facts = [(fact.number, fact.name, fact.type, fact.label) for fact in self.facts]
+        return hashlib.sha256(repr(facts).encode()).hexdigest()[:8]
+
 
 class Kind(Enum):
     """The kind of a change of meaning between two usages (meanings) of a number."""
@@ -159,6 +167,10 @@ class Reuse:
     confidence: Confidence
     reason: str = ""
     """Why the meaning is another one, as a clause; empty for a mere rename."""
+    same_as_earlier: frozenset[Usage] = frozenset()
+    """The usages with the meaning of `earlier` under other names, which mere renames link with it."""
+    same_as_later: frozenset[Usage] = frozenset()
+    """The usages with the meaning of `later` under other names."""
 
     @property
     def certain(self) -> bool:

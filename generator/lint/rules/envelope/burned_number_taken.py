@@ -1,7 +1,9 @@
 """A payload takes a burned number: a number that several other payloads had in the past.
 
-A burned number must never be used again, because boards and recordings disagree on its meaning. The command `roverlink
-lint --history --accept` finds such numbers in git's history, and lists them as burned in the ledger (mapping.lock).
+Boards and recordings disagree on the meaning of such a number. The user accepted its past with the command `roverlink
+lint --history --accept`, which lists it as burned in the ledger: mapping.lock, or accepted-numbers.lock in a folder of
+.proto files without a table. A payload that had the number then keeps it. If no payload had it, no payload may use it
+again. An earlier payload may not come back, either; accept the number again if it does no harm.
 
 Bad::
 
@@ -19,21 +21,18 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lock import PastUse
 
 RULE = Rule("ENV110", "burned-number-taken", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield a diagnostic for each row with a burned number: it had several meanings and must never be used again.
-
-    A row is left out if its payload already had the number when the user accepted the number's history.
-    """
+    """Yield a diagnostic for each row with a burned number that its payload must not have."""
     envelope = context.table.envelope.message
-    burned = context.ledger.burned_in(envelope)
     for row in context.table.rows:
-        one = burned.get(row.number)
-        if one is not None and (one.now is None or one.now[0] != row.proto):
-            told = " and ".join(dict.fromkeys(repr(type) for type, _ in one.uses))
+        burned = context.ledger.must_not_be(envelope, row.number, PastUse(row.proto, row.name))
+        # The type says what a payload means, so the payload may have another name.
+        if burned and not (burned.now and burned.now.type == row.proto):
             help = f"give {row.name!r} the number {context.next_number()}, which was never used"
-            message = f"field {row.number} was used for {told} in the past, and must never be used again"
+            message = f"field {row.number} was used for {burned.told} in the past, and must never be used again"
             yield RULE.at(row.at("number"), message, help, type=envelope, number=row.number)

@@ -31,7 +31,7 @@ from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint.comparison.judged_changes import judge_payload
 from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, least
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lock import Entry
+from roverlink.generator.lock import Entry, PastUse
 from roverlink.generator.table import RetiredRow, Row
 
 RULE = Rule("ENV102", "field-number-reuse", __doc__)
@@ -66,7 +66,13 @@ def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry
 
 
 def _judged(context: Context, row: Row, entry: Entry, finding: Diagnostic) -> Iterator[Diagnostic]:
-    """Yield the diagnostic, as a warning if in doubt; nothing if the row's message is the published one, renamed."""
+    """Yield the diagnostic, as a warning if in doubt.
+
+    Yield nothing if the row's message is the published one, renamed, or if the user has accepted the change.
+    """
+    old, new = PastUse(entry.proto, entry.name), PastUse(row.proto, row.name)
+    if context.ledger.settles(context.table.envelope.message, row.number, old, new):
+        return
     judged = (judge_payload(change, entry.proto, row.proto, entry.name, row.name) for change in context.changes)
     found = least([one for one in judged if one] or [Judgement(Meaning.OTHER)])
     if found.certain:

@@ -2,7 +2,8 @@
 
 The value was deleted long ago, and its number is no longer reserved. The ledger (mapping.lock) has every number that
 was ever published. A board with old firmware may still send the old value, and the rover reads it as the new one. A
-value with a similar name counts as the old one (`roverlink explain WIR114`).
+value with a similar name counts as the old one (`roverlink explain WIR114`). The same holds for a burned number, whose
+past was accepted with `roverlink lint --history --accept` (`roverlink explain WIR111`).
 
 Bad::
 
@@ -22,11 +23,14 @@ from collections.abc import Iterator
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.comparison.judgement import Meaning
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.judged_ledger import reused_values
+from roverlink.generator.lint.judged_ledger import burned_values, reused_values
 
 RULE = Rule("WIR112", "enum-number-reuse", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each enum value whose number belonged to another value in the ledger."""
-    return reused_values(RULE, context, {Meaning.OTHER, Meaning.WIRE})
+    reused = list(reused_values(RULE, context, {Meaning.OTHER, Meaning.WIRE}))
+    yield from reused
+    told = {finding.span for finding in reused}
+    yield from (finding for finding in burned_values(RULE, context) if finding.span not in told)

@@ -14,8 +14,8 @@ Good::
 
     message Motor { reserved 1; reserved "speed"; float velocity = 2; }
 
-The past cannot be undone. `roverlink lint --history --accept` writes these numbers into the ledger (mapping.lock).
-Then the lint only reports new cases.
+If both names have the same meaning, the command in the help of the diagnostic accepts it, such as `roverlink lint
+--history --accept rover.Motor:1`. Then the lint only reports further meanings (`roverlink explain HIS101`).
 """
 
 from __future__ import annotations

@@ -14,8 +14,11 @@ Good::
 
     message PBEnvelope { oneof payload { Bar bar = 22; } reserved 18; reserved "foo"; }
 
-The past cannot be undone. `roverlink lint --history --accept` writes these numbers into the ledger
-(mapping.lock). Then no payload may use them again, and the lint only reports new cases.
+The past cannot be undone. If the number was only renamed, or if no machine confuses the meanings, the command in the
+help of the diagnostic accepts it, such as `roverlink lint --history --accept 18`. The meanings are then in the ledger:
+mapping.lock, or accepted-numbers.lock in a folder of .proto files without a table. A payload or field that has the
+number today keeps it, and the lint only reports further meanings. A number that is free is never used again
+(`roverlink explain ENV110`, `WIR111`, `WIR112`).
 """
 
 from __future__ import annotations

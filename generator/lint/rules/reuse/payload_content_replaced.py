@@ -10,6 +10,9 @@ Bad::
 Good::
 
     message StatusReport { uint32 mode = 1; string text = 2; bool ready = 3; float age = 4; }  // under a new number
+
+The past cannot be undone. The command in the help of the diagnostic accepts it (`roverlink explain HIS101`). If the
+content is replaced again later, the lint reports it again.
 """
 
 from __future__ import annotations
