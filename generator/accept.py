@@ -44,9 +44,9 @@ def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:
 
 def _burned(finding: Diagnostic, context: Context) -> Burned:
     owner, number = finding.type, finding.number or 0
-    return Burned(
-        owner, number, tuple((use.type, use.name) for use in finding.uses), stands_today(context, owner, number)
-    )
+    # The contents that a message had one after the other have one name.
+    uses = tuple(dict.fromkeys((use.type, use.name) for use in finding.uses))
+    return Burned(owner, number, uses, stands_today(context, owner, number))
 
 
 def _joined(known: Burned | None, one: Burned) -> Burned:

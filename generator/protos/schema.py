@@ -30,6 +30,11 @@ class Fact(NamedTuple):
     claimed: bool = False
     """True if the declaration is commented out."""
 
+    @property
+    def text(self) -> str:
+        """The declaration as text of a .proto file, such as ``repeated int32 x = 3;`` or ``MODE_IDLE = 2;``."""
+        return f"{' '.join(filter(None, (self.label, self.type, self.name)))} = {self.number};"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Declared:

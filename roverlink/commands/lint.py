@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_file
-from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
-from roverlink.generator.lint.project import Linted, Question
+from roverlink.generator.lint.project import Linted, Question, not_linted
 from roverlink.lint_scope import add_subject, folder_of, linted
 from roverlink.progress import progress
 from roverlink.reports import FORMATS
@@ -96,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.accept:
             return _accept(arguments, found)
     except DiagnosticsError as error:
-        show_error(error, folder_of(arguments), sys.stderr)
+        FORMATS[arguments.format](not_linted(error, folder_of(arguments)))
         return UNABLE
     FORMATS[arguments.format](found)
     severities = {finding.severity for finding in found.findings}
