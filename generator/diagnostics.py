@@ -10,6 +10,7 @@ from enum import Enum
 from roverlink.generator.git import Commit, shortened
 
 _WIDEST = 72  # columns of the text about a use, where nothing else limits it
+_LONGEST_AUTHOR = 20  # characters of an author's name, so that the subject has room beside it
 
 
 class Severity(str, Enum):
@@ -151,7 +152,7 @@ class Use:
 def _event(word: str, commit: Commit, widest: int) -> list[str]:
     if not commit.id:
         return [f"{word} {commit.subject}"]
-    about = f"{commit.author}: {commit.subject}"
+    about = f"{shortened(commit.author, _LONGEST_AUTHOR)}: {commit.subject}"
     return [f"{word} {commit.id[:10]} {commit.date}", f"  {shortened(about, widest - 4)}"]
 
 

@@ -43,12 +43,13 @@ def add_subject(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def linted(arguments: argparse.Namespace, root: Path | None, question: Question) -> Linted:
-    """Check the .proto files in the folder ``root``, or the project of the table if ``root`` is None.
+def linted(arguments: argparse.Namespace, question: Question) -> Linted:
+    """Check the folder of .proto files that the options name, or else the project of the table.
 
     ``question`` holds the additional checks that the user requests, such as that of git's history. Raises `SetupError`
-    if the options name an envelope although ``root`` is None.
+    if the options name an envelope, but no folder of .proto files.
     """
+    root: Path | None = arguments.root
     if root is None and (arguments.envelope or arguments.message):
         raise SetupError("--envelope and --message need PROTO_ROOT, a folder of .proto files without mapping.yaml")
     if root is None:

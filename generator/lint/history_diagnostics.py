@@ -173,6 +173,10 @@ def _told(reuse: Reuse) -> str:
     earlier, later = _called(reuse.earlier), _called(reuse.later)
     if reuse.earlier is reuse.later:
         told = f"kept the name {earlier}, but the content of {reuse.later.type!r} was replaced"
+    elif reuse.kind is Kind.RENAMED:
+        told = f"was renamed from {earlier} to {later}"
+    elif reuse.earlier.name == reuse.later.name and reuse.relation is Relation.SUCCESSION:
+        told = f"was `{reuse.earlier.fact.text}` and became `{reuse.later.fact.text}`"
     elif reuse.relation is Relation.SUCCESSION:
         told = f"was given to {later} after {earlier} was removed"
     elif reuse.relation is Relation.TOGETHER:

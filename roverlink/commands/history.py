@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         with progress("reading history") as report:
             question = Question(history=True, envelope=not arguments.of, report=report)
-            found = linted(arguments, arguments.root, question)
+            found = linted(arguments, question)
     except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE

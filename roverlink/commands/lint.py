@@ -89,6 +89,13 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the checks, print the findings, and return the exit code."""
+    if arguments.history and Path(arguments.history).is_dir():
+        if arguments.root is not None:
+            raise SetupError(
+                f"two folders of .proto files are given, '{arguments.root}' and '{arguments.history}'; "
+                "give only one of them"
+            )
+        arguments.root, arguments.history = Path(arguments.history), ""
     try:
         found = _lint(arguments)
         if arguments.accept:
@@ -105,17 +112,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _lint(arguments: argparse.Namespace) -> Linted:
-    of_history = Path(arguments.history) if arguments.history and Path(arguments.history).is_dir() else None
-    newest = "" if of_history else arguments.history or ""
+    newest = arguments.history or ""
     if newest and arguments.accept:
         raise SetupError(f"--accept writes down the state on disk; leave out '{newest}' after --history")
-    if of_history is not None and arguments.root is not None:
-        raise SetupError(
-            f"two folders of .proto files are given, '{arguments.root}' and '{of_history}'; give only one of them"
-        )
     if arguments.with_buf and not arguments.against:
         raise SetupError("--with-buf compares two states; name the earlier state with --against")
-    root = of_history or arguments.root
     with progress("reading history") as report:
         question = Question(
             against=arguments.against,
@@ -126,7 +127,7 @@ def _lint(arguments: argparse.Namespace) -> Linted:
             pins=tuple(arguments.pins),
             report=report,
         )
-        return linted(arguments, root, question)
+        return linted(arguments, question)
 
 
 def _accept(arguments: argparse.Namespace, found: Linted) -> int:

@@ -37,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         with progress("reading history") as report:
             question = Question(branches=in_repository(folder_of(arguments)), envelope=True, report=report)
-            found = linted(arguments, arguments.root, question)
+            found = linted(arguments, question)
     except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE

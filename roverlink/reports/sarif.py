@@ -52,6 +52,7 @@ def _rule(rule: Rule) -> dict[str, Any]:
         "id": rule.id,
         "name": rule.name,
         "shortDescription": {"text": rule.summary},
+        "fullDescription": {"text": rule.documentation.partition("\nBad::")[0].strip()},
         "help": {"text": rule.documentation.strip()},
         "defaultConfiguration": {"level": _LEVELS[rule.severity]},
     }

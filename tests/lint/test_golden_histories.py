@@ -19,8 +19,6 @@ from roverlink.__main__ import main
 _NOT_YET = frozenset(
     {
         "judgement_json_name_kept",
-        "root_too_deep",
-        "root_too_high",
     }
 )
 
