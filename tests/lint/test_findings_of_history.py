@@ -367,7 +367,7 @@ def test_a_fatal_error_shows_its_file(repository: RepositoryBuilder, run: Run, m
     (root / "protos" / "e.proto").write_text(_link("uint32 = 2;"))
     for words in (["lint", "--history", "protos"], ["lint", "protos"]):
         code, out, _ = run(*words, "--message", "Nobody")
-        assert (code, "protos/e.proto:8:" in out, "8 |     uint32 = 2;\n" in out) == (2, True, True)
+        assert (code, "protos/e.proto:7:" in out, "7 |     uint32 = 2;\n" in out) == (2, True, True)
 
 
 @pytest.mark.parametrize("format", ["text", "json", "github", "sarif", "junit"])
