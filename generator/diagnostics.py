@@ -7,7 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from roverlink.generator.git import Commit
+from roverlink.generator.git import Commit, shortened
+
+_WIDEST = 72  # columns of the text about a use, where nothing else limits it
+_LONGEST_AUTHOR = 20  # characters of an author's name, so that the subject has room beside it
 
 
 class Severity(str, Enum):
@@ -101,7 +104,10 @@ class Rule:
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """One meaning that a field number or enum number had in git's history: the field or enum value that had it."""
+    """One meaning that a field number or enum number had in git's history: the field or enum value that had it.
+
+    If a message kept its name and got other fields, this is the field of that type with one content of the message.
+    """
 
     type: str
     """Type of the field, such as ``float`` or the full name of a message; empty for an enum value."""
@@ -111,6 +117,43 @@ class Use:
     """The first commit with this meaning."""
     went: Commit | None
     """The last commit that removed this meaning; None if a branch still has it."""
+    declaration: tuple[str, ...]
+    """The lines of the declaration in a .proto file, such as ``("Gps gps = 2;",)``.
+
+    For the content of a message, these are the fields that differ from the other content. A line is empty if only the
+    other content has a field with this number.
+    """
+    place: Span
+    """The place of the declaration at the commit ``came``. Today the file may have another content, or not exist."""
+    today: str = ""
+    """Where the meaning exists today, such as ``on the branch main``; empty if it exists nowhere."""
+    doubt: str = ""
+    """Why it is not certain that the number had this meaning; empty if it is certain."""
+
+    def text(self, file: str, widest: int = _WIDEST) -> list[str]:
+        """Return lines for people: the declaration, its place, and the commits that added and removed it.
+
+        ``file`` is the name of the file to show. Lines with the subject of a commit are cut to ``widest`` characters,
+        or fewer if that is more than anybody wants to read.
+        """
+        widest = min(widest, _WIDEST)
+        lines = [f"{file}:{self.place.line}"]
+        if self.came.id or not self.today:
+            lines += _event("since", self.came, widest)
+        if self.went:
+            lines += _event("until", self.went, widest)
+        elif self.today:
+            lines.append(f"now {self.today}")
+        if self.doubt:
+            lines.append(f"in doubt: {self.doubt}")
+        return [*self.declaration, *(f"  {line}" for line in lines)]
+
+
+def _event(word: str, commit: Commit, widest: int) -> list[str]:
+    if not commit.id:
+        return [f"{word} {commit.subject}"]
+    about = f"{shortened(commit.author, _LONGEST_AUTHOR)}: {commit.subject}"
+    return [f"{word} {commit.id[:10]} {commit.date}", f"  {shortened(about, widest - 4)}"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +179,7 @@ class Diagnostic:
     def render(self) -> str:
         """Return the diagnostic as text, in several lines: place, severity and message, related places, help."""
         lines = [f"{self.span}: {self.severity.value}[{self.rule.id}] {self.message}"]
+        lines += [f"  {line}" for use in self.uses for line in use.text(use.place.file) if line]
         lines += [f"  {span}: {text}" for span, text in self.also]
         if self.help:
             lines.append(f"  help: {self.help}")

@@ -24,6 +24,7 @@ _OF_A_HOOK = ("GIT_DIR", "GIT_WORK_TREE", "GIT_COMMON_DIR", "GIT_INDEX_FILE", "G
 _FILES = ("100644", "100755")  # modes of regular files; a link has 120000
 SUBMODULE = "160000"
 """Mode of a submodule in a tree: its object id is a commit of another repository (gitsubmodules(7))."""
+_LONGEST_SUBJECT = 60  # characters of a subject in a line for people; git's own advice for subjects is 50
 _BATCH = (
     256  # ids per request: 256 * 41 bytes fit into the pipe (64 KiB on Linux), so git and this process never both wait
 )
@@ -35,15 +36,17 @@ class GitError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Commit:
-    """Id, date and subject of a commit, which diagnostics show."""
+    """Id, date, author and subject of a commit, which diagnostics show."""
 
     id: str
     date: str
     """The author's date, such as ``2026-11-21``."""
     subject: str
+    author: str = ""
+    """The author's name."""
 
     def __str__(self) -> str:
-        return f"{self.id[:10]} {self.date} {self.subject}" if self.id else self.subject
+        return f"{self.id[:10]} {self.date} {shortened(self.subject)}" if self.id else self.subject
 
 
 UNCOMMITTED = Commit("", "", "a change that is not committed yet")
@@ -92,9 +95,8 @@ class Repository:
         """Return the commit that a ref names. Raises `GitError` if the ref names none."""
         # NUL, which no subject can contain, separates the fields. `%at` is the author's time: a rebase changes the
         # committer's.
-        said = self._run("show", "--no-patch", "--format=%H%x00%at%x00%s", self.resolve(ref)).rstrip("\n")
-        id, seconds, subject = said.split("\0")
-        return commit_of(id, seconds, subject)
+        said = self._run("show", "--no-patch", "--format=%H%x00%at%x00%an%x00%s", self.resolve(ref)).rstrip("\n")
+        return commit_of(*said.split("\0"))
 
     def reachable(self, commit: str) -> frozenset[str]:
         """Return the ids of a commit and of all its ancestors, as far as the clone contains them."""
@@ -159,7 +161,8 @@ class Repository:
             if line.startswith("\t"):
                 if id not in known:
                     committed = id.strip("0") and "summary" in facts
-                    known[id] = commit_of(id, facts["author-time"], facts["summary"]) if committed else None
+                    about = (facts.get(word, "") for word in ("author-time", "author", "summary"))
+                    known[id] = commit_of(id, *about) if committed else None
                 found.append(known[id])
                 id, facts = "", {}
             elif not id:
@@ -231,12 +234,21 @@ def environment() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if name not in _OF_A_HOOK}
 
 
-def commit_of(id: str, seconds: str, subject: str) -> Commit:
-    """Return a commit, given its id, the author's time in seconds since 1970, and its subject.
+def commit_of(id: str, seconds: str, author: str, subject: str) -> Commit:
+    """Return a commit, given its id, the author's time in seconds since 1970, the author's name, and its subject.
 
-    Unprintable characters of the subject are replaced: a terminal might obey them, and XML forbids some.
+    Unprintable characters of the texts are replaced: a terminal might obey them, and XML forbids some.
     """
-    return Commit(id, _date_of(seconds), "".join(letter if letter.isprintable() else "\ufffd" for letter in subject))
+    return Commit(id, _date_of(seconds), _printable(subject), _printable(author))
+
+
+def shortened(text: str, most: int = _LONGEST_SUBJECT) -> str:
+    """Return a text with at most ``most`` characters; if something is cut off, it ends with ``…``."""
+    return text if len(text) <= most else f"{text[: most - 1].rstrip()}…"
+
+
+def _printable(text: str) -> str:
+    return "".join(letter if letter.isprintable() else "\ufffd" for letter in text)
 
 
 def _date_of(seconds: str) -> str:

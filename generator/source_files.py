@@ -62,6 +62,16 @@ def read_text(root: Path, name: str) -> str:
     return io.TextIOWrapper(io.BytesIO(read(root, name)), encoding="utf-8").read()
 
 
+def quoted_text(path: Path) -> str:
+    """Return the text of a file whose lines are quoted in messages; empty if it cannot be read."""
+    if not path.is_file():  # reading a pipe or a device may never end
+        return ""
+    try:
+        return read(path.parent, path.name).decode("utf-8", errors="replace")
+    except OSError:
+        return ""
+
+
 def open_file(root: Path, name: str) -> BinaryIO:
     """Open the file ``name`` below the folder ``root`` for reading. Raises the same errors as `read`."""
     path = _inside(os.path.join(root, name), root)
@@ -122,9 +132,16 @@ def printable(path: str) -> str:
     return os.fsencode(path).decode("utf-8", errors="backslashreplace")
 
 
+def repository_top(folder: str) -> str | None:
+    """Return the top folder of the git repository that contains a folder; None if it is in no repository."""
+    # A submodule and a linked worktree have a file `.git` (gitrepository-layout(5)).
+    above = (folder, *map(str, Path(folder).parents))
+    return next((one for one in above if os.path.lexists(os.path.join(one, ".git"))), None)
+
+
 def leads_out(project: Path, folder: Path) -> bool:
     """Return True if the project is in a git repository, and the folder is outside the repository."""
-    top = _repository(os.path.realpath(project))
+    top = repository_top(os.path.realpath(project))
     return top is not None and not _is_below(os.path.realpath(folder), top)
 
 
@@ -136,7 +153,7 @@ def _inside(path: str, root: Path) -> str:
 def _top(root: Path) -> str:
     """Return the real path of the folder that links must not leave: that of the git repository, or else ``root``."""
     folder = os.path.realpath(root)
-    return _repository(folder) or folder
+    return repository_top(folder) or folder
 
 
 def _below(real: str, top: str) -> str:
@@ -145,13 +162,6 @@ def _below(real: str, top: str) -> str:
     if ".git" in os.path.relpath(real, top).casefold().split(os.sep):
         raise RefusedFileError("it leads into the folder .git")
     return real
-
-
-def _repository(folder: str) -> str | None:
-    """Return the top folder of the git repository that contains a folder; None if it is in no repository."""
-    # A submodule and a linked worktree have a file `.git` (gitrepository-layout(5)).
-    above = (folder, *map(str, Path(folder).parents))
-    return next((one for one in above if os.path.lexists(os.path.join(one, ".git"))), None)
 
 
 def _is_below(path: str, folder: str) -> bool:

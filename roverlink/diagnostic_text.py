@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from roverlink.generator import source_files
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, Use
 from roverlink.generator.git import Commit
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ _STYLES = {
     Severity.HINT: "bold cyan",
 }
 _TAB = "    "
+_GAP = "   "  # between two columns
+_WIDTH = 100  # columns of the output if it is no terminal, such as the log of a CI server
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -44,6 +47,10 @@ class Sources:
         path = self.folder / span.file
         return dataclasses.replace(span, file=os.path.relpath(path)) if path.exists() else span
 
+    def file_of(self, use: Use) -> str:
+        """Return the path of the file with a use, relative to the current folder. Today it may not exist."""
+        return os.path.relpath(self.folder / use.place.file)
+
     def with_commit(self, span: Span, what: str) -> str:
         """Return ``what``, a text about the place ``span``, followed by the commit that last changed the place's line.
 
@@ -58,18 +65,11 @@ class Sources:
             return ""
         if span.file not in self._read:
             text = self.texts.get(span.file)
-            self._read[span.file] = (_text_of(self.folder / span.file) if text is None else text).splitlines()
+            self._read[span.file] = (
+                source_files.quoted_text(self.folder / span.file) if text is None else text
+            ).splitlines()
         lines = self._read[span.file]
         return lines[span.line - 1].rstrip() if 0 < span.line <= len(lines) else ""
-
-
-def _text_of(path: Path) -> str:
-    if not path.is_file():  # reading a pipe or a device may never end
-        return ""
-    try:
-        return source_files.read(path.parent, path.name).decode("utf-8", errors="replace")
-    except OSError:
-        return ""
 
 
 def show(findings: Iterable[Diagnostic], sources: Sources, stream: TextIO) -> None:
@@ -80,8 +80,9 @@ def show(findings: Iterable[Diagnostic], sources: Sources, stream: TextIO) -> No
     from rich.text import Text
 
     console = Console(file=stream, highlight=False, soft_wrap=True)
+    width = console.width if console.is_terminal else _WIDTH
     for finding in findings:
-        console.print(Text("\n").join([*_lines(finding, sources), Text()]))
+        console.print(Text("\n").join([*_lines(finding, sources, width), Text()]))
 
 
 def show_error(error: DiagnosticsError, folder: Path, stream: TextIO) -> None:
@@ -92,7 +93,7 @@ def show_error(error: DiagnosticsError, folder: Path, stream: TextIO) -> None:
     show(error.findings, Sources(folder, error.texts), stream)
 
 
-def _lines(finding: Diagnostic, sources: Sources) -> Iterator[Text]:
+def _lines(finding: Diagnostic, sources: Sources, width: int) -> Iterator[Text]:
     from rich.text import Text
 
     style = _STYLES[finding.severity]
@@ -107,7 +108,26 @@ def _lines(finding: Diagnostic, sources: Sources) -> Iterator[Text]:
         number, before = str(finding.span.line), line[: finding.span.column - 1].replace("\t", _TAB)
         yield Text(f"{number} | {line}".replace("\t", _TAB))
         yield Text.assemble(f"{' ' * len(number)} | {' ' * len(before)}", ("^", style))
+    yield from (Text(f"  {line}".rstrip()) for line in beside(finding.uses, sources, width - 2))
     for span, what in finding.also:
         yield Text(f"  {sources.from_here(span)}: {sources.with_commit(span, what)}")
     if finding.help:
         yield Text.assemble("  ", ("help: ", "bold"), finding.help)
+
+
+def beside(uses: Sequence[Use], sources: Sources, width: int) -> list[str]:
+    """Return the declarations of a number with their commits as lines, side by side in columns.
+
+    If the columns need more than ``width`` characters, the declarations stand one below the other.
+    """
+    from rich.cells import cell_len, set_cell_size
+
+    if not uses:
+        return []
+    column = (width - len(_GAP) * (len(uses) - 1)) // len(uses)
+    blocks = [use.text(sources.file_of(use), max(column, 0)) for use in uses]
+    widths = [max(map(cell_len, block)) for block in blocks]
+    if len(uses) == 1 or max(widths) > column:
+        return [line for use in uses for line in use.text(sources.file_of(use), width) if line]
+    rows = zip_longest(*blocks, fillvalue="")
+    return [_GAP.join(map(set_cell_size, row, widths)).rstrip() for row in rows]

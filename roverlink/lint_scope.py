@@ -43,12 +43,13 @@ def add_subject(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def linted(arguments: argparse.Namespace, root: Path | None, question: Question) -> Linted:
-    """Check the .proto files in the folder ``root``, or the project of the table if ``root`` is None.
+def linted(arguments: argparse.Namespace, question: Question) -> Linted:
+    """Check the folder of .proto files that the options name, or else the project of the table.
 
     ``question`` holds the additional checks that the user requests, such as that of git's history. Raises `SetupError`
-    if the options name an envelope although ``root`` is None.
+    if the options name an envelope, but no folder of .proto files.
     """
+    root: Path | None = arguments.root
     if root is None and (arguments.envelope or arguments.message):
         raise SetupError("--envelope and --message need PROTO_ROOT, a folder of .proto files without mapping.yaml")
     if root is None:
@@ -67,17 +68,18 @@ def folder_of(arguments: argparse.Namespace) -> Path:
 
 def sources(found: Linted) -> Sources:
     """Return access to the source files that the diagnostics of a check name."""
-    return Sources(found.folder, commit_of=found.commit_of)
+    return Sources(found.folder, found.texts, found.commit_of)
 
 
-def print_limits(found: Linted) -> int:
-    """Print the diagnostics about inputs that could not be read completely, such as a shallow clone, on standard error.
+def print_limits(found: Linted, owner: str) -> int:
+    """Print the diagnostics because of which an answer about a message or enum may be incomplete, on standard error.
 
-    Return the exit code: 2 if one of these diagnostics is fatal, else 0. Commands that print no other diagnostics of
-    the check call this function.
+    An example is a shallow clone. ``owner`` is the full name of the message or enum. Return the exit code: 2 if one of
+    these diagnostics is fatal, else 0. Commands that print no other diagnostics of the check call this function.
     """
-    show(found.limits, sources(found), sys.stderr)
-    return UNABLE if any(finding.severity is Severity.FATAL for finding in found.limits) else OK
+    limits = found.limits(owner)
+    show(limits, sources(found), sys.stderr)
+    return UNABLE if any(finding.severity is Severity.FATAL for finding in limits) else OK
 
 
 def in_repository(folder: Path) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span, shown
 from roverlink.generator.lint.comparison import SchemaChange
-from roverlink.generator.lint.history import History, branch_name
+from roverlink.generator.lint.history import History, whereabouts
 from roverlink.generator.lint.pinned_numbers import Pinned
 from roverlink.generator.lock import Entry, Ledger, RowSettings, Setting, settings_of_row, topics_of
 from roverlink.generator.nanopb import Bounds
@@ -47,15 +47,15 @@ class Past:
         """Return every number that the envelope ever had on any branch, with a text that says which field had it.
 
         ``envelope`` is the full name of the envelope's message. The text continues a sentence that starts with the
-        number: ``is 'imu_info' (ImuInfo) on main``. Numbers of commented-out fields are included.
+        number: ``is 'imu_info' (ImuInfo) on the branch main``. Numbers of commented-out fields are included.
         """
         taken: dict[int, str] = {}
         for number, usages in self.history.claims(envelope).items():
             taken[number] = f"was the number of the commented-out field {usages[-1].name!r} ({usages[-1].came})"
         for number, usages in self.history.numbers(envelope).items():
             last = usages[-1]
-            where = f" on {branch_name(last.live_at[0])}" if last.live_at else f" until {last.went}"
-            taken[number] = f"{'is' if last.live_at else 'was'} {last.name!r} ({last.type}){where}"
+            where = whereabouts(last.live_at) or f"until {last.went}"
+            taken[number] = f"{'is' if last.live_at else 'was'} {last.name!r} ({last.type}) {where}"
         return taken
 
 

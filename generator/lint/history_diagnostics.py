@@ -1,31 +1,23 @@
 """Diagnostics about numbers that had several meanings in git's history.
 
-A diagnostic shows where the number is declared today, and which commits gave it its meanings.
+A diagnostic says in one sentence how the number got another meaning. It shows the declarations beside each other, each
+with the commits that added and removed it.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Sequence, Set
-from itertools import groupby
+from itertools import groupby, zip_longest
+from posixpath import normpath
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span, Use
 from roverlink.generator.lint.accepted_past import command_to_accept, meaning_of, not_accepted
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.history import Confidence, History, Kind, Relation, Reuse, TracedType, Usage, branch_name
+from roverlink.generator.lint.history import Content, Kind, Relation, Reuse, TracedType, Usage, whereabouts
+from roverlink.generator.lint.history.judged_facts import is_named
 from roverlink.generator.lock import PastUse
-from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
-
-_RELATIONS = {
-    Relation.SUCCESSION: "one after the other on one branch",
-    Relation.BRANCHES: "on different branches",
-    Relation.TOGETHER: "in the same commit",
-}
-_CONFIDENCES = {
-    Confidence.CERTAIN: "",
-    Confidence.LIKELY: "; this is not certain: some of the old files have syntax errors, or a type is not declared",
-    Confidence.DOUBTFUL: "; this is doubtful: all old files with one of these meanings have syntax errors",
-}
+from roverlink.generator.protos.schema import Fact, ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
 
 
 def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[TracedType, int, list[Reuse]]]:
@@ -44,28 +36,21 @@ def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[Trace
                 yield type, number, reuses
 
 
-def _usages(history: History, owner: TracedType, number: int, reuses: Sequence[Reuse]) -> list[Usage]:
-    """Return the usages of a number (its meanings) that the given reuses are about, the earliest first."""
-    concerned = {usage for reuse in reuses for usage in (reuse.earlier, reuse.later)}
-    return [usage for usage in history.numbers_of(owner.id)[number] if usage in concerned]
-
-
 def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
     """Return the diagnostic about one number that had several meanings in history.
 
     It is a hint if the baseline's history has all these meanings already. The context must contain the history.
     """
     assert context.past is not None, "the rules of history check this first"  # noqa: S101  # for mypy
-    owner, usages = type.name, _usages(context.past.history, type, number, reuses)
+    owner, order = type.name, context.past.history.numbers_of(type.id)[number]
     finding = rule.at(
         place_of(context, owner, number),
-        f"number {number} of {owner!r} was {_told(usages, reuses)}; {_today(context, owner, number)}"
-        f"{_CONFIDENCES[max(reuse.confidence for reuse in reuses)]}",
+        f"number {number} of {owner!r} {'; it '.join(map(_told, _last_changes(order, reuses)))}"
+        f"{_today(context, owner, number)}",
         _help(context, owner, number),
-        [(place_in_history(context, usage), _usage(usage)) for usage in usages],
         type=owner,
         number=number,
-        uses=[Use(usage.type, usage.name, usage.came, usage.went) for usage in usages],
+        uses=list(_uses(context, order, reuses)),
     )
     # With --against, what matters is the change since the baseline. A tree without a table has no ledger into which
     # earlier cases could be accepted, so that without this every change would fail because of them.
@@ -74,11 +59,99 @@ def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses
     return finding
 
 
-def place_in_history(context: Context, usage: Usage) -> Span:
-    """Return the place at which a usage was first declared: in a file of a commit, or in a file of today."""
-    if usage.came.id:
-        return Span(f"{usage.came.id[:10]}:{usage.path}", usage.line)
-    return context.place(usage.path, usage.line, 0)
+def use_of(context: Context, usage: Usage, doubt: str = "") -> Use:
+    """Return a usage (a meaning of a number) as a diagnostic shows it. ``doubt`` says why it is not certain."""
+    # A change that is not committed yet has removed it: the branch still has it, but not for long.
+    last = next((commit for commit in usage.intervals[-1].went if not commit.id), usage.went)
+    return Use(
+        usage.type,
+        usage.name,
+        usage.came,
+        last,
+        (usage.fact.text,),
+        _place(context, usage.path, usage.line),
+        whereabouts(usage.live_at),
+        doubt,
+    )
+
+
+def _uses(context: Context, order: Sequence[Usage], reuses: Sequence[Reuse]) -> Iterator[Use]:
+    """Yield the usages (meanings) that the reuses of a number are about, in the given order.
+
+    For a message that kept its name, these are its contents.
+    """
+    for usage in order:
+        within = [reuse for reuse in reuses if reuse.earlier is usage is reuse.later]
+        for reuse in within:
+            yield from _contents(context, reuse)
+        concerned = [reuse for reuse in reuses if reuse not in within and usage in (reuse.earlier, reuse.later)]
+        if concerned:
+            yield use_of(context, usage, next(filter(None, (_doubt(reuse, usage) for reuse in concerned)), ""))
+
+
+def _doubt(reuse: Reuse, usage: Usage) -> str:
+    """Return why the evidence of a reuse about one of its usages is not certain; empty if it is."""
+    if usage.broken:
+        return "it was only read from files with syntax errors"
+    types = reuse.earlier.type, reuse.later.type
+    # The contents of the types are evidence only if they were compared.
+    if types[0] == types[1] or not all(map(is_named, types)):
+        return ""
+    content = reuse.old if usage is reuse.earlier else reuse.new
+    if content is None or not content.there:
+        return f"no file declares {usage.type!r} at this commit"
+    return _doubt_of_content(content)
+
+
+def _doubt_of_content(content: Content) -> str:
+    return f"the file of {content.type!r} has syntax errors at this commit" if content.broken else ""
+
+
+def _contents(context: Context, reuse: Reuse) -> Iterator[Use]:
+    """Yield the two contents of a message that kept its name, each with the fields that differ."""
+    old, new, usage = reuse.old, reuse.new, reuse.later
+    assert old is not None, "a content was replaced"  # noqa: S101  # for mypy
+    assert new is not None, "a content was replaced"  # noqa: S101  # for mypy
+    lines = list(_differing_fields(old.facts, new.facts))
+    went = next((commit for commit in usage.intervals[-1].went if not commit.id), usage.went)
+    for side, (content, last) in enumerate(((old, new.commit), (new, went))):
+        declaration = (f"message {content.type.rpartition('.')[2]} {{", *(line[side] for line in lines), "}")
+        yield Use(
+            usage.type,
+            usage.name,
+            content.commit,
+            last,
+            declaration,
+            _place(context, content.path, content.line),
+            whereabouts(usage.live_at) if side else "",
+            _doubt_of_content(content),
+        )
+
+
+def _differing_fields(old: Sequence[Fact], new: Sequence[Fact]) -> Iterator[tuple[str, str]]:
+    """Yield the declarations of fields that only one of two contents has, side by side if they have one number."""
+    for number in sorted({fact.number for fact in {*old} ^ {*new}}):
+        sides = ([fact.text for fact in facts if fact.number == number] for facts in (old, new))
+        yield from ((f"  {one}".rstrip(), f"  {other}".rstrip()) for one, other in zip_longest(*sides, fillvalue=""))
+
+
+def _place(context: Context, path: str, line: int) -> Span:
+    """Return a place in a file of history, which may have been outside of the folder of .proto files."""
+    place = context.place(path, line, 0)
+    return dataclasses.replace(place, file=normpath(place.file))
+
+
+def _last_changes(order: Sequence[Usage], reuses: Sequence[Reuse]) -> list[Reuse]:
+    """Return for each usage of a number how it differs from the latest usage before it.
+
+    The others, such as the change from the first usage to the third one, would only repeat what these say.
+    """
+    last: dict[int, Reuse] = {}
+    within = [reuse for reuse in reuses if reuse.earlier is reuse.later]
+    for reuse in sorted(reuses, key=lambda reuse: order.index(reuse.earlier)):
+        if reuse not in within:
+            last[order.index(reuse.later)] = reuse
+    return [*(reuse for _, reuse in sorted(last.items())), *within]
 
 
 def _began(reuse: Reuse) -> set[str]:
@@ -90,18 +163,28 @@ def _began(reuse: Reuse) -> set[str]:
     }
 
 
-def _told(usages: Sequence[Usage], reuses: Sequence[Reuse]) -> str:
-    """Return a text with the meanings of a number, and how they followed each other in time.
+def _told(reuse: Reuse) -> str:
+    """Return how a number got another meaning, with the reason why it is another one, as a predicate.
 
-    An example is ``'gps' (Gps) and 'wind' (Wind), one after the other on one branch``.
+    An example is ``was given to 'wind' (Wind) after 'gps' (Gps) was removed: 'Wind' has 0 of the 2 fields of 'Gps'``.
     """
-    last = reuses[-1]
-    told = " and ".join(dict.fromkeys(_called(usage) for usage in usages))
-    if len(usages) == 1:
-        return f"{told}, and its content was replaced: {last.reason}"
-    at_once = ", at the same time" if any(reuse.at_once for reuse in reuses) else ""
-    reason = f" ({last.reason})" if last.reason else ""
-    return f"{told}{reason}, {_RELATIONS[last.relation]}{at_once}"
+    earlier, later = _called(reuse.earlier), _called(reuse.later)
+    if reuse.earlier is reuse.later:
+        told = f"kept the name {earlier}, but the content of {reuse.later.type!r} was replaced"
+    elif reuse.kind is Kind.RENAMED:
+        told = f"was renamed from {earlier} to {later}"
+    elif reuse.earlier.name == reuse.later.name and reuse.relation is Relation.SUCCESSION:
+        told = f"was `{reuse.earlier.fact.text}` and became `{reuse.later.fact.text}`"
+    elif reuse.relation is Relation.SUCCESSION:
+        told = f"was given to {later} after {earlier} was removed"
+    elif reuse.relation is Relation.TOGETHER:
+        told = f"was given to {earlier} and {later} by one commit"
+    elif reuse.earlier.live_at and reuse.later.live_at:
+        places = [whereabouts(usage.live_at) for usage in (reuse.earlier, reuse.later)]
+        told = f"is {earlier} {places[0]} and {later} {places[1]}"
+    else:
+        told = f"was given to {earlier} and {later} on different branches"
+    return f"{told}: {reuse.reason}" if reuse.reason else told
 
 
 def place_of(context: Context, owner: str, number: int) -> Span:
@@ -143,12 +226,13 @@ def _is_reserved(declared: ProtoMessage | ProtoEnum, number: int) -> bool:
 
 
 def _today(context: Context, owner: str, number: int) -> str:
+    """Return a clause about the number today if no declaration shows it."""
     declared = _declared(context, owner)
     if declared is None:
-        return f"today {owner!r} does not exist"
-    if part := _parts(context, declared).get(number):
-        return f"today it is {part.name!r}"
-    return "today it is reserved" if _is_reserved(declared, number) else "today it is free, and not reserved"
+        return f"; today {owner!r} does not exist"
+    if number in _parts(context, declared):
+        return ""
+    return "; today it is reserved" if _is_reserved(declared, number) else "; today it is free, and not reserved"
 
 
 def _help(context: Context, owner: str, number: int) -> str:
@@ -165,12 +249,3 @@ def _help(context: Context, owner: str, number: int) -> str:
 
 def _called(usage: Usage) -> str:
     return f"{usage.name!r} ({usage.type})" if usage.type else f"{usage.name!r}"
-
-
-def _usage(usage: Usage) -> str:
-    end = (
-        f"and was removed with {usage.went}"
-        if usage.went
-        else f"and is now on {', '.join(branch_name(ref) for ref in usage.live_at[:3])}"
-    )
-    return f"{_called(usage)} was added with {usage.came}, {end}"

@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
@@ -78,16 +78,39 @@ class Linted:
     findings: tuple[Diagnostic, ...]
     folder: Path
     """The folder to which the paths in diagnostics are relative."""
+    texts: Mapping[str, str]
+    """Texts of files that differ from those on disk, by path: those of the git ref that was checked, if any."""
     commit_of: Callable[[Span], Commit | None]
     """Function that takes a place and returns the commit that last changed its line; None if this commit is unknown."""
     context: Context
     """The context that the rules looked at."""
 
-    @property
-    def limits(self) -> list[Diagnostic]:
-        """The diagnostics about inputs that the lint could not read, or could read only in part."""
-        partly = (LIMITED_HISTORY, DOES_NOT_COMPILE)
-        return [one for one in self.findings if one.severity is Severity.FATAL or one.rule in partly]
+    def limits(self, owner: str) -> list[Diagnostic]:
+        """Return the diagnostics about inputs because of which the numbers of a message or enum may be incomplete.
+
+        These are fatal ones, those about the whole repository, and those about files that declare or once declared
+        ``owner``, the full name of the message or enum.
+        """
+        context = self.context
+        files = {path for path, _ in context.declared(owner)}
+        files |= context.past.history.files(owner) if context.past else set()
+        root = context.table.proto.root
+        concerned = {root or ".", *(shown(root, path) for path in files)}
+        partly = (LIMITED_HISTORY, LOST_PAST, DOES_NOT_COMPILE)
+        return [
+            one
+            for one in self.findings
+            if one.severity is Severity.FATAL or (one.rule in partly and one.span.file in concerned)
+        ]
+
+
+def not_linted(error: DiagnosticsError, folder: Path) -> Linted:
+    """Return the result of a lint run that an error ended: only the error's diagnostics.
+
+    The paths in the diagnostics are relative to ``folder``.
+    """
+    nothing = Context(bare_tree.table_of_tree(bare_tree.EnvelopeName("", "")), None, lock.Ledger())
+    return Linted(error.findings, folder, error.texts, lambda _: None, nothing)
 
 
 def lint_project(table_path: Path, question: Question) -> Linted:
@@ -192,7 +215,15 @@ def _lint(
     )
     theirs = _of_buf(baseline.schema, schema, shown_root, findings) if question.with_buf and baseline else []
     findings += lint(context, theirs)
-    return Linted(tuple(in_order(findings)), folder, _blame(project, question.newest, baseline), context)
+    ordered = tuple(in_order(findings))
+    texts = _texts(folder, ordered) if question.newest else {}
+    return Linted(ordered, project, texts, _blame(project, question.newest, baseline), context)
+
+
+def _texts(folder: Path, findings: tuple[Diagnostic, ...]) -> dict[str, str]:
+    """Return the texts of the files in a temporary folder that diagnostics are about, by path."""
+    files = sorted({finding.span.file for finding in findings})
+    return {file: source_files.quoted_text(folder / file) for file in files if (folder / file).is_file()}
 
 
 def _past(root: Path, shown_root: str, envelope: str, question: Question, findings: list[Diagnostic]) -> Past:
@@ -205,14 +236,17 @@ def _past(root: Path, shown_root: str, envelope: str, question: Question, findin
         history = read_history(root, question.report, question.newest)
     except GitError as error:
         message = "the history cannot be read"
-        raise DiagnosticsError([*findings, UNREADABLE_HISTORY.at(Span(str(root)), message, str(error))]) from error
+        raise DiagnosticsError(
+            [*findings, UNREADABLE_HISTORY.at(Span(shown_root or "."), message, str(error))]
+        ) from error
     if history.shallow:
         message = f"this is a shallow clone: its history goes back only {history.depth} commits"
-        findings.append(LIMITED_HISTORY.at(Span(str(root)), message, f"get the rest with {DEEPEN}"))
+        findings.append(LIMITED_HISTORY.at(Span(shown_root or "."), message, f"get the rest with {DEEPEN}"))
     for path in history.unread:
         findings.append(
             LIMITED_HISTORY.at(
-                Span(path), "some earlier versions of this file are binary, too large, or missing, and were not checked"
+                Span(shown(shown_root, path)),
+                "some earlier versions of this file are binary, too large, or missing, and were not checked",
             )
         )
     for commit, lost in groupby(history.lost, key=lambda one: one.commit):

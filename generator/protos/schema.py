@@ -32,6 +32,12 @@ class Fact(NamedTuple):
     json_name: str = ""
     """The name that the field has in JSON by its option ``json_name``; empty if that is the usual one for its name."""
 
+    @property
+    def text(self) -> str:
+        """The declaration as text of a .proto file, such as ``repeated int32 x = 3;`` or ``MODE_IDLE = 2;``."""
+        option = f' [json_name = "{self.json_name}"]' if self.json_name else ""
+        return f"{' '.join(filter(None, (self.label, self.type, self.name)))} = {self.number}{option};"
+
 
 def default_json_name(name: str) -> str:
     """Return the name in JSON of a field without the option ``json_name``: ``motorSpeed`` for ``motor_speed``.

@@ -8,7 +8,7 @@ import sys
 from roverlink.console import FINDINGS, UNABLE, Subparsers, command, count
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
-from roverlink.generator.lint.history import Usage, branch_name
+from roverlink.generator.lint.history import Usage, whereabouts
 from roverlink.generator.lint.project import Question
 from roverlink.lint_scope import add_subject, folder_of, linted, print_limits
 from roverlink.progress import progress
@@ -43,14 +43,15 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         with progress("reading history") as report:
             question = Question(history=True, envelope=not arguments.of, report=report)
-            found = linted(arguments, arguments.root, question)
+            found = linted(arguments, question)
     except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
-    context, code = found.context, print_limits(found)
+    context = found.context
+    owner = arguments.of or context.table.envelope.message
+    code = print_limits(found, owner)
     if context.past is None:
         return UNABLE
-    owner = arguments.of or context.table.envelope.message
     history = context.past.history
     usages, claims = history.numbers(owner).get(arguments.number, ()), history.claims(owner).get(arguments.number, ())
     if not usages and not claims:
@@ -73,4 +74,4 @@ def _print_usage(usage: Usage, what: str) -> None:
         for went in interval.went:
             print(f"  removed {went}")
     if usage.live_at:
-        print(f"  exists on {', '.join(branch_name(ref) for ref in usage.live_at)}")
+        print(f"  exists {whereabouts(usage.live_at)}")

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 from pathlib import Path
 
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, counted, table_file
-from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Severity, shown
-from roverlink.generator.lint.project import Linted, Question
+from roverlink.generator.lint.project import Linted, Question, not_linted
 from roverlink.generator.lock import ACCEPTED_NAME, NAME
 from roverlink.lint_scope import add_subject, folder_of, linted
 from roverlink.progress import progress
@@ -106,12 +104,19 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the checks, print the findings, and return the exit code."""
     wanted = _wanted(arguments)
+    if arguments.history and Path(arguments.history).is_dir():
+        if arguments.root is not None:
+            raise SetupError(
+                f"two folders of .proto files are given, '{arguments.root}' and '{arguments.history}'; "
+                "give only one of them"
+            )
+        arguments.root, arguments.history = Path(arguments.history), ""
     try:
         found = _lint(arguments)
         if wanted is not None:
             return _accept(arguments, found, wanted)
     except DiagnosticsError as error:
-        show_error(error, folder_of(arguments), sys.stderr)
+        FORMATS[arguments.format](not_linted(error, folder_of(arguments)))
         return UNABLE
     FORMATS[arguments.format](found)
     severities = {finding.severity for finding in found.findings}
@@ -122,17 +127,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _lint(arguments: argparse.Namespace) -> Linted:
-    of_history = Path(arguments.history) if arguments.history and Path(arguments.history).is_dir() else None
-    newest = "" if of_history else arguments.history or ""
+    newest = arguments.history or ""
     if newest and arguments.accept is not None:
         raise SetupError(f"--accept writes down the state on disk; leave out '{newest}' after --history")
-    if of_history is not None and arguments.root is not None:
-        raise SetupError(
-            f"two folders of .proto files are given, '{arguments.root}' and '{of_history}'; give only one of them"
-        )
     if arguments.with_buf and not arguments.against:
         raise SetupError("--with-buf compares two states; name the earlier state with --against")
-    root = of_history or arguments.root
     with progress("reading history") as report:
         question = Question(
             against=arguments.against,
@@ -143,7 +142,7 @@ def _lint(arguments: argparse.Namespace) -> Linted:
             pins=tuple(arguments.pins),
             report=report,
         )
-        return linted(arguments, root, question)
+        return linted(arguments, question)
 
 
 def _wanted(arguments: argparse.Namespace) -> list[tuple[str, int]] | None:

@@ -37,11 +37,11 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         with progress("reading history") as report:
             question = Question(branches=in_repository(folder_of(arguments)), envelope=True, report=report)
-            found = linted(arguments, arguments.root, question)
+            found = linted(arguments, question)
     except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
-    code = print_limits(found)
+    code = print_limits(found, found.context.table.envelope.message)
     if found.context.past is None:
         print("not a git repository, so the history was not checked", file=sys.stderr)
     print_skipped(found.context)

@@ -5,9 +5,9 @@ The syntax is in GitHub's documentation, "Workflow commands for GitHub Actions".
 
 from __future__ import annotations
 
-from roverlink.generator.diagnostics import Diagnostic, Severity
+from roverlink.generator.diagnostics import Diagnostic, Severity, Span
 from roverlink.generator.lint.project import Linted
-from roverlink.lint_scope import sources
+from roverlink.reports.repository_places import main_place, whole_text
 
 _COMMANDS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "notice"}
 
@@ -19,13 +19,11 @@ def write(linted: Linted) -> None:
 
 
 def _command(finding: Diagnostic, linted: Linted) -> str:
-    files = sources(linted)
-    span, rule = files.from_here(finding.span), finding.rule
+    # Without a file, GitHub shows the command on the page of the workflow's run.
+    span, rule = main_place(finding, linted) or Span(""), finding.rule
     properties = {"file": span.file, "line": span.line, "col": span.column, "title": f"{rule.id} {rule.name}"}
     shown = ",".join(f"{name}={_escaped(str(value), ':,')}" for name, value in properties.items() if value)
-    also = [f"{files.from_here(place)}: {files.with_commit(place, what)}" for place, what in finding.also]
-    lines = [finding.message, *also, *([f"help: {finding.help}"] if finding.help else [])]
-    return f"::{_COMMANDS[finding.severity]} {shown}::{_escaped(chr(10).join(lines))}"
+    return f"::{_COMMANDS[finding.severity]} {shown}::{_escaped(whole_text(finding, linted, with_related=True))}"
 
 
 def _escaped(text: str, more: str = "") -> str:

@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 from roverlink.generator.diagnostics import Diagnostic, Span, Use
+from roverlink.generator.git import Commit
 from roverlink.generator.lint.project import Linted
 
 
@@ -32,20 +33,27 @@ def _finding(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
 def _use(use: Use) -> dict[str, Any]:
     """Return the JSON values for one meaning (type and name) that a number had in git's history.
 
-    ``last_commit`` is the commit that removed this meaning; None if a branch still has it. The id of a commit is None
-    for a change that is not committed yet.
+    ``path`` and ``line`` are the place of the declaration at the first commit. ``last_commit`` is the commit that
+    removed this meaning; None if a branch still has it. The id of a commit is None for a change that is not committed
+    yet.
     """
-    went = use.went
-    last = {"last_commit": went.id or None, "last_date": went.date, "last_subject": went.subject} if went else {}
     return {
         "type": use.type,
         "name": use.name,
-        "first_commit": use.came.id or None,
-        "first_date": use.came.date,
-        "first_subject": use.came.subject,
+        "declaration": "\n".join(filter(None, use.declaration)),
+        "path": use.place.file,
+        "line": use.place.line,
+        **_of_commit("first", use.came),
         "last_commit": None,
-        **last,
+        **(_of_commit("last", use.went) if use.went else {}),
+        "today": use.today or None,
+        "doubt": use.doubt or None,
     }
+
+
+def _of_commit(prefix: str, commit: Commit) -> dict[str, str | None]:
+    about = {"commit": commit.id or None, "date": commit.date, "author": commit.author, "subject": commit.subject}
+    return {f"{prefix}_{key}": value for key, value in about.items()}
 
 
 def _place(span: Span) -> dict[str, Any]:

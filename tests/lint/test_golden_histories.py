@@ -1,8 +1,4 @@
-"""The lint's verdict on each golden history; `golden_histories` describes the files.
-
-`_NOT_YET` has the histories that the lint judges wrongly today; other tests that fail have the mark `_WRONG_TODAY`. The
-change that corrects a verdict takes it off the list.
-"""
+"""The lint's verdict on each golden history; `golden_histories` describes the files."""
 
 from __future__ import annotations
 
@@ -16,22 +12,11 @@ from repositories import RepositoryBuilder, envelope, git, message
 
 from roverlink.__main__ import main
 
-_NOT_YET = frozenset(
-    {
-        "root_too_deep",
-        "root_too_high",
-    }
-)
-
-_WRONG_TODAY = pytest.mark.xfail(strict=True, reason="the lint judges this history wrongly today")
-
 
 def _parameter(case: GoldenHistory) -> Any:  # pytest does not export the type of its parameters
-    marks = [_WRONG_TODAY] if case.name in _NOT_YET else []
     # The same change as in another history, compared by another option or with more time in between.
-    if case.name.endswith(("_against", "_years_apart")):
-        marks.append(pytest.mark.slow)
-    return pytest.param(case, id=case.name, marks=marks)
+    repeats = case.name.endswith(("_against", "_years_apart"))
+    return pytest.param(case, id=case.name, marks=[pytest.mark.slow] if repeats else [])
 
 
 def _findings(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:

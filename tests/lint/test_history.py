@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from repositories import RepositoryBuilder, envelope, git, message
 
 from roverlink.generator.git import GitError
-from roverlink.generator.lint.history import Confidence, History, Kind, Relation, Reuse, Usage, read_history
+from roverlink.generator.lint.history import History, Kind, Relation, Reuse, Usage, read_history
 from roverlink.generator.lint.history.branch_collisions import default_branch
 from roverlink.generator.lint.history.commits import PastRepository
 
@@ -75,7 +75,7 @@ def test_deleted_and_reused_later(repository: RepositoryBuilder) -> None:
     ]
     reuse = _only(history.reuses("PBEnvelope"))
     assert (reuse.number, reuse.kind, reuse.relation) == (2, Kind.REUSED, Relation.SUCCESSION)
-    assert (reuse.at_once, reuse.survivors, reuse.confidence) == (False, 0, Confidence.CERTAIN)
+    assert (reuse.survivors, reuse.earlier.broken, reuse.later.broken) == (0, False, False)
     assert reuse.certain
     assert (reuse.earlier.path, reuse.earlier.line) == (_FILE, 6)
     assert reuse.earlier.went is not None
@@ -206,7 +206,7 @@ def test_two_branches_one_number(repository: RepositoryBuilder) -> None:
         )
     ]
     reuse = _only(history.reuses("PBEnvelope"))
-    assert (reuse.relation, reuse.at_once) == (Relation.BRANCHES, True)
+    assert reuse.relation is Relation.BRANCHES
     assert reuse.earlier.live_at == ("refs/heads/gps", "refs/heads/same")
 
 
@@ -304,7 +304,7 @@ def test_an_old_branch_still_has_it(repository: RepositoryBuilder) -> None:
     repository.branch("old", begin)
     repository.commit("Weigh", {_FILE: envelope(IMU, "LoadCell load_cell = 2;")})
     reuse = _only(_read(repository).reuses("PBEnvelope"))
-    assert (reuse.relation, reuse.at_once) == (Relation.SUCCESSION, True)
+    assert reuse.relation is Relation.SUCCESSION
     assert (reuse.earlier.live_at, reuse.earlier.went) == (("refs/heads/old",), None)
 
 
@@ -330,7 +330,7 @@ def test_a_rename_in_two_commits(repository: RepositoryBuilder) -> None:
     repository.commit("Rename", {"gps.proto": PAYLOADS["gps.proto"].replace("Gps", "Position")})
     repository.commit("Mend", {_FILE: envelope(IMU, "Position where = 2;")})
     reuse = _only(_read(repository).reuses("PBEnvelope"))
-    assert (reuse.kind, reuse.confidence) == (Kind.RENAMED, Confidence.LIKELY)
+    assert reuse.kind is Kind.RENAMED
     assert reuse.old is not None
     assert (reuse.old.commit.subject, reuse.old.there) == ("Begin", False)
 
@@ -366,11 +366,11 @@ def test_a_message_that_grows_is_not_replaced(repository: RepositoryBuilder) -> 
 
 
 def test_a_type_that_is_not_in_the_repository(repository: RepositoryBuilder) -> None:
-    """Where a payload's file is missing, what its type stands for is not known, and the finding says so."""
+    """Where a payload's file is missing, what its type stands for is not known."""
     repository.commit("Begin", {_FILE: envelope("Elsewhere gps = 1;")})
     repository.commit("Weigh", {_FILE: envelope("LoadCell load_cell = 1;"), **PAYLOADS})
     reuse = _only(_read(repository).reuses("PBEnvelope"))
-    assert (reuse.kind, reuse.old, reuse.confidence) == (Kind.REUSED, None, Confidence.LIKELY)
+    assert (reuse.kind, reuse.old) == (Kind.REUSED, None)
 
 
 def _field_kinds(repository: RepositoryBuilder, before: str, after: str) -> list[Kind]:
@@ -433,16 +433,18 @@ def test_a_file_that_never_compiled(repository: RepositoryBuilder) -> None:
     repository.commit("Begin", {_FILE: envelope("Imu imu 1", GPS)})
     repository.commit("Weigh", {_FILE: envelope("Imu imu 1", "LoadCell load_cell = 2;")})
     reuse = _only(_read(repository).reuses("PBEnvelope"))
-    assert (reuse.number, reuse.kind, reuse.confidence) == (2, Kind.REUSED, Confidence.DOUBTFUL)
+    assert (reuse.number, reuse.kind) == (2, Kind.REUSED)
+    assert reuse.earlier.broken
+    assert reuse.later.broken
 
 
 def test_a_state_that_does_not_compile(repository: RepositoryBuilder) -> None:
-    """What sound states say too is likely; that a life was read from a broken one is told."""
+    """What sound states say too is not in doubt because a broken one says it."""
     _payloads(repository, IMU, GPS)
     repository.commit("Break", {_FILE: envelope("Imu imu = 1", "}", GPS)})
     repository.commit("Mend", {_FILE: envelope(IMU, GPS)})
     usage = _read(repository).numbers("PBEnvelope")[1][0]
-    assert (usage.confidence, len(usage.intervals)) == (Confidence.LIKELY, 1)
+    assert (usage.broken, len(usage.intervals)) == (False, 1)
 
 
 def test_conflict_markers_committed(repository: RepositoryBuilder) -> None:
@@ -453,9 +455,8 @@ def test_conflict_markers_committed(repository: RepositoryBuilder) -> None:
     repository.commit("Merge without looking", {_FILE: conflict})
     repository.commit("Mend", {_FILE: envelope(IMU, GPS)})
     reuse = _only(_read(repository).reuses("PBEnvelope"))
-    assert (reuse.number, reuse.relation, reuse.at_once) == (2, Relation.TOGETHER, True)
-    assert {reuse.earlier.name, reuse.later.name} == {"gps", "load_cell"}
-    assert reuse.confidence is Confidence.DOUBTFUL
+    assert (reuse.number, reuse.relation) == (2, Relation.TOGETHER)
+    assert {one.name: one.broken for one in (reuse.earlier, reuse.later)} == {"gps": False, "load_cell": True}
 
 
 def test_commented_out_members(repository: RepositoryBuilder) -> None:

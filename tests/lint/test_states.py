@@ -232,32 +232,32 @@ def test_a_folder_without_protos(tree: Path, lint: Lint) -> None:
     Path("empty").mkdir()
     code, out, _ = lint("protos", "--against", "empty", *_TREE)
     assert (code, "empty: fatal[STA102] the earlier state contains no .proto file" in out) == (2, True)
-    code, _, err = lint("empty", *_TREE)
-    assert (code, "fatal[STA103] the folder contains no .proto file" in err) == (2, True)
+    code, out, _ = lint("empty", *_TREE)
+    assert (code, "fatal[STA103] the folder contains no .proto file" in out) == (2, True)
 
 
 def test_a_folder_that_is_not_there(lint: Lint, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A tree that is not there is said, not taken for an empty one."""
     monkeypatch.chdir(tmp_path)
-    code, _, err = lint("nowhere")
+    code, out, _ = lint("nowhere")
     assert code == 2
-    assert "STA103" in err
+    assert "STA103" in out
 
 
 def test_no_such_envelope(tree: Path, lint: Lint) -> None:
     """An envelope that no file declares is said."""
-    code, _, err = lint("protos", "--envelope", "envelope.proto", "--message", "PBEnvelope")
+    code, out, _ = lint("protos", "--envelope", "envelope.proto", "--message", "PBEnvelope")
     assert code == 2
-    assert "fatal[STA104] no message 'PBEnvelope' is declared" in err
+    assert "fatal[STA104] no message 'PBEnvelope' is declared" in out
 
 
 def test_an_envelope_that_does_not_compile(tree: Path, lint: Lint) -> None:
     """Where the envelope is missing, it is said why: its file has an error."""
     _replace(tree / "envelope.proto", "Gps gps = 2;", "Gps gps = 2")
-    code, _, err = lint("protos", *_TREE)
+    code, out, _ = lint("protos", *_TREE)
     assert code == 2
-    assert 'envelope.proto:9:3: error[PRO101] Expected ";"' in err
-    assert "fatal[STA104] no message 'Envelope' is declared in a file that compiles" in err
+    assert 'envelope.proto:9:3: error[PRO101] Expected ";"' in out
+    assert "fatal[STA104] no message 'Envelope' is declared in a file that compiles" in out
 
 
 @pytest.mark.parametrize(
@@ -273,9 +273,9 @@ def test_an_envelope_that_does_not_compile(tree: Path, lint: Lint) -> None:
 )
 def test_words_that_name_no_envelope(tree: Path, lint: Lint, named: tuple[str, ...], said: str) -> None:
     """A file or a message that is not the envelope's is said, and not passed over."""
-    code, _, err = lint("protos", *named)
+    code, out, _ = lint("protos", *named)
     assert code == 2
-    assert f"fatal[STA104] {said}" in err
+    assert f"fatal[STA104] {said}" in out
 
 
 def test_an_envelope_named_without_its_package(tree: Path, lint: Lint) -> None:
@@ -288,9 +288,9 @@ def test_an_envelope_named_without_its_package(tree: Path, lint: Lint) -> None:
     assert code == 1
     assert [(found["id"], found["message_type"]) for found in _found(out)] == [("ENV107", "rover.Envelope")]
     (tree / "other.proto").write_text('syntax = "proto3";\n\npackage other;\n\nmessage Envelope {}\n')
-    code, _, err = lint("protos", *_TREE)
+    code, out, _ = lint("protos", *_TREE)
     assert code == 2
-    assert "help: use --message rover.Envelope or --message other.Envelope" in err
+    assert "help: use --message rover.Envelope or --message other.Envelope" in out
 
 
 def test_a_name_that_went_along_is_not_to_be_reserved(tree: Path, lint: Lint) -> None:

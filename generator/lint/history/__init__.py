@@ -7,12 +7,10 @@ reads states that do not compile, because a board may run firmware from such a c
 
 from __future__ import annotations
 
-from roverlink.generator.lint.history.branch_collisions import branch_name
 from roverlink.generator.lint.history.judged_facts import differ
 from roverlink.generator.lint.history.proto_history import History, read_history
 from roverlink.generator.lint.history.usage_model import (
     Allocation,
-    Confidence,
     Content,
     Kind,
     Relation,
@@ -20,10 +18,10 @@ from roverlink.generator.lint.history.usage_model import (
     TracedType,
     Usage,
 )
+from roverlink.generator.lint.history.whereabouts import whereabouts
 
 __all__ = [
     "Allocation",
-    "Confidence",
     "Content",
     "History",
     "Kind",
@@ -31,7 +29,7 @@ __all__ = [
     "Relation",
     "Reuse",
     "TracedType",
-    "branch_name",
     "differ",
     "read_history",
+    "whereabouts",
 ]

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 from roverlink.generator.git import SUBMODULE, Commit, GitError, Repository, commit_of
 
-# %P lists the parents. %ct is the committer's time, which tells when a state appeared on its branch; %at, the author's
-# time, is the date that people know the change by.
-_FIELDS = ("%H", "%P", "%ct", "%at", "%s")
+# %P lists the parents. %at is the author's time, the date that people know the change by: a rebase changes the
+# committer's. %an is the author's name.
+_FIELDS = ("%H", "%P", "%at", "%an", "%s")
 _LOG = (
     # The user's configuration must not change the output (git-config(1)): log.showRoot=false hides the files of the
     # first commit, log.showSignature adds lines, log.follow follows one file over renames, diff.renames writes two
@@ -54,8 +54,6 @@ class Revision:
     """Id of the commit; other texts stand for the index and the working tree."""
     commit: Commit
     parents: tuple[str, ...]
-    time: int
-    """Time of the commit (not of the author), in seconds since 1970."""
     edits: tuple[Edit, ...]
 
 
@@ -82,11 +80,10 @@ class PastRepository(Repository):
         words = self._run(*_LOG, *also, "--", PROTOS, *self._folder_itself()).split("\0")
         found, at = [], 0
         while at + len(_FIELDS) <= len(words):
-            id, parents, time, written, subject = words[at : at + len(_FIELDS)]
+            id, parents, *about = words[at : at + len(_FIELDS)]
             edits, at = edits_at(words, at + len(_FIELDS))
             edits = [edit for edit in edits if edit.was_submodule or edit.path.endswith(".proto")]
-            commit = commit_of(id, written, subject)
-            found.append(Revision(id, commit, tuple(parents.split()), int(time), tuple(edits)))
+            found.append(Revision(id, commit_of(id, *about), tuple(parents.split()), tuple(edits)))
         return found[::-1]
 
     def _folder_itself(self) -> list[str]:

@@ -7,7 +7,7 @@ keeps, for each line, the lifetimes of facts that have not ended there. Rules fo
 
 - A fact begins at the merge only if no parent has it. Otherwise its lifetimes in the parents continue.
 - A fact ends at the merge only if the merge itself deletes it. If a parent without the fact had it before, a commit on
-  that line deleted it, and the merge only takes over the deletion: its lifetimes in the other parents have `faded`.
+  that line deleted it, and the merge only takes over the deletion.
 - If a fact began separately on both sides, the merge continues both lifetimes. They end together.
 """
 
@@ -46,8 +46,6 @@ class Lifetime:
     path: str
     line: int
     went: list[int] = field(default_factory=list)
-    faded: list[int] = field(default_factory=list)
-    """Merge nodes at which the fact ended because a commit on another line of history had deleted it."""
 
 
 @dataclass(slots=True)
@@ -191,15 +189,13 @@ class _Sweep:
     def _end(self, node: Node, fact: Fact, befores: list[Alive], lifetimes: list[Lifetime]) -> None:
         """Record that lifetimes of a fact (a field or enum value) end at a node (a commit).
 
-        The node is added to ``went`` if it deletes the fact. It is added to ``faded`` if it is a merge, and a commit on
-        another line of history has deleted the fact.
+        A merge is left out for those lifetimes that a commit on another line of history has ended.
         """
         lacking = [parent for parent, before in zip(node.parents, befores) if fact not in before]
         for lifetime in lifetimes:
             known = any(self._graph.precedes(lifetime.came, parent) for parent in lacking)
-            ended = lifetime.faded if known else lifetime.went
-            if node.index not in ended:
-                ended.append(node.index)
+            if not known and node.index not in lifetime.went:
+                lifetime.went.append(node.index)
 
 
 def _same(one: Declarations, other: Declarations) -> bool:

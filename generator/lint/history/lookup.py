@@ -14,7 +14,7 @@ from functools import cached_property
 from roverlink.generator.lint.history.commit_graph import Graph
 from roverlink.generator.lint.history.continuations import Declarations, Place
 from roverlink.generator.lint.history.lineage import Lifetime, Lineage
-from roverlink.generator.lint.history.usage_model import Confidence, Content, TracedType
+from roverlink.generator.lint.history.usage_model import Content, TracedType
 from roverlink.generator.protos.parser import SCALARS
 from roverlink.generator.protos.schema import Fact
 
@@ -168,18 +168,17 @@ class Record:
         """Yield the lifetimes of all facts (fields or values) of a message or enum, with their indices."""
         return enumerate(self.lineage.lifetimes.get(owner, []))
 
-    def confidence(self, owners: Iterable[int]) -> dict[Fact, Confidence]:
-        """Return how reliable each fact (a field or value) of the messages or enums ``owners`` is.
+    def only_in_broken_files(self, owners: Iterable[int]) -> set[Fact]:
+        """Return the facts (fields or values) of the messages or enums ``owners`` that no sound file declares.
 
-        A fact is less reliable if it was read from files with syntax errors.
+        All files from which they were read have syntax errors.
         """
         sound, broken = set[Fact](), set[Fact]()
         for owner in owners:
             for declared in self.lineage.changes[owner].values():
                 for declaration in declared.values():
                     (broken if declaration.broken else sound).update(declaration.facts)
-        doubted = {fact: Confidence.LIKELY if fact in sound else Confidence.DOUBTFUL for fact in broken}
-        return {**dict.fromkeys(sound, Confidence.CERTAIN), **doubted}
+        return broken - sound
 
 
 def _candidates(type: str, scope: str) -> list[str]:

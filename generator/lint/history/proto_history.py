@@ -47,8 +47,7 @@ def read_history(folder: Path, report: Callable[[int, int], None] | None = None,
     if newest:
         revisions, refs = _up_to(last[0], revisions, refs)
     else:
-        # The time is that of the newest commit: the order of commits does not depend on it.
-        uncommitted = checked_out.uncommitted(last, max((one.time for one in revisions), default=0))
+        uncommitted = checked_out.uncommitted(last)
     states = _States(git, uncommitted.contents, report or _ignore_progress)
     root = git.prefix()
     revisions = [*revisions, *uncommitted.revisions]
@@ -170,6 +169,11 @@ class History:
                     ends = {node for lifetime in lifetimes for node in lifetime.went if graph.precedes(node, newest)}
                     commits = [graph[node].revision.commit for node in sorted(ends)]
                     yield traced.usage, [commit for commit in commits if commit.id]
+
+    def files(self, name: str) -> set[str]:
+        """Return the paths of all files that ever declared a message or enum."""
+        changes = self._record.lineage.changes
+        return {place.path for id in self._ids(name) for declared in changes[id].values() for place in declared}
 
     def reuses(self, name: str) -> tuple[Reuse, ...]:
         """Return the reuses of the numbers of a message or enum."""

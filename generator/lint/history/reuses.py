@@ -18,11 +18,10 @@ from roverlink.generator.lint.comparison.judgement import (
 from roverlink.generator.lint.history.continuations import Declarations
 from roverlink.generator.lint.history.judged_facts import is_named, part, type_state
 from roverlink.generator.lint.history.lookup import Record
-from roverlink.generator.lint.history.usage_model import Confidence, Content, Kind, Relation, Reuse, Usage
+from roverlink.generator.lint.history.usage_model import Content, Kind, Reuse, Usage
 from roverlink.generator.lint.history.usage_relations import Relations
 from roverlink.generator.lint.history.usages import TracedUsage
 from roverlink.generator.lint.names.value_names import shared_words
-from roverlink.generator.protos.parser import SCALARS
 
 # A number that had two names or two types is not always a reuse: teams rename fields, move messages between packages
 # and split them into files. A rule that reports each of these would be turned off. So two usages of a number are
@@ -170,20 +169,16 @@ class Reuses:
         new: Content | None,
         reason: str,
     ) -> Reuse:
-        relation = self._relations.relation(earlier, later)
-        at_once = relation is Relation.TOGETHER or self._relations.overlap(earlier, later)
         return Reuse(
             owner=self._owner,
             number=later.usage.number,
             kind=kind,
             earlier=earlier.usage,
             later=later.usage,
-            relation=relation,
-            at_once=at_once and earlier is not later,
+            relation=self._relations.relation(earlier, later),
             old=old,
             new=new,
             survivors=self._compare_contents(old, new).left if old and new else 0,
-            confidence=max(_confidence(earlier, old), _confidence(later, new)),
             reason=reason,
         )
 
@@ -216,14 +211,3 @@ def _is_open(reuse: Reuse, one: int, other: int, renamed: Sequence[int], linked:
         return True
     classes = linked if reuse.certain else renamed
     return classes[one] != classes[other]
-
-
-def _confidence(use: TracedUsage, content: Content | None) -> Confidence:
-    """Return how reliable a usage (a meaning of a number) is.
-
-    ``content`` are the fields or values of the usage's type; None if the type is no message or enum, or is unknown.
-    """
-    type = use.usage.type
-    sound = content is not None and content.there and not content.broken
-    known = sound or not type or type in SCALARS or type.startswith("map<")
-    return use.usage.confidence if known else max(use.usage.confidence, Confidence.LIKELY)

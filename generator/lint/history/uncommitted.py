@@ -51,11 +51,10 @@ class CheckedOut(Repository):
         merged = self.folder / self._run("rev-parse", "--git-path", "MERGE_HEAD").removesuffix("\n")
         return (head, *(merged.read_text(encoding="ascii").split() if merged.is_file() else ()))
 
-    def uncommitted(self, parents: tuple[str, ...], time: int) -> Uncommitted:
+    def uncommitted(self, parents: tuple[str, ...]) -> Uncommitted:
         """Read the changed .proto files in the index, and those in the working tree.
 
-        ``parents`` are the commits from `parents`; ``time`` is the time of both states, in seconds since 1970. In a
-        hook of ``git commit``, the working tree is not read.
+        ``parents`` are the commits from `parents`. In a hook of ``git commit``, the working tree is not read.
         """
         if self._run("rev-parse", "--is-inside-work-tree").strip() != "true":
             return Uncommitted()
@@ -63,13 +62,13 @@ class CheckedOut(Repository):
         revisions: list[Revision] = []
         staged = self._staged(parents, hook)
         if staged or len(parents) > 1:
-            revisions.append(Revision(_INDEX, UNCOMMITTED, parents, time, tuple(staged)))
+            revisions.append(Revision(_INDEX, UNCOMMITTED, parents, tuple(staged)))
             parents = (_INDEX,)
         if hook:
             return Uncommitted(tuple(revisions))
         edits, contents = self._changed()
         if edits:
-            revisions.append(Revision(_WORKING_TREE, UNCOMMITTED, parents, time, tuple(edits)))
+            revisions.append(Revision(_WORKING_TREE, UNCOMMITTED, parents, tuple(edits)))
         return Uncommitted(tuple(revisions), contents)
 
     def _staged(self, parents: tuple[str, ...], hook: str) -> list[Edit]:

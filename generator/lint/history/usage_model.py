@@ -4,21 +4,10 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from enum import Enum, IntEnum
+from enum import Enum
 
 from roverlink.generator.git import Commit
 from roverlink.generator.protos.schema import Fact
-
-
-class Confidence(IntEnum):
-    """Reliability of a fact (a field or enum value in the history): a higher value means a less reliable fact."""
-
-    CERTAIN = 0
-    """All files from which the fact was read could be read completely."""
-    LIKELY = 1
-    """Some of the files have lines that cannot be read, or the type of the field is not in the repository."""
-    DOUBTFUL = 2
-    """All of the files have lines that cannot be read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +43,8 @@ class Usage:
     """The local and remote branches that contain the fact today."""
     went: Commit | None
     """The last commit that deleted the fact; None if a branch still contains it."""
-    confidence: Confidence
+    broken: bool
+    """True if every file from which the fact was read has lines that cannot be read."""
 
     @property
     def came(self) -> Commit:
@@ -156,15 +146,12 @@ class Reuse:
     later: Usage
     """The later usage. It is the same object as `earlier` if a message kept its name, and its content was replaced."""
     relation: Relation
-    at_once: bool
-    """True if both usages existed at the same time, even on different branches, by the times of the commits."""
     old: Content | None
     """The last content of the earlier usage's type; None if the type is no message or enum, or is unknown."""
     new: Content | None
     """The first content of the later usage's type; None if the type is no message or enum, or is unknown."""
     survivors: int
     """The number of fields of the old content that still exist in the new one."""
-    confidence: Confidence
     reason: str = ""
     """Why the meaning is another one, as a clause; empty for a mere rename."""
     same_as_earlier: frozenset[Usage] = frozenset()

@@ -1,6 +1,6 @@
 """Relations in time between the usages (meanings) of one number: one after the other, or on different branches.
 
-The graph of commits shows the order. The times of commits are only compared for usages on separate branches.
+The graph of commits shows the order; the times of commits do not count.
 """
 
 from __future__ import annotations
@@ -30,7 +30,6 @@ class Relations:
 
     def __init__(self, record: Record, owner: int) -> None:
         self._record, self._graph = record, record.graph
-        self._times = cache(self._find_times)
         self._ends, self._begins = cache(_find_ends), cache(_find_begins)
         self._together: set[frozenset[Fact]] = set()
         for declared in record.lineage.changes[owner].values():
@@ -88,29 +87,6 @@ class Relations:
                 nodes |= {node for node in changes if self._record.has(stretch.owner, stretch.lifetime.fact, node)}
             nodes.add(stretch.lifetime.came)
         return sorted(nodes)
-
-    def overlap(self, one: TracedUsage, other: TracedUsage) -> bool:
-        """Return True if both usages (meanings) of a number existed at the same time, even on different branches."""
-        return any(
-            max(came, other_came) < min(went, other_went)
-            for came, went in self._times(one)
-            for other_came, other_went in self._times(other)
-        )
-
-    def _find_times(self, use: TracedUsage) -> list[tuple[float, float]]:
-        """Return the start and the end of each time during which a usage existed, in seconds since 1970.
-
-        The end is infinite if a branch still has the usage.
-        """
-        return [self._time(stretch) for stretch in use.stretches]
-
-    def _time(self, stretch: Stretch) -> tuple[float, float]:
-        lifetime = stretch.lifetime
-        # Separate branches have no order in the graph, so only the times of the commits can show if both usages existed
-        # at once.
-        ends = [self._graph[node].revision.time for node in (*lifetime.went, *lifetime.faded)]
-        lasts = stretch.live_at or not ends
-        return self._graph[lifetime.came].revision.time, float("inf") if lasts else max(ends)
 
     def _handover(self, earlier: TracedUsage, later: TracedUsage) -> _Handover | None:
         """Return the latest case in which the later usage begins after the earlier usage has ended; None if none.

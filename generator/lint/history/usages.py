@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from roverlink.generator.lint.history.lineage import Alive, Lifetime
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.uncommitted import is_uncommitted
-from roverlink.generator.lint.history.usage_model import Confidence, Interval, Usage
+from roverlink.generator.lint.history.usage_model import Interval, Usage
 from roverlink.generator.protos.schema import Fact
 
 
@@ -43,7 +43,7 @@ def usages(record: Record, owners: Sequence[int], branches: Mapping[str, int], c
     ``owners`` are the ids of the message or enum; several if several files declare its name. If ``claimed`` is True,
     only the usages in commented-out declarations are returned, and otherwise only those in real declarations.
     """
-    confidence = record.confidence(owners)
+    broken = record.only_in_broken_files(owners)
     stretches: dict[Fact, list[Stretch]] = {}
     for owner in owners:
         live_at = _live_at(record, owner, branches)
@@ -52,8 +52,7 @@ def usages(record: Record, owners: Sequence[int], branches: Mapping[str, int], c
                 stretch = Stretch(owner, lifetime, tuple(live_at.get(index, ())))
                 stretches.setdefault(lifetime.fact, []).append(stretch)
     found = [
-        _traced(record, sorted(parts, key=lambda part: part.order), confidence[fact])
-        for fact, parts in stretches.items()
+        _traced(record, sorted(parts, key=lambda part: part.order), fact in broken) for fact, parts in stretches.items()
     ]
     return sorted(found, key=lambda traced: (traced.usage.number, traced.stretches[0].order, traced.usage.fact))
 
@@ -84,7 +83,7 @@ def _live_at(record: Record, owner: int, branches: Mapping[str, int]) -> dict[in
     return found
 
 
-def _traced(record: Record, stretches: Sequence[Stretch], confidence: Confidence) -> TracedUsage:
+def _traced(record: Record, stretches: Sequence[Stretch], broken: bool) -> TracedUsage:
     fact = stretches[0].lifetime.fact
     refs = sorted({ref for stretch in stretches for ref in stretch.live_at})
     went = max((node for stretch in stretches for node in stretch.lifetime.went), default=None)
@@ -98,7 +97,7 @@ def _traced(record: Record, stretches: Sequence[Stretch], confidence: Confidence
         intervals=tuple(_interval(record, stretch) for stretch in stretches),
         live_at=tuple(refs),
         went=None if refs or went is None else record.graph[went].revision.commit,
-        confidence=confidence,
+        broken=broken,
     )
     return TracedUsage(usage, tuple(stretches))
 

@@ -29,9 +29,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Set
 from dataclasses import replace
 
-from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.history_diagnostics import place_in_history
+from roverlink.generator.lint.history_diagnostics import use_of
 from roverlink.generator.protos.schema import ProtoMessage
 from roverlink.generator.table import Table
 
@@ -48,7 +48,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
     published = {entry.number: entry for entry in reversed(context.published)}
     for number, entry in sorted(published.items()):
         if _is_free(number, envelope) and not _is_of_another_rule(number, table):
-            yield _finding(envelope, number, entry.name, entry.proto, (entry.span, "published here"))
+            finding = _finding(envelope, number, entry.name, entry.proto)
+            yield replace(finding, also=((entry.span, "published here"),))
     yield from _removed_in_history(context, envelope, published.keys())
 
 
@@ -65,16 +66,16 @@ def _removed_in_history(context: Context, envelope: ProtoMessage, known: Set[int
     removed = {usage.number: (usage, commits) for usage, commits in past.history.removed(envelope.full_name)}
     for number, (usage, commits) in sorted(removed.items()):
         if usage.oneof and number not in known and _is_free(number, envelope):
-            added = place_in_history(context, usage), f"added here ({usage.came})"
-            finding = _finding(envelope, number, usage.name, usage.type, added)
+            found = _finding(envelope, number, usage.name, usage.type)
+            finding = replace(found, uses=(use_of(context, usage),))
             before = any(commit.id in past.before for commit in commits)
             yield replace(finding, severity=Severity.HINT) if before else finding
 
 
-def _finding(envelope: ProtoMessage, number: int, name: str, type: str, earlier: tuple[Span, str]) -> Diagnostic:
+def _finding(envelope: ProtoMessage, number: int, name: str, type: str) -> Diagnostic:
     message = f"field {number}, {name!r} ({type}), was removed, but its number is not reserved"
     help = f"add {_reservation(number, name, envelope)} to the message {envelope.full_name!r}"
-    return RULE.at(envelope.at("name"), message, help, [earlier], type=envelope.full_name, number=number)
+    return RULE.at(envelope.at("name"), message, help, type=envelope.full_name, number=number)
 
 
 def _is_free(number: int, envelope: ProtoMessage) -> bool:

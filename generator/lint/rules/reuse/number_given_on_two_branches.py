@@ -18,10 +18,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from roverlink.generator.diagnostics import Diagnostic, Rule, Span, Use
+from roverlink.generator.diagnostics import Diagnostic, Rule, Use
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.history import Allocation, branch_name
+from roverlink.generator.lint.history import Allocation, whereabouts
 from roverlink.generator.lint.history_diagnostics import place_of
+from roverlink.generator.protos.schema import Fact
 
 RULE = Rule("HIS104", "number-given-on-two-branches", __doc__)
 
@@ -36,17 +37,15 @@ def check(context: Context) -> Iterator[Diagnostic]:
         message = f"number {number} of {envelope!r} is {' and '.join(map(_said, given))}"
         free = context.next_number()
         help = f"keep the number for one payload, and give the other payload the number {free}, which no branch uses"
-        also = [
-            (
-                Span(f"{branch_name(one.refs[0])}:{one.path}", one.line),
-                f"{one.name!r} ({one.type}) was added with {one.came}",
-            )
-            for one in given
-        ]
-        uses = [Use(one.type, one.name, one.came, None) for one in given]
-        yield RULE.at(place_of(context, envelope, number), message, help, also, type=envelope, number=number, uses=uses)
+        uses = [_use(context, number, one) for one in given]
+        yield RULE.at(place_of(context, envelope, number), message, help, type=envelope, number=number, uses=uses)
+
+
+def _use(context: Context, number: int, one: Allocation) -> Use:
+    declaration = Fact(number, one.name, one.type).text
+    place = context.place(one.path, one.line, 0)
+    return Use(one.type, one.name, one.came, None, (declaration,), place, whereabouts(one.refs))
 
 
 def _said(allocation: Allocation) -> str:
-    branches = " and ".join(f"the branch {branch_name(ref)!r}" for ref in allocation.refs)
-    return f"{allocation.name!r} ({allocation.type}) on {branches}"
+    return f"{allocation.name!r} ({allocation.type}) {whereabouts(allocation.refs)}"
