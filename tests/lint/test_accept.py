@@ -291,7 +291,7 @@ def test_a_rename_is_one_meaning(project: Repository) -> None:
     project.write(*_NOW, types=renamed)
     assert {one[0] for one in project.found()} == {"HIS101", "WIR110", "WIR114"}
     assert project.run("generate")[0] == 1
-    code, out, err = project.lint("--accept", "rover.Imu:2", "rover.Mode:1", "--reason", "only better names")
+    code, _, err = project.lint("--accept", "rover.Imu:2", "rover.Mode:1", "--reason", "only better names")
     assert (code, err) == (0, "")
     assert project.lint("--against", "HEAD")[0] == 0
     assert project.run("generate", "--check")[0] == 0
