@@ -24,6 +24,7 @@ _STYLES = {
 }
 _TAB = "    "
 _GAP = "   "  # between two columns
+_MOST_USES = 6
 _WIDTH = 100  # columns of the output if it is no terminal, such as the log of a CI server
 
 
@@ -122,6 +123,9 @@ def beside(uses: Sequence[Use], sources: Sources, width: int) -> list[str]:
     """
     from rich.cells import cell_len, set_cell_size
 
+    if len(uses) > _MOST_USES:
+        first = f"... and {len(uses) - _MOST_USES} earlier declarations, which `roverlink history` lists"
+        return [first, *beside(uses[-_MOST_USES:], sources, width)]
     if not uses:
         return []
     column = (width - len(_GAP) * (len(uses) - 1)) // len(uses)

@@ -7,8 +7,10 @@ with the commits that added and removed it.
 from __future__ import annotations
 
 import dataclasses
+from collections import defaultdict
 from collections.abc import Iterator, Sequence, Set
 from itertools import groupby, zip_longest
+from operator import itemgetter
 from posixpath import normpath
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span, Use
@@ -18,6 +20,8 @@ from roverlink.generator.lint.history import Content, Kind, Relation, Reuse, Tra
 from roverlink.generator.lint.history.judged_facts import is_named
 from roverlink.generator.lock import PastUse
 from roverlink.generator.protos.schema import Fact, ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
+
+_MOST_TOLD = 3
 
 
 def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[TracedType, int, list[Reuse]]]:
@@ -45,8 +49,7 @@ def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses
     owner, order = type.name, context.past.history.numbers_of(type.id)[number]
     finding = rule.at(
         place_of(context, owner, number),
-        f"number {number} of {owner!r} {'; it '.join(map(_told, _last_changes(order, reuses)))}"
-        f"{_today(context, owner, number)}",
+        f"number {number} of {owner!r} {_told_last(_last_changes(order, reuses))}" f"{_today(context, owner, number)}",
         _help(context, owner, number),
         type=owner,
         number=number,
@@ -80,13 +83,19 @@ def _uses(context: Context, order: Sequence[Usage], reuses: Sequence[Reuse]) -> 
 
     For a message that kept its name, these are its contents.
     """
+    # By identity: a number may have thousands of usages, and comparing two takes long.
+    within, concerned = defaultdict[int, list[Reuse]](list), defaultdict[int, list[Reuse]](list)
+    for reuse in reuses:
+        if reuse.earlier is reuse.later:
+            within[id(reuse.later)].append(reuse)
+        else:
+            concerned[id(reuse.earlier)].append(reuse)
+            concerned[id(reuse.later)].append(reuse)
     for usage in order:
-        within = [reuse for reuse in reuses if reuse.earlier is usage is reuse.later]
-        for reuse in within:
+        for reuse in within[id(usage)]:
             yield from _contents(context, reuse)
-        concerned = [reuse for reuse in reuses if reuse not in within and usage in (reuse.earlier, reuse.later)]
-        if concerned:
-            yield use_of(context, usage, next(filter(None, (_doubt(reuse, usage) for reuse in concerned)), ""))
+        if about := concerned[id(usage)]:
+            yield use_of(context, usage, next(filter(None, (_doubt(reuse, usage) for reuse in about)), ""))
 
 
 def _doubt(reuse: Reuse, usage: Usage) -> str:
@@ -146,12 +155,20 @@ def _last_changes(order: Sequence[Usage], reuses: Sequence[Reuse]) -> list[Reuse
 
     The others, such as the change from the first usage to the third one, would only repeat what these say.
     """
+    position = {id(usage): index for index, usage in enumerate(order)}
     last: dict[int, Reuse] = {}
-    within = [reuse for reuse in reuses if reuse.earlier is reuse.later]
-    for reuse in sorted(reuses, key=lambda reuse: order.index(reuse.earlier)):
-        if reuse not in within:
-            last[order.index(reuse.later)] = reuse
-    return [*(reuse for _, reuse in sorted(last.items())), *within]
+    for reuse in sorted(reuses, key=lambda reuse: position[id(reuse.earlier)]):
+        if reuse.earlier is not reuse.later:
+            last[position[id(reuse.later)]] = reuse
+    within = (reuse for reuse in reuses if reuse.earlier is reuse.later)
+    return [*(reuse for _, reuse in sorted(last.items(), key=itemgetter(0))), *within]
+
+
+def _told_last(changes: Sequence[Reuse]) -> str:
+    """Return how a number got its meanings, as a predicate: only the latest of many changes."""
+    told = "; it ".join(map(_told, changes[-_MOST_TOLD:]))
+    more = len(changes) - _MOST_TOLD
+    return f"{told} (and {more} changes of meaning before)" if more > 0 else told
 
 
 def _began(reuse: Reuse) -> set[str]:
