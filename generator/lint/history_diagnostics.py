@@ -83,18 +83,18 @@ def _uses(context: Context, order: Sequence[Usage], reuses: Sequence[Reuse]) -> 
 
     For a message that kept its name, these are its contents.
     """
-    # By identity: a number may have thousands of usages, and comparing two takes long.
-    within, concerned = defaultdict[int, list[Reuse]](list), defaultdict[int, list[Reuse]](list)
+    # By fact, which no other usage of the number has: comparing two of thousands of usages takes long.
+    within, concerned = defaultdict[Fact, list[Reuse]](list), defaultdict[Fact, list[Reuse]](list)
     for reuse in reuses:
         if reuse.earlier is reuse.later:
-            within[id(reuse.later)].append(reuse)
+            within[reuse.later.fact].append(reuse)
         else:
-            concerned[id(reuse.earlier)].append(reuse)
-            concerned[id(reuse.later)].append(reuse)
+            concerned[reuse.earlier.fact].append(reuse)
+            concerned[reuse.later.fact].append(reuse)
     for usage in order:
-        for reuse in within[id(usage)]:
+        for reuse in within[usage.fact]:
             yield from _contents(context, reuse)
-        if about := concerned[id(usage)]:
+        if about := concerned[usage.fact]:
             yield use_of(context, usage, next(filter(None, (_doubt(reuse, usage) for reuse in about)), ""))
 
 
@@ -155,11 +155,11 @@ def _last_changes(order: Sequence[Usage], reuses: Sequence[Reuse]) -> list[Reuse
 
     The others, such as the change from the first usage to the third one, would only repeat what these say.
     """
-    position = {id(usage): index for index, usage in enumerate(order)}
+    position = {usage.fact: index for index, usage in enumerate(order)}
     last: dict[int, Reuse] = {}
-    for reuse in sorted(reuses, key=lambda reuse: position[id(reuse.earlier)]):
+    for reuse in sorted(reuses, key=lambda reuse: position[reuse.earlier.fact]):
         if reuse.earlier is not reuse.later:
-            last[position[id(reuse.later)]] = reuse
+            last[position[reuse.later.fact]] = reuse
     within = (reuse for reuse in reuses if reuse.earlier is reuse.later)
     return [*(reuse for _, reuse in sorted(last.items(), key=itemgetter(0))), *within]
 
