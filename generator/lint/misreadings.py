@@ -209,6 +209,8 @@ class _Walk:
 
     def _whole(self, pair: MessagePair) -> None:
         """Compare what concerns two messages as a whole: required fields, and the format of their extensions."""
+        if not self._is_compiled(pair.old.file, pair.new.file):
+            return  # options decide about both
         for fields in required_changes(pair):
             states = zip(fields, (pair.old, pair.new), (self.change.before, self.change.after), strict=True)
             old, new = (
@@ -218,7 +220,7 @@ class _Walk:
             number = next(one.number for one in fields if one)
             reason = "a receiver with the required field rejects messages without it"
             self._add(pair.new.full_name, number, old, new, Judgement(Meaning.WIRE, reason))
-        if pair.old.facets != pair.new.facets and self._is_compiled(pair.old.file, pair.new.file):
+        if pair.old.facets != pair.new.facets:
             old, new = (
                 Side("a message set" if one.facets else "no message set", one.span) for one in (pair.old, pair.new)
             )
