@@ -7,15 +7,12 @@ of a field is unknown, and so is its name in JSON.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from roverlink.generator.diagnostics import Span, shown
-from roverlink.generator.protos.parser import SCALARS, File, resolve_type
+from roverlink.generator.protos.parser import SCALARS, File, map_types, resolve_type
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema, Syntax
-
-_MAP = re.compile(r"map<(\w+), (.+)>")
 
 
 def with_uncompiled(schema: Schema, files: Mapping[str, File], shown_root: str) -> Schema:
@@ -59,11 +56,11 @@ class _Linker:
         """Yield a message, and an entry message for each of its maps, as protoc makes them."""
         fields = []
         for field in message.fields:
-            if found := _MAP.fullmatch(field.type):
+            if found := map_types(field.type):
                 name = "".join(part[:1].upper() + part[1:] for part in field.name.split("_"))
                 parts = [
                     ProtoField(span=field.span, number=number, name=part, type=type)
-                    for number, part, type in ((1, "key", found[1]), (2, "value", found[2]))
+                    for number, (part, type) in enumerate(zip(("key", "value"), found, strict=True), 1)
                 ]
                 entry = replace(message, full_name=f"{message.full_name}.{name}Entry", span=field.span)
                 yield self._with(replace(entry, map_entry=True, reserved=(), extension_ranges=()), parts)

@@ -281,10 +281,7 @@ def test_branches_that_took_one_number(repository: RepositoryBuilder, run: Run) 
     (found,) = _found(out)
     assert (found["id"], found["number"]) == ("HIS104", 3)
     assert "'spare' (Imu) on the branch 'imu' and 'wind' (Wind) on the branch 'wind'" in found["message"]
-    assert (
-        found["help"]
-        == "keep the number for one payload, and give the other payload the number 4, which no branch uses"
-    )
+    assert found["help"] == "keep the number for one of them, and give the other one the number 4, which no branch uses"
     assert run("lint", root, *_TREE)[0] == 0
 
 

@@ -8,10 +8,10 @@ reads states that do not compile, because a board may run firmware from such a c
 from __future__ import annotations
 
 from roverlink.generator.lint.history.branch_collisions import branch_name
-from roverlink.generator.lint.history.judged_facts import differ
 from roverlink.generator.lint.history.proto_history import History, read_history
 from roverlink.generator.lint.history.usage_model import (
     Allocation,
+    Collision,
     Confidence,
     Content,
     Kind,
@@ -23,6 +23,7 @@ from roverlink.generator.lint.history.usage_model import (
 
 __all__ = [
     "Allocation",
+    "Collision",
     "Confidence",
     "Content",
     "History",
@@ -32,6 +33,5 @@ __all__ = [
     "Reuse",
     "TracedType",
     "branch_name",
-    "differ",
     "read_history",
 ]

@@ -15,7 +15,7 @@ from roverlink.generator.lint.history.commit_graph import Graph
 from roverlink.generator.lint.history.continuations import Declarations, Place
 from roverlink.generator.lint.history.lineage import Lifetime, Lineage
 from roverlink.generator.lint.history.usage_model import Confidence, Content, TracedType
-from roverlink.generator.protos.parser import SCALARS
+from roverlink.generator.protos.parser import SCALARS, map_types
 from roverlink.generator.protos.schema import Fact
 
 _NOWHERE: Declarations = {}
@@ -161,6 +161,19 @@ class Record:
         """Return the first parent of a node that still has a fact (a field or enum value), which the node deletes."""
         parents = self.graph[node].parents
         return next((parent for parent in parents if self.has(owner, fact, parent)), parents[0])
+
+    def reachable(self, roots: Iterable[int], node: int) -> set[int]:
+        """Return the ids of some messages, and of all messages and enums in their fields at a node, at any depth."""
+        found: set[int] = set()
+        waiting = list(roots)
+        while waiting:
+            id = waiting.pop()
+            if id not in found:
+                found.add(id)
+                types = {fact.type for one in self.declared(id, node).values() for fact in one.facts}
+                types |= {values for _, values in filter(None, map(map_types, types))}
+                waiting += [one for one in (self.resolve(type, id, node) for type in types) if one is not None]
+        return found
 
     # --- facts ------------------------------------------------------------------------------------------------------
 

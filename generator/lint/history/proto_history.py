@@ -161,9 +161,12 @@ class History:
         return tuple(reuse for id in self._ids(name) for reuse in self.reuses_of(id))
 
     def collisions(self, name: str) -> tuple[Collision, ...]:
-        """Return the numbers of a message to which branches have given different payloads since they diverged."""
-        found = Branches(self._record, self._ids(name), self._nodes)
-        return tuple(found.collisions(default_branch(self._refs)))
+        """Return the numbers to which branches have given different meanings since they diverged.
+
+        These are numbers of a message, and of all messages and enums in it.
+        """
+        branches = Branches(self._record, self._nodes, default_branch(self._refs))
+        return tuple(branches.collisions(self._ids(name)))
 
     def _ids(self, name: str) -> tuple[int, ...]:
         return tuple(self._record.named(name))
