@@ -24,11 +24,13 @@ _NOWHERE: Declarations = {}
 class Record:
     """The history of all messages and enums, for lookups by id and node. A node is the index of a commit.
 
-    ``newest`` is the node of the state that is judged.
+    ``newest`` is the node of the state that is judged. ``kept`` are other nodes whose history nobody can take back: the
+    last commit of the default branch, and released commits, which have a tag.
     """
 
-    def __init__(self, graph: Graph, lineage: Lineage, newest: int) -> None:
+    def __init__(self, graph: Graph, lineage: Lineage, newest: int, kept: Iterable[int] = ()) -> None:
         self.graph, self.lineage, self.newest = graph, lineage, newest
+        self._kept = frozenset((newest, *kept))
         self._nodes_of_changes: dict[int, Sequence[int]] = {}
         self._contents: dict[tuple[int, int], Content] = {}
 
@@ -152,6 +154,10 @@ class Record:
         found = before or min((each for each in versions if self.graph.precedes(node, each[0])), default=None)
         content = self.content(found[1], found[0]) if found else None
         return replace(content, there=False) if content else None
+
+    def is_kept(self, node: int) -> bool:
+        """Return False if only branches that are not merged contain a node, so that it may still change."""
+        return any(self.graph.precedes(node, kept) for kept in self._kept)
 
     def has(self, owner: int, fact: Fact, node: int) -> bool:
         """Return True if the message or enum ``owner`` declares the fact (a field or value) at a node."""

@@ -7,6 +7,7 @@ from functools import cache
 from itertools import combinations, groupby
 
 from roverlink.generator.lint.comparison.judgement import Kept, Meaning, compare_parts
+from roverlink.generator.lint.history.commit_graph import Graph
 from roverlink.generator.lint.history.continuations import Declarations
 from roverlink.generator.lint.history.judged_facts import type_state
 from roverlink.generator.lint.history.lookup import Record
@@ -118,7 +119,7 @@ class Reuses:
             known = any(old.facts == new.facts for old in past)
             if past and not known and (kept := self._compare_contents(past[-1], new)).is_another_message:
                 yield self._reuse(
-                    Kind.REPLACED, use, use, past[-1], new, f"{kept.left} of {kept.before} fields are left"
+                    Kind.REPLACED, use, use, past[-1], new, f"{kept.left} of {kept.before} fields are left", node
                 )
 
     # --- what is said of both ---------------------------------------------------------------------------------------
@@ -140,6 +141,7 @@ class Reuses:
         old: Content | None,
         new: Content | None,
         reason: str,
+        came: int = Graph.BEGINNING,
     ) -> Reuse:
         relation = self._relations.relation(earlier, later)
         at_once = relation is Relation.TOGETHER or self._relations.overlap(earlier, later)
@@ -156,7 +158,25 @@ class Reuses:
             survivors=self._compare_contents(old, new).left if old and new else 0,
             confidence=max(_confidence(earlier, old), _confidence(later, new)),
             reason=reason,
+            unmerged=self._is_unmerged(earlier, later, came),
         )
+
+    def _is_unmerged(self, earlier: TracedUsage, later: TracedUsage, came: int) -> bool:
+        """Return `Reuse.unmerged`; ``came`` is the node with which the later meaning began, if both are one usage."""
+        if earlier is later:
+            return not self._record.is_kept(came) and not self._stands(earlier)
+        kept = (
+            any(self._record.is_kept(stretch.lifetime.came) for stretch in use.stretches) for use in (earlier, later)
+        )
+        if all(kept):
+            return False
+        pairs = (earlier, later), (later, earlier)
+        return not any(self._stands(one) and other.usage.live_at for one, other in pairs)
+
+    def _stands(self, use: TracedUsage) -> bool:
+        """Return True if the state that is judged has the declaration."""
+        record = self._record
+        return any(record.has(stretch.owner, use.usage.fact, record.newest) for stretch in use.stretches)
 
 
 def _numbers(declared: Declarations) -> dict[str, set[int]]:

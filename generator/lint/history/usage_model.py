@@ -157,6 +157,11 @@ class Reuse:
     confidence: Confidence
     reason: str = ""
     """Why the meaning is another one, as a clause; empty for a mere rename."""
+    unmerged: bool = False
+    """True if the number has both meanings only because of branches that are not merged, and may still be changed.
+
+    False if the state that is judged has one of the meanings, and an unmerged branch has the other one today.
+    """
 
     @property
     def certain(self) -> bool:
