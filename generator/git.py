@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
 from itertools import islice
@@ -101,6 +101,12 @@ class Repository:
     def reachable(self, commit: str) -> frozenset[str]:
         """Return the ids of a commit and of all its ancestors, as far as the clone contains them."""
         return frozenset(self._run("rev-list", commit).split())
+
+    def in_order(self, commits: Iterable[str]) -> list[str]:
+        """Return the ids of some commits, each one after its ancestors, and otherwise sorted by time."""
+        wanted = sorted(set(commits))
+        listed = self._run("rev-list", "--date-order", "--reverse", *wanted).split() if wanted else []
+        return [id for id in listed if id in wanted]
 
     def entries(self, commit: str) -> list[tuple[str, str, str]]:
         """Return mode, object id and path of each file, link and submodule below the folder in a commit."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span, shown
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.history import History, whereabouts
-from roverlink.generator.lint.pinned_numbers import Pinned
+from roverlink.generator.lint.pinned_states import PinnedStates
 from roverlink.generator.lock import Entry, Ledger, RowSettings, Setting, settings_of_row, topics_of
 from roverlink.generator.nanopb import Bounds
 from roverlink.generator.protos.parser import File
@@ -38,8 +38,8 @@ class Past:
     """True if the user requested the check of every number's history (``--history``)."""
     of_branches: bool = False
     """True if the user requested the comparison of branches that are not merged yet (``--branches``)."""
-    pinned: tuple[Pinned, ...] = ()
-    """Other projects that use the .proto files (``--pins``), each with its commit and the envelope's numbers there."""
+    pinned: PinnedStates | None = None
+    """The .proto files that other projects use, compared with those of today (``--pins``); None if not requested."""
     before: frozenset[str] = frozenset()
     """Ids of the baseline's commit and its ancestors; empty if no commit is the baseline (``--against``)."""
 

@@ -23,15 +23,16 @@ from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past, since_last_generate
 from roverlink.generator.lint.engine import lint
-from roverlink.generator.lint.history import read_history
+from roverlink.generator.lint.history import History, read_history
 from roverlink.generator.lint.input_rules import DEEPEN, LIMITED_HISTORY, LOST_PAST, NO_PROTOS, UNREADABLE_HISTORY
-from roverlink.generator.lint.pinned_numbers import read_pinned
+from roverlink.generator.lint.pinned_states import PinnedStates, ProtoState, StateReader, compare_states
 from roverlink.generator.lint.wrong_root import wrong_root
 from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
 from roverlink.generator.protos.files import index_declarations, read_protos
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
 from roverlink.generator.protos.protoc import compile_tree
 from roverlink.generator.protos.schema import Schema
+from roverlink.generator.protos.uncompiled import with_uncompiled
 from roverlink.generator.resolve.locate import locate
 from roverlink.generator.table import Table, reader
 
@@ -183,7 +184,7 @@ def _lint(
     if wrong := wrong_root(root, declared, shown_to_user, table.proto.at("root")):
         raise DiagnosticsError([*findings, wrong])
     unread = len(findings) > found_before
-    past = _past(in_git, shown_root, table.envelope.message, question, findings) if question.of_the_past else None
+    past = _past(in_git, shown_root, question, findings) if question.of_the_past else None
     if not declared and not unread and not (past and past.history.messages):
         message = "the folder contains no .proto file"
         help = "give the folder that contains your .proto files"
@@ -198,6 +199,9 @@ def _lint(
     of_table = as_lines(table_bounds(table, schema, root, findings))
     layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
     baseline = _baseline(question, project, layout, findings)
+    if past and question.pins:
+        checkout = with_uncompiled(schema, kept, shown_root)
+        past = dataclasses.replace(past, pinned=_pinned(in_git, table, checkout, past.history, question, findings))
     if past and baseline and baseline.commit:
         past = dataclasses.replace(past, before=Repository(project).reachable(baseline.commit))
     context = Context(
@@ -226,8 +230,8 @@ def _texts(folder: Path, findings: tuple[Diagnostic, ...]) -> dict[str, str]:
     return {file: source_files.quoted_text(folder / file) for file in files if (folder / file).is_file()}
 
 
-def _past(root: Path, shown_root: str, envelope: str, question: Question, findings: list[Diagnostic]) -> Past:
-    """Read the history and branches of the .proto files in git, and the commits that other projects use (pins).
+def _past(root: Path, shown_root: str, question: Question, findings: list[Diagnostic]) -> Past:
+    """Read the history and branches of the .proto files in git.
 
     ``shown_root`` is the name of the folder ``root`` in diagnostics. Raises `DiagnosticsError` if git cannot read the
     history, for example because the folder is in no repository.
@@ -260,8 +264,30 @@ def _past(root: Path, shown_root: str, envelope: str, question: Question, findin
         message = f"the history of this file before {commit} was not read{and_others}: {why}"
         help = "look at its earlier numbers yourself, and reserve those that are not used any more"
         findings.append(LOST_PAST.at(Span(shown(shown_root, first.path)), message, help))
-    pins = read_pinned(read_pins(question.pins, findings), Repository(root), envelope, findings)
-    return Past(history, question.history, question.branches, tuple(pins))
+    return Past(history, question.history, question.branches)
+
+
+def _pinned(
+    root: Path, table: Table, checkout: Schema, history: History, question: Question, findings: list[Diagnostic]
+) -> PinnedStates:
+    """Read the states that other projects use (pins), and compare them with each other and with the checkout.
+
+    ``checkout`` is the schema of the state that is checked.
+    """
+    envelope, repository = table.envelope.message, Repository(root)
+    former = [name for type in history.types if envelope in type.names for name in type.names]
+    reader = StateReader(repository, (envelope, *former), table.proto.exclude)
+    read = reader.consumers(read_pins(question.pins, findings), findings)
+    known = [(consumer.commit.id, dataclasses.replace(state, consumers=(consumer,))) for consumer, state in read]
+    name = f"the ref {question.newest!r}" if question.newest else "this checkout"
+    today = ProtoState(checkout, reader.envelope_in(checkout), checkout=name)
+    try:
+        head = repository.resolve(question.newest or "HEAD")
+    except GitError:
+        head = ""  # the branch has no commit yet; then the checkout is the newest state
+    order = [*repository.in_order(filter(None, [head, *(commit for commit, _ in known)])), ""]
+    known = sorted([*known, (head, today)], key=lambda one: order.index(one[0]))
+    return compare_states([state for _, state in known if state.envelope])
 
 
 def _baseline(question: Question, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline | None:

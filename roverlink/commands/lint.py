@@ -61,7 +61,8 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--branches",
         action="store_true",
-        help="find envelope numbers that two unmerged branches of this repository give to different payloads",
+        help="find numbers of the envelope, and of all messages and enums in it, that two unmerged branches of this "
+        "repository give to different things",
     )
     parser.add_argument(
         "--pins",
@@ -69,9 +70,10 @@ def add(commands: Subparsers) -> None:
         type=Path,
         default=[],
         metavar="FILE|REPO",
-        help="find envelope numbers that have different payloads in two projects, because these projects use different "
-        "commits of the .proto files. REPO is the folder of a project; the commit is read from its submodules or from "
-        "GIT_TAG in CMake. FILE is a text file with a line `project commit` for each project",
+        help="find numbers of the envelope, and of all messages and enums in it, that have different meanings in two "
+        "projects or here, because the projects use different commits of the .proto files; also print which projects "
+        "misread each other. REPO is the folder of a project; the commit is read from its submodules or from GIT_TAG "
+        "in CMake. FILE is a text file with a line `project commit` for each project",
     )
     parser.add_argument(
         "--accept",

@@ -1,14 +1,14 @@
 """Findings of `roverlink lint` as text for people.
 
-The text consists of the diagnostics, a table of the numbers that projects use differently (option ``--pins``), and a
-last line such as ``1 error, 2 warnings``.
+The text consists of the diagnostics, a table of how the projects that use the .proto files read each other (option
+``--pins``), and a last line such as ``1 error, 2 warnings``.
 """
 
 from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator
 
 from rich.box import SIMPLE
 from rich.console import Console
@@ -17,9 +17,12 @@ from rich.table import Table
 
 from roverlink.diagnostic_text import show
 from roverlink.generator.diagnostics import Severity
-from roverlink.generator.lint.pinned_numbers import Pinned
+from roverlink.generator.lint.pinned_states import PinnedStates
 from roverlink.generator.lint.project import Linted
 from roverlink.lint_scope import sources
+
+_CELL = len("compatible") + 3  # a column with its padding and the gap to the next one
+_PADDING_OF_NAMES = 4
 
 
 def write(linted: Linted) -> None:
@@ -27,20 +30,28 @@ def write(linted: Linted) -> None:
     console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
     show(linted.findings, sources(linted), sys.stdout)
     if linted.context.past is not None and linted.context.past.pinned:
-        console.print(_matrix(linted.context.past.pinned))
+        # Soft wrapping would stop the folding of long names.
+        console.print(*_matrix(linted.context.past.pinned, console.width), sep="", soft_wrap=False)
     console.print(_summary(linted))
 
 
-def _matrix(pinned: Sequence[Pinned]) -> Table:
-    """Return a table with a row and a column for each project that uses the .proto files.
+def _matrix(pinned: PinnedStates, width: int) -> Iterator[Table]:
+    """Yield tables that say how two states of the .proto files read each other; each table fits ``width`` characters.
 
-    A cell holds the numbers that two projects use differently, because they use different commits of the .proto files.
+    Each row is a state, named after the projects that have it, with its number. The columns have the same numbers.
     """
-    table = Table("", *(escape(one.pin.consumer) for one in pinned), box=SIMPLE)
-    for one in pinned:
-        cells = (", ".join(map(str, one.disagreements(other))) or "agree" for other in pinned)
-        table.add_row(escape(one.pin.consumer), *("" if other is one else cell for other, cell in zip(pinned, cells)))
-    return table
+    names = [f"{number} {escape(', '.join(state.names))}" for number, state in enumerate(pinned.states, 1)]
+    of_names = min(max(map(len, names)), width // 4)
+    fitting = max(1, (width - of_names - _PADDING_OF_NAMES) // _CELL)
+    for first in range(0, len(names), fitting):
+        columns = range(first, min(first + fitting, len(names)))
+        table = Table(box=SIMPLE)
+        table.add_column("", width=of_names, overflow="fold")
+        for column in columns:
+            table.add_column(str(column + 1), width=len("compatible"))
+        for row, name in enumerate(names):
+            table.add_row(name, *(pinned.relation(row, column) for column in columns))
+        yield table
 
 
 def _summary(linted: Linted) -> str:

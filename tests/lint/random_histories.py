@@ -1,5 +1,7 @@
 """Histories made up at random, of which it is known for each number whether it ever had two meanings.
 
+What only an open branch has done does not count, unless main has one of the meanings today and the branch the other.
+
 A history is a function of its seed. It has branches, merges, reverts and cherry-picks, and sometimes a last change that
 is staged, or only written to the working tree. To look into one, run this module with the seed and a new folder:
 it writes the repository, and prints its log and the truth.
@@ -9,6 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from random import Random
@@ -21,6 +24,7 @@ from repositories import RepositoryBuilder, git
 Key = tuple[int, int]  # id of a type, and a number
 
 _STAGED = "only staged"
+_MAIN = "main"
 
 
 @dataclass
@@ -32,9 +36,11 @@ class Truth:
     _guilty: dict[Key, tuple[str, str]] = field(default_factory=dict)  # what brought the second meaning, and how
     _touched: dict[Key, tuple[str, str]] = field(default_factory=dict)  # the latest change of the member
     _moved: dict[int, set[str]] = field(default_factory=lambda: defaultdict(set))
+    _of_branch: dict[str, dict[Key, set[Use]]] = field(default_factory=lambda: defaultdict(lambda: defaultdict(set)))
+    _standing: set[Key] = field(default_factory=set)  # main has one meaning today, and an open branch the other
 
-    def record(self, before: State, after: State, kind: str, how: str) -> None:
-        """Take note of a state, of the change that led to it, and how that was committed."""
+    def record(self, before: State, after: State, kind: str, how: str, branch: str = _MAIN) -> None:
+        """Take note of a state, of the change that led to it, how that was committed, and on which branch."""
         self.ids |= {name: id for id, name in after.names().items()}
         for id, one in after.types.items():
             if id in before.types and _place(before, id) != _place(after, id):
@@ -42,6 +48,21 @@ class Truth:
             for number, member in one.members.items():
                 if id not in before.types or before.types[id].members.get(number) != member:
                     self._use((id, number), member, (kind, how))
+                    self._of_branch[branch][id, number].add(member.use)
+
+    def merge(self, branch: str) -> None:
+        """Take note that a branch was merged into main."""
+        for key, uses in self._of_branch.pop(branch, {}).items():
+            self._of_branch[_MAIN][key] |= uses
+
+    def end(self, main: State, others: Iterable[State]) -> None:
+        """Take note of the last states of main and of the open branches."""
+        for other in others:
+            for id in main.types.keys() & other.types.keys():
+                ours, theirs = main.types[id].members, other.types[id].members
+                for number in ours.keys() & theirs.keys():
+                    if _is_reused({ours[number].use, theirs[number].use}):
+                        self._standing.add((id, number))
 
     def _use(self, key: Key, member: Member, change: tuple[str, str]) -> None:
         was_reused = key in self._guilty
@@ -52,13 +73,14 @@ class Truth:
 
     @property
     def reused(self) -> set[Key]:
-        """Numbers that had two meanings, or two formats on the wire."""
-        return set(self._guilty)
+        """Numbers that had two meanings, or two formats on the wire, on main or today on main and an open branch."""
+        kept = {key for key, uses in self._of_branch[_MAIN].items() if _is_reused(uses)}
+        return self._guilty.keys() & (kept | self._standing)
 
     @property
     def doubtful(self) -> set[Key]:
         """Numbers of which people may think one or the other."""
-        return {key for key, uses in self._uses.items() if len(uses) > 1} - self.reused
+        return {key for key, uses in self._uses.items() if len(uses) > 1} - self._guilty.keys()
 
     def causes(self, key: Key) -> list[str]:
         """Name what made the verdict on a number difficult: changes of the number, how they came, and of its type.
@@ -112,6 +134,8 @@ class RandomHistory:
         if self._main.state.root == "api":
             self._commit("main", replace(self._main.state, root="protos"), "move into the root")
         self._uncommitted = self._last_change() if self._random.random() < 0.25 else None
+        newest = self._uncommitted[1] if self._uncommitted else self._main.state
+        self.truth.end(newest, [one.state for name, one in self._branches.items() if name != _MAIN])
 
     @property
     def _main(self) -> _Branch:
@@ -213,6 +237,7 @@ class RandomHistory:
         found = merged(theirs.base, ours.state, theirs.state)
         after = found if self._is_sound(found) else ours.state
         self._commit("main", after, "merge", "a merge", parents=[ours.mark, theirs.mark])
+        self.truth.merge(name)
         ours.changes.clear()
         if self._random.random() < 0.5:
             self._repository.delete_branch(name)
@@ -250,7 +275,7 @@ class RandomHistory:
         files: dict[str, str | None] = {path: text for path, text in new.items() if old.get(path) != text}
         files |= dict.fromkeys(old.keys() - new.keys())
         branch.mark = self._repository.commit(f"{kind} ({how})" if how else kind, files, branch=name, parents=parents)
-        self.truth.record(branch.state, after, kind, how)
+        self.truth.record(branch.state, after, kind, how, name)
         self._draft.remember(after)
         branch.state = after
 

@@ -662,3 +662,14 @@ def test_every_use_is_found_where_it_came(random: Random) -> None:
     assert {reuse.number for reuse in history.reuses("PBEnvelope")} == {
         n for n, types in uses.items() if len(types) > 1
     }
+
+
+def test_a_tag_makes_the_reuse_of_a_branch_public(repository: RepositoryBuilder) -> None:
+    """What only an unmerged branch has done may still be changed, unless it was released under a tag."""
+    begin = _payloads(repository, IMU)
+    repository.commit("Locate", {_FILE: envelope(IMU, GPS)}, branch="side", parents=[begin])
+    repository.commit("Weigh", {_FILE: envelope(IMU, "LoadCell load_cell = 2;")}, branch="side")
+    root = repository.write()
+    assert [reuse.unmerged for reuse in read_history(root).reuses("PBEnvelope")] == [True]
+    git(root, "tag", "v1", "side")
+    assert [reuse.unmerged for reuse in read_history(root).reuses("PBEnvelope")] == [False]

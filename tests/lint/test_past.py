@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -297,10 +298,7 @@ def test_branches_that_took_one_number(repository: RepositoryBuilder, run: Run) 
         ("Imu spare = 3;", 11, "on the branch imu"),
         ("Wind wind = 3;", 11, "on the branch wind"),
     ]
-    assert (
-        found["help"]
-        == "keep the number for one payload, and give the other payload the number 4, which no branch uses"
-    )
+    assert found["help"] == "keep the number for one of them, and give the other one the number 4, which no branch uses"
     assert run("lint", root, *_TREE)[0] == 0
 
 
@@ -324,8 +322,14 @@ def _consumer(folder: Path, **files: str) -> Path:
     return folder
 
 
+def _matrix(text: str) -> list[str]:
+    """Return the first line of each row of the matrix, with single spaces."""
+    lines = [" ".join(line.split()) for line in text.splitlines()]
+    return [line for line in lines if re.fullmatch(r"\d+ .*(same|compatible|doubtful \d+|misread \d+)", line)]
+
+
 def test_pins_that_disagree(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
-    """A submodule, CMake's GIT_TAG and a plain list: each pair that disagrees about a number, at its pin."""
+    """A submodule, CMake's GIT_TAG and a plain list: a number that two commits use differently is one finding."""
     repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
     root = _written(repository)
     new, old = git(root, "rev-parse", "HEAD").strip(), git(root, "rev-parse", "HEAD~1").strip()
@@ -343,20 +347,24 @@ def test_pins_that_disagree(repository: RepositoryBuilder, tmp_path: Path, run: 
     code, out, _ = run("lint", root, *_TREE, "--format", "json", "--pins", *sources)
     assert code == 1
     said = {one["message"] for one in _found(out)}
-    of_board = "'wind' (Wind) in the project 'board/protos'"
     assert said == {
-        f"number 2 of 'PBEnvelope' is {of_board}, but 'gps' (Gps) in the project 'rover/protos'",
-        f"number 2 of 'PBEnvelope' is 'gps' (Gps) in the project 'basestation', but {of_board}",
+        "number 2 of 'PBEnvelope' is `Gps gps = 2;` in 'rover/protos' and 'basestation', "
+        "but `Wind wind = 2;` in this checkout and 'board/protos'"
     }
-    assert [Path(one["path"]).name for one in _found(out)] == ["CMakeLists.txt", "pins.txt"]
+    (found,) = _found(out)
+    assert found["path"] == _FILE
+    pins = {Path(one["path"]).name: one["text"] for one in found["also"]}
+    assert pins["CMakeLists.txt"] == f"'board/protos' is pinned to {new[:10]} 2026-02-04 Measure the wind"
+    assert pins[".gitmodules"] == f"'rover/protos' and 'basestation' are pinned to {old[:10]} 2026-02-03 Begin"
     _, text, _ = run("lint", root, *_TREE, "--pins", *sources)
-    matrix = [line.split() for line in text.splitlines() if line.split()[:1] in (["rover/protos"], ["board/protos"])]
-    assert matrix[-2:] == [["rover/protos", "2", "agree"], ["board/protos", "2", "2"]]
-    assert run("lint", root, *_TREE, "--pins", tmp_path / "pins.txt")[0] == 0
+    assert _matrix(text) == [
+        "1 rover/protos, same misread 1",
+        "2 this checkout, misread 1 same",
+    ]
 
 
 def test_pins_of_a_renamed_package(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
-    """A package does not hide the envelope; two uses of a type of protobuf's own differ by their names."""
+    """A package hides neither the envelope nor types that no file declares; uses of a scalar differ by their names."""
     text = _envelope("Imu imu = 1;", "Gps gps = 2;", "uint32 timeout = 3;")
     repository.commit("Time out", {_FILE: text})
     text = _envelope("rover.Imu imu = 1;", ".rover.Wind wind = 2;", "uint32 temperature = 3;")
@@ -364,13 +372,13 @@ def test_pins_of_a_renamed_package(repository: RepositoryBuilder, tmp_path: Path
     root = _written(repository)
     (tmp_path / "pins.txt").write_text("rover main~1\nbasestation main\n")
     _, out, _ = run("lint", "--history", root, "--message", "PBEnvelope", "--pins", tmp_path / "pins.txt")
-    for number, today, before in (
-        (2, "'wind' (.rover.Wind)", "'gps' (Gps)"),
-        (3, "'temperature' (uint32)", "'timeout' (uint32)"),
+    for number, before, today in (
+        (2, "Gps gps", "Wind wind"),
+        (3, "uint32 timeout", "uint32 temperature"),
     ):
-        today, before = f"{today} in the project 'basestation'", f"{before} in the project 'rover'"
-        assert f"number {number} of 'PBEnvelope' is {today}, but {before}" in out
-    assert "number 1 of 'PBEnvelope' is" not in out
+        said = f"`{before} = {number};` in 'rover', but `{today} = {number};` in this checkout and 'basestation'"
+        assert f"number {number} of 'rover.PBEnvelope' is {said}" in out
+    assert "number 1 of 'rover.PBEnvelope' is" not in out
 
 
 def test_pins_in_variables(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
@@ -384,8 +392,8 @@ def test_pins_in_variables(repository: RepositoryBuilder, tmp_path: Path, run: R
     code, out, _ = run("lint", root, *_TREE, "--pins", board, tmp_path / "pins.txt")
     assert code == 1
     assert (
-        "number 2 of 'PBEnvelope' is 'gps' (Gps) in the project 'rover', "
-        "but 'wind' (Wind) in the project 'board/protos'" in out
+        "number 2 of 'PBEnvelope' is `Gps gps = 2;` in 'rover', "
+        "but `Wind wind = 2;` in this checkout and 'board/protos'" in out
     )
 
 

@@ -8,7 +8,9 @@ as a repeated message.
 
 from __future__ import annotations
 
-from roverlink.generator.lint.comparison.pairing import FieldPair
+from collections.abc import Iterator
+
+from roverlink.generator.lint.comparison.pairing import FieldPair, MessagePair
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
 IMPLICIT, EXPLICIT, REQUIRED = "singular without presence", "singular with presence", "required"
@@ -60,6 +62,19 @@ def broken_by_cardinality(old: str, new: str) -> bool:
 def only_required(old: str, new: str) -> bool:
     """Return True if both cardinalities allow at most one value, and at least one of them is `required`."""
     return REQUIRED in (old, new) and {old, new} <= {REQUIRED, IMPLICIT, EXPLICIT}
+
+
+def required_changes(pair: MessagePair) -> Iterator[tuple[ProtoField | None, ProtoField | None]]:
+    """Yield each field that is `required` only before or only after a change, as it was and as it is; None if absent.
+
+    Fields that are repeated on the other side are left out: that change is graver.
+    """
+    before, after = ({field.number: field for field in message.fields} for message in (pair.old, pair.new))
+    for number in sorted(before.keys() | after.keys()):
+        both = before.get(number), after.get(number)
+        labels = [field.label if field else "" for field in both]
+        if labels.count("required") == 1 and "repeated" not in labels:
+            yield both
 
 
 def shown(cardinality: str) -> str:

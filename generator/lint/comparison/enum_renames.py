@@ -16,12 +16,18 @@ def renamed_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[
     have the number now.
     """
     for pair in enums(change):
-        after = values_by_number(pair.new)
-        for number, before in values_by_number(pair.old).items():
-            left = {value.name for value in after.get(number, [])}
-            gone = tuple(value.name for value in before if value.name not in left)
-            if gone and left:
-                yield pair, number, gone, after[number]
+        for number, gone, values in renamed_in(pair):
+            yield pair, number, gone, values
+
+
+def renamed_in(pair: EnumPair) -> Iterator[tuple[int, tuple[str, ...], list[ProtoEnumValue]]]:
+    """Yield the same for one enum, without the enum."""
+    after = values_by_number(pair.new)
+    for number, before in values_by_number(pair.old).items():
+        left = {value.name for value in after.get(number, [])}
+        gone = tuple(value.name for value in before if value.name not in left)
+        if gone and left:
+            yield number, gone, after[number]
 
 
 def moved_here(pair: EnumPair, number: int) -> ProtoEnumValue | None:

@@ -11,7 +11,6 @@ many have `x`, `y` and `z`. Then the names of the types decide.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
@@ -22,14 +21,13 @@ from roverlink.generator.lint.names.name_units import Measure, disagree, factor,
 from roverlink.generator.lint.names.name_words import words
 from roverlink.generator.lint.names.similar_names import Likeness, compare_names, is_telling
 from roverlink.generator.lint.names.value_names import shared_words
-from roverlink.generator.protos.parser import SCALARS
+from roverlink.generator.protos.parser import SCALARS, map_types
 
 ENUM_VALUE = "enum value"
 NAMED = "message or enum"
 
 _ENUM_LIKE = frozenset({"enum", "int32", "int64", "uint32", "uint64"})
 _OF_NAMED = frozenset({NAMED, "message", "group"}) | _ENUM_LIKE
-_MAP = re.compile(r"map<(\w+), (.+)>")
 _WITHOUT_UNIT = frozenset({"string", "bytes", "bool", "enum", ENUM_VALUE})
 _FEWEST = 3  # with fewer fields, each one may have changed on its own
 _PROOF = 2
@@ -164,6 +162,11 @@ def least(judgements: Iterable[Judgement]) -> Judgement:
     return min(judgements, key=lambda one: _GRAVITY.index(one.meaning))
 
 
+def gravest(judgements: Iterable[Judgement]) -> Judgement:
+    """Return the gravest of some judgements."""
+    return max(judgements, key=lambda one: _GRAVITY.index(one.meaning))
+
+
 def _judge_alone(old: Part, new: Part, shared: frozenset[str] = frozenset()) -> Judgement:
     """Judge two fields or values by their own bytes and names, without a look at other fields and at the types."""
     if _broken(old.kind, new.kind):
@@ -184,11 +187,11 @@ def _judge_alone(old: Part, new: Part, shared: frozenset[str] = frozenset()) -> 
 
 def _broken(old: str, new: str) -> bool:
     """Return True if a receiver of the kind ``new`` misreads bytes of the kind ``old``; see `Part.kind`."""
-    maps = _MAP.fullmatch(old), _MAP.fullmatch(new)
-    if maps[0] and maps[1]:
-        inner = zip(maps[0].groups(), maps[1].groups(), strict=True)
+    old_map, new_map = map_types(old), map_types(new)
+    if old_map and new_map:
+        inner = zip(old_map, new_map, strict=True)
         return any(_broken(*(one if one in SCALARS else NAMED for one in pair)) for pair in inner)
-    old, new = ("message" if found else kind for found, kind in zip(maps, (old, new), strict=True))
+    old, new = "message" if old_map else old, "message" if new_map else new
     if NAMED in (old, new):
         return not {old, new} <= _OF_NAMED
     return broken_by_kind(old, new)

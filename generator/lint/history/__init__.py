@@ -7,10 +7,10 @@ reads states that do not compile, because a board may run firmware from such a c
 
 from __future__ import annotations
 
-from roverlink.generator.lint.history.judged_facts import differ
 from roverlink.generator.lint.history.proto_history import History, read_history
 from roverlink.generator.lint.history.usage_model import (
     Allocation,
+    Collision,
     Content,
     Kind,
     Relation,
@@ -22,6 +22,7 @@ from roverlink.generator.lint.history.whereabouts import whereabouts
 
 __all__ = [
     "Allocation",
+    "Collision",
     "Content",
     "History",
     "Kind",
@@ -29,7 +30,6 @@ __all__ = [
     "Relation",
     "Reuse",
     "TracedType",
-    "differ",
     "read_history",
     "whereabouts",
 ]

@@ -1,15 +1,17 @@
-"""Collisions of branches: numbers to which branches that are not merged yet have given different payloads."""
+"""Collisions of branches: numbers to which branches that are not merged yet have given different meanings."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
+from itertools import combinations, product
 
+from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, gravest
 from roverlink.generator.lint.history.commits import Ref
-from roverlink.generator.lint.history.judged_facts import differ
 from roverlink.generator.lint.history.lineage import Lifetime
 from roverlink.generator.lint.history.lookup import Record
+from roverlink.generator.lint.history.node_judgement import FactAtNode, judge_facts
 from roverlink.generator.lint.history.usage_model import Allocation, Collision
+from roverlink.generator.lint.names.value_names import shared_words
 from roverlink.generator.protos.schema import Fact
 
 _LOCAL, _REMOTE = "refs/heads/", "refs/remotes/"
@@ -42,74 +44,167 @@ def branch_name(ref: str) -> str:
 
 
 class Branches:
-    """Comparison of the branches of a repository: finds numbers of one message that mean different payloads.
+    """Comparison of the open branches of a repository: finds numbers that were given to different fields or values.
 
-    ``owners`` are the ids of the message; several if several files declare its name. ``nodes`` has the graph's node of
-    each branch's last commit.
+    ``nodes`` has the graph's node of each branch's last commit. ``default`` is the default branch, if there is one. A
+    branch that is merged into the default branch is not open.
     """
 
-    def __init__(self, record: Record, owners: Sequence[int], nodes: Mapping[str, int]) -> None:
-        self._record, self._owners, self._nodes = record, owners, nodes
+    def __init__(self, record: Record, nodes: Mapping[str, int], default: str | None) -> None:
+        self._record, self._graph = record, record.graph
+        trunk = nodes.get(default, 0) if default else 0
+        self._open = {
+            ref: node for ref, node in nodes.items() if ref == default or not record.graph.precedes(node, trunk)
+        }
 
-    def collisions(self, default: str | None) -> list[Collision]:
-        """Return the numbers to which branches have given different payloads since they diverged.
+    def collisions(self, envelopes: Sequence[int]) -> Iterator[Collision]:
+        """Yield the numbers to which branches have given different meanings since they diverged, sorted by name.
 
-        A branch that is merged into the default branch is ignored. The local and the remote copy of a branch are not
-        compared with each other. If one branch was built upon another, the two have no collision.
+        ``envelopes`` are the ids of the envelope's message. It and all messages and enums that it can contain on one of
+        the branches are compared. The local and the remote copy of a branch are not compared with each other. If one
+        branch was built upon another, the two have no collision.
         """
-        graph = self._record.graph
-        trunk = self._nodes.get(default, 0) if default else 0
-        open_refs = [ref for ref, node in self._nodes.items() if ref == default or not graph.precedes(node, trunk)]
-        found: dict[int, dict[Fact, set[str]]] = {}
-        for one, other in combinations(open_refs, 2):
-            if _short(one) != _short(other):
-                for number, fact, rival in self._between(self._nodes[one], self._nodes[other]):
-                    uses = found.setdefault(number, {})
-                    uses.setdefault(fact, set()).add(one)
-                    uses.setdefault(rival, set()).add(other)
-        return [
-            Collision(number, tuple(self._allocation(fact, sorted(refs)) for fact, refs in sorted(uses.items())))
-            for number, uses in sorted(found.items())
-        ]
+        found = [(owners, one) for owners in self._changed() for one in self._collisions_of(owners)]
+        if found:
+            inside = {id for node in set(self._open.values()) for id in self._record.reachable(envelopes, node)}
+            yield from sorted(
+                (one for owners, one in found if not inside.isdisjoint(owners)), key=lambda one: (one.owner, one.number)
+            )
 
-    def _between(self, one: int, other: int) -> Iterator[tuple[int, Fact, Fact]]:
-        """Yield each number to which two branches have given different payloads, with both payloads.
+    def _changed(self) -> list[set[int]]:
+        """Return the messages and enums that differ between open branches.
 
-        ``one`` and ``other`` are the nodes of the branches' last commits. Payloads that existed when the branches
-        diverged are left out.
+        An item has several ids if branches have declared the same full name independently of each other.
         """
-        graph = self._record.graph
+        tips = [self._record.lineage.tips[node] for node in set(self._open.values())]
+        # Branches share the mapping of a type that none of them has changed, so that its identity tells most of it.
+        changed = {id for one in tips for id in one if any(other.get(id) is not one[id] for other in tips)}
+        names = {id: self._names(id) for id in sorted(changed)}
+        ids: dict[str, set[int]] = {}
+        for id, of_id in names.items():
+            for name in of_id:
+                ids.setdefault(name, set()).add(id)
+        groups = []
+        while names:
+            group, waiting = set[int](), [next(iter(names))]
+            while waiting:
+                if (id := waiting.pop()) not in group:
+                    group.add(id)
+                    waiting += [other for name in names.pop(id) for other in ids[name]]
+            groups.append(group)
+        return groups
+
+    def _names(self, id: int) -> set[str]:
+        """Return the full names of a message or enum on the open branches."""
+        return {place.name for node in set(self._open.values()) for place in self._record.declared(id, node)}
+
+    def _collisions_of(self, owners: Set[int]) -> Iterator[Collision]:
+        """Yield the collisions of a message or enum, whose ids on the branches are ``owners``."""
+        refs: dict[frozenset[Fact], list[str]] = {}
+        for ref, node in self._open.items():
+            refs.setdefault(frozenset(self._facts(owners, node)), []).append(ref)
+        uses: dict[int, dict[Fact, set[str]]] = {}
+        judged: dict[int, list[Judgement]] = {}
+        for ours, theirs in combinations(refs, 2):
+            rivals = _rivals(ours, theirs)
+            for one, other in product(refs[ours], refs[theirs]) if rivals else ():
+                if _short(one) != _short(other):
+                    for fact, rival, judgement in self._between(owners, rivals, self._open[one], self._open[other]):
+                        of_number = uses.setdefault(fact.number, {})
+                        of_number.setdefault(fact, set()).add(one)
+                        of_number.setdefault(rival, set()).add(other)
+                        judged.setdefault(fact.number, []).append(judgement)
+        name = min((not type.exists, type.name) for type in map(self._record.types.__getitem__, owners))[1]
+        for number, facts in uses.items():
+            allocations = (self._allocation(owners, fact, sorted(facts[fact])) for fact in sorted(facts))
+            found = gravest(judged[number])
+            yield Collision(name, number, tuple(allocations), found.certain, found.reason)
+
+    def _between(
+        self, owners: Set[int], rivals: Sequence[tuple[Fact, Fact]], one: int, other: int
+    ) -> Iterator[tuple[Fact, Fact, Judgement]]:
+        """Yield each two facts by which two branches gave one number different meanings, with the judgement.
+
+        ``rivals`` are the facts of the two branches with the same number. ``one`` and ``other`` are the nodes of the
+        branches' last commits. Facts that existed when the branches diverged are left out.
+        """
+        ours, theirs = self._facts(owners, one), self._facts(owners, other)
         # Criss-cross merges have several merge bases (git-merge-base(1)). Both branches know the declarations of each
         # merge base.
-        known = set().union(*(self._facts(base) for base in graph.merge_bases(one, other)))
-        ours, theirs = self._facts(one) - known, self._facts(other) - known
-        old = {fact.number for fact in known}  # both sides may have renamed a payload that existed before
-        # A fact on both sides is no collision: one branch picked it from the other one.
-        for fact in sorted(ours - theirs):
-            for rival in sorted(rival for rival in theirs - ours if rival.number == fact.number):
-                new = fact.number not in old and fact.name != rival.name
-                if new or differ((fact.type, fact.name), (rival.type, rival.name)):
-                    yield fact.number, fact, rival
+        bases = [self._facts(owners, base) for base in self._graph.merge_bases(one, other)]
+        known = {fact: at for base in bases for fact, at in base.items()}
+        for fact, rival in rivals:
+            if fact in known or rival in known:
+                continue
+            judged = self._judge(ours[fact], theirs[rival], ours, theirs)
+            # Both sides may have renamed a field that existed before. As in `Reuses`, a chain of renames with doubts
+            # proves nothing, but it does not prove the contrary either.
+            passes = _is_uncertain if judged.certain else _keeps
+            linked = any(
+                passes(self._judge(at, ours[fact], known, ours))
+                and passes(self._judge(at, theirs[rival], known, theirs))
+                for old, at in known.items()
+                if old.number == fact.number
+            )
+            if not _keeps(judged) and not linked:
+                yield fact, rival, judged
 
-    def _facts(self, node: int) -> set[Fact]:
+    def _judge(
+        self,
+        old: FactAtNode,
+        new: FactAtNode,
+        beside_old: Collection[Fact],
+        beside_new: Collection[Fact],
+    ) -> Judgement:
+        """Judge two facts, which may both still exist. So it does not matter which of them is the new one."""
+        values = [fact.name for fact in (*beside_old, *beside_new) if not fact.type]
+        shared = shared_words(self._record.types[old.owner].name.rpartition(".")[2], values) if values else frozenset()
+        return gravest(
+            judge_facts(self._record, one, other, _moved(other.fact, beside), at_once=True, shared=shared).judgement
+            for one, other, beside in ((old, new, beside_old), (new, old, beside_new))
+        )
+
+    def _facts(self, owners: Set[int], node: int) -> dict[Fact, FactAtNode]:
         return {
-            fact
-            for owner in self._owners
+            fact: FactAtNode(owner, fact, node)
+            for owner in sorted(owners)
             for declaration in self._record.declared(owner, node).values()
             for fact in declaration.facts
             if not fact.claimed
         }
 
-    def _allocation(self, fact: Fact, refs: Sequence[str]) -> Allocation:
-        lifetime = next(lifetime for ref in refs for lifetime in self._lifetimes(fact, self._nodes[ref]))
-        came = self._record.graph[lifetime.came].revision.commit
+    def _allocation(self, owners: Set[int], fact: Fact, refs: Sequence[str]) -> Allocation:
+        lifetime = next(lifetime for ref in refs for lifetime in self._lifetimes(owners, fact, self._open[ref]))
+        came = self._graph[lifetime.came].revision.commit
         return Allocation(tuple(refs), fact.type, fact.name, came, lifetime.path, lifetime.line)
 
-    def _lifetimes(self, fact: Fact, node: int) -> Iterator[Lifetime]:
-        """Yield the lifetimes of a fact (a declared field) that have not ended at the node, the latest first."""
-        for owner in self._owners:
+    def _lifetimes(self, owners: Set[int], fact: Fact, node: int) -> Iterator[Lifetime]:
+        """Yield the lifetimes of a fact that have not ended at the node, the latest first."""
+        for owner in sorted(owners):
             lifetimes = self._record.lineage.tips[node].get(owner, {}).get(fact, frozenset())
             yield from (self._record.lineage.lifetimes[owner][index] for index in sorted(lifetimes, reverse=True))
+
+
+def _rivals(ours: Set[Fact], theirs: Set[Fact]) -> list[tuple[Fact, Fact]]:
+    """Return each two facts of two branches that have the same number."""
+    # A fact on both sides is no collision: one branch picked it from the other one.
+    by_number: dict[int, list[Fact]] = {}
+    for fact in sorted(theirs - ours):
+        by_number.setdefault(fact.number, []).append(fact)
+    return [(fact, rival) for fact in sorted(ours - theirs) for rival in by_number.get(fact.number, ())]
+
+
+def _keeps(judged: Judgement) -> bool:
+    return judged.meaning in (Meaning.SAME, Meaning.RENAMED)
+
+
+def _is_uncertain(judged: Judgement) -> bool:
+    return not judged.certain
+
+
+def _moved(fact: Fact, others: Iterable[Fact]) -> bool:
+    """Return True if a fact with another number has the name of ``fact``."""
+    return any(other.name == fact.name and other.number != fact.number for other in others)
 
 
 def _short(ref: str) -> str:

@@ -33,6 +33,9 @@ _SPECIAL = re.compile(r"[*?\[\\]")  # in a glob
 PROTOS = ":(top)*.proto"
 """Pattern (a pathspec of git) for all .proto files of the repository, also those outside the current folder."""
 
+TAGS = "refs/tags/"
+"""The beginning of the full names of tags."""
+
 
 class Edit(NamedTuple):
     """The change of one file by a commit, compared with the commit's first parent."""

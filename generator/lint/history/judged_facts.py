@@ -1,4 +1,4 @@
-"""Facts and contents of the history as the judgement takes them, and the comparison of payloads by their types."""
+"""Facts and contents of the history as the judgement takes them."""
 
 from __future__ import annotations
 
@@ -41,15 +41,3 @@ def type_state(type: str, content: Content | None) -> TypeState:
 def same_field(old: Fact, new: Fact) -> bool:
     """Return True if two fields agree as far as they show themselves: compatible bytes, and names that are no other."""
     return not judge_field(part(old), part(new), types=None, moved=False).certain
-
-
-def differ(one: tuple[str, str], other: tuple[str, str]) -> bool:
-    """Return True if two usages of a number, each given as type and name, are different payloads.
-
-    Usages with different types are different; a package in front of one type is ignored. Scalars of one type, and enum
-    values, are different if their names are different.
-    """
-    types = [f".{type.lstrip('.')}" for type, _ in (one, other)]
-    if not (types[0].endswith(types[1]) or types[1].endswith(types[0])):  # one of the two may include the package
-        return True
-    return (not one[0] or one[0] in SCALARS) and one[1] != other[1]

@@ -15,7 +15,7 @@ from roverlink.generator.lint.history.commit_graph import Graph
 from roverlink.generator.lint.history.continuations import Declarations, Place
 from roverlink.generator.lint.history.lineage import Lifetime, Lineage
 from roverlink.generator.lint.history.usage_model import Content, TracedType
-from roverlink.generator.protos.parser import SCALARS
+from roverlink.generator.protos.parser import SCALARS, map_types
 from roverlink.generator.protos.schema import Fact
 
 _NOWHERE: Declarations = {}
@@ -24,11 +24,13 @@ _NOWHERE: Declarations = {}
 class Record:
     """The history of all messages and enums, for lookups by id and node. A node is the index of a commit.
 
-    ``newest`` is the node of the state that is judged.
+    ``newest`` is the node of the state that is judged. ``kept`` are other nodes whose history nobody can take back: the
+    last commit of the default branch, and released commits, which have a tag.
     """
 
-    def __init__(self, graph: Graph, lineage: Lineage, newest: int) -> None:
+    def __init__(self, graph: Graph, lineage: Lineage, newest: int, kept: Iterable[int] = ()) -> None:
         self.graph, self.lineage, self.newest = graph, lineage, newest
+        self._kept = frozenset((newest, *kept))
         self._nodes_of_changes: dict[int, Sequence[int]] = {}
         self._contents: dict[tuple[int, int], Content] = {}
 
@@ -153,6 +155,10 @@ class Record:
         content = self.content(found[1], found[0]) if found else None
         return replace(content, there=False) if content else None
 
+    def is_kept(self, node: int) -> bool:
+        """Return False if only branches that are not merged contain a node, so that it may still change."""
+        return any(self.graph.precedes(node, kept) for kept in self._kept)
+
     def has(self, owner: int, fact: Fact, node: int) -> bool:
         """Return True if the message or enum ``owner`` declares the fact (a field or value) at a node."""
         return any(fact in declaration.facts for declaration in self.declared(owner, node).values())
@@ -161,6 +167,19 @@ class Record:
         """Return the first parent of a node that still has a fact (a field or enum value), which the node deletes."""
         parents = self.graph[node].parents
         return next((parent for parent in parents if self.has(owner, fact, parent)), parents[0])
+
+    def reachable(self, roots: Iterable[int], node: int) -> set[int]:
+        """Return the ids of some messages, and of all messages and enums in their fields at a node, at any depth."""
+        found: set[int] = set()
+        waiting = list(roots)
+        while waiting:
+            id = waiting.pop()
+            if id not in found:
+                found.add(id)
+                types = {fact.type for one in self.declared(id, node).values() for fact in one.facts}
+                types |= {values for _, values in filter(None, map(map_types, types))}
+                waiting += [one for one in (self.resolve(type, id, node) for type in types) if one is not None]
+        return found
 
     # --- facts ------------------------------------------------------------------------------------------------------
 

@@ -11,7 +11,7 @@ from roverlink.generator.git import Commit
 from roverlink.generator.lint.history.blob_cache import BlobCache
 from roverlink.generator.lint.history.branch_collisions import Branches, branches, default_branch
 from roverlink.generator.lint.history.commit_graph import Graph, depth
-from roverlink.generator.lint.history.commits import PastRepository, Ref, Revision
+from roverlink.generator.lint.history.commits import TAGS, PastRepository, Ref, Revision
 from roverlink.generator.lint.history.lineage import sweep
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.moved_files import (
@@ -93,7 +93,9 @@ class History:
         self._nodes = {ref: graph.node_of(commit) for ref, commit in branches(refs).items()}
         places = self._nodes | ({newest: graph.node_of(newest)} if is_uncommitted(newest) else {})
         lineage = sweep(graph, states.types_of, frozenset(places.values()))
-        self._record = Record(graph, lineage, graph.node_of(newest))
+        default = default_branch(refs)
+        released = {graph.node_of(ref.commit) for ref in refs if ref.name == default or ref.name.startswith(TAGS)}
+        self._record = Record(graph, lineage, graph.node_of(newest), released)
         # A few are kept: the usages of thousands of messages on hundreds of branches take 100 MB.
         self._traced = lru_cache(_FEW)(lambda ids, claimed: usages(self._record, ids, places, claimed))
         self.reuses_of = cache(self._find_reuses)
@@ -180,9 +182,12 @@ class History:
         return tuple(reuse for id in self._ids(name) for reuse in self.reuses_of(id))
 
     def collisions(self, name: str) -> tuple[Collision, ...]:
-        """Return the numbers of a message to which branches have given different payloads since they diverged."""
-        found = Branches(self._record, self._ids(name), self._nodes)
-        return tuple(found.collisions(default_branch(self._refs)))
+        """Return the numbers to which branches have given different meanings since they diverged.
+
+        These are numbers of a message, and of all messages and enums in it.
+        """
+        branches = Branches(self._record, self._nodes, default_branch(self._refs))
+        return tuple(branches.collisions(self._ids(name)))
 
     def _ids(self, name: str) -> tuple[int, ...]:
         return tuple(self._record.named(name))

@@ -7,17 +7,12 @@ from dataclasses import replace
 from functools import cache
 from itertools import combinations, groupby
 
-from roverlink.generator.lint.comparison.judgement import (
-    Kept,
-    Meaning,
-    TypePair,
-    compare_parts,
-    judge_field,
-    judge_value,
-)
+from roverlink.generator.lint.comparison.judgement import Kept, Meaning, compare_parts
+from roverlink.generator.lint.history.commit_graph import Graph
 from roverlink.generator.lint.history.continuations import Declarations
-from roverlink.generator.lint.history.judged_facts import is_named, part, type_state
+from roverlink.generator.lint.history.judged_facts import type_state
 from roverlink.generator.lint.history.lookup import Record
+from roverlink.generator.lint.history.node_judgement import FactAtNode, judge_facts
 from roverlink.generator.lint.history.usage_model import Content, Kind, Reuse, Usage
 from roverlink.generator.lint.history.usage_relations import Relations
 from roverlink.generator.lint.history.usages import TracedUsage
@@ -95,40 +90,22 @@ class Reuses:
         A field that only got a new name gives a reuse of the kind `Kind.RENAMED`.
         """
         old, new = earlier.usage.fact, later.usage.fact
-        before, after = self._relations.nodes(earlier, later)
-        one, other = self._content(earlier, before), self._content(later, after)
-        moved = old.name != new.name and bool(self._numbers(before).get(new.name, set()) - {new.number})
-        types = None
-        if is_named(old.type) and is_named(new.type):
-            types = self._types(earlier, later, one, other, before, after)
-        if old.type or new.type:
-            judged = judge_field(part(old, one), part(new, other), types, moved)
-        elif self._relations.together(old, new):
+        if not (old.type or new.type) and self._relations.together(old, new):
             # Two names of values with one number in one state are an alias (`allow_alias`), which is no reuse.
             return None
-        else:
-            judged = judge_value(part(old), part(new), moved, self._shared)
-        kind = _KINDS[judged.meaning]
+        before, after = self._relations.nodes(earlier, later)
+        judged = judge_facts(
+            self._record,
+            FactAtNode(earlier.stretches[0].owner, old, before),
+            FactAtNode(later.stretches[0].owner, new, after),
+            moved=old.name != new.name and bool(self._numbers(before).get(new.name, set()) - {new.number}),
+            at_once=self._relations.hands_over(earlier, later),
+            shared=self._shared,
+        )
+        kind, types = _KINDS[judged.judgement.meaning], judged.types
         if kind is Kind.MEANING and types and types.old.full_name != types.new.full_name:
             kind = Kind.REUSED
-        return self._reuse(kind, earlier, later, one, other, judged.reason) if kind else None
-
-    def _types(
-        self,
-        earlier: TracedUsage,
-        later: TracedUsage,
-        one: Content | None,
-        other: Content | None,
-        before: int,
-        after: int,
-    ) -> TypePair:
-        """Return the types of two usages as they are judged; ``one`` and ``other`` are their contents."""
-        old, new = type_state(earlier.usage.type, one), type_state(later.usage.type, other)
-        at_once = self._relations.hands_over(earlier, later)
-        if one is None or other is None or one.id == other.id:
-            return TypePair(old, new, False, at_once)
-        beside = self._record.declared(one.id, after) and self._record.declared(other.id, before)
-        return TypePair(old, new, bool(beside), at_once)
+        return self._reuse(kind, earlier, later, judged.old, judged.new, judged.judgement.reason) if kind else None
 
     # --- one usage, other contents ----------------------------------------------------------------------------------
 
@@ -146,7 +123,7 @@ class Reuses:
             known = any(old.facts == new.facts for old in past)
             if past and not known and (kept := self._compare_contents(past[-1], new)).is_another_message:
                 yield self._reuse(
-                    Kind.REPLACED, use, use, past[-1], new, f"{kept.left} of {kept.before} fields are left"
+                    Kind.REPLACED, use, use, past[-1], new, f"{kept.left} of {kept.before} fields are left", node
                 )
 
     # --- what is said of both ---------------------------------------------------------------------------------------
@@ -168,6 +145,7 @@ class Reuses:
         old: Content | None,
         new: Content | None,
         reason: str,
+        came: int = Graph.BEGINNING,
     ) -> Reuse:
         return Reuse(
             owner=self._owner,
@@ -180,7 +158,25 @@ class Reuses:
             new=new,
             survivors=self._compare_contents(old, new).left if old and new else 0,
             reason=reason,
+            unmerged=self._is_unmerged(earlier, later, came),
         )
+
+    def _is_unmerged(self, earlier: TracedUsage, later: TracedUsage, came: int) -> bool:
+        """Return `Reuse.unmerged`; ``came`` is the node with which the later meaning began, if both are one usage."""
+        if earlier is later:
+            return not self._record.is_kept(came) and not self._stands(earlier)
+        kept = (
+            any(self._record.is_kept(stretch.lifetime.came) for stretch in use.stretches) for use in (earlier, later)
+        )
+        if all(kept):
+            return False
+        pairs = (earlier, later), (later, earlier)
+        return not any(self._stands(one) and other.usage.live_at for one, other in pairs)
+
+    def _stands(self, use: TracedUsage) -> bool:
+        """Return True if the state that is judged has the declaration."""
+        record = self._record
+        return any(record.has(stretch.owner, use.usage.fact, record.newest) for stretch in use.stretches)
 
 
 def _numbers(declared: Declarations) -> dict[str, set[int]]:

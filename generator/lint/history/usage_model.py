@@ -158,6 +158,11 @@ class Reuse:
     """The usages with the meaning of `earlier` under other names, which mere renames link with it."""
     same_as_later: frozenset[Usage] = frozenset()
     """The usages with the meaning of `later` under other names."""
+    unmerged: bool = False
+    """True if the number has both meanings only because of branches that are not merged, and may still be changed.
+
+    False if the state that is judged has one of the meanings, and an unmerged branch has the other one today.
+    """
 
     @property
     def certain(self) -> bool:
@@ -167,11 +172,12 @@ class Reuse:
 
 @dataclass(frozen=True, slots=True)
 class Allocation:
-    """A payload to which branches have given a number since they diverged."""
+    """A field or enum value to which branches have given a number since they diverged."""
 
     refs: tuple[str, ...]
-    """The branches that gave the number to this payload."""
+    """The branches that gave the number to this field or enum value."""
     type: str
+    """The type of the field as the .proto file writes it; empty for an enum value."""
     name: str
     came: Commit
     path: str
@@ -180,7 +186,13 @@ class Allocation:
 
 @dataclass(frozen=True, slots=True)
 class Collision:
-    """A number that branches have given to different payloads since they diverged."""
+    """A number of a message or enum that branches have given to different things since they diverged."""
 
+    owner: str
+    """Full name of the message or enum."""
     number: int
     allocations: tuple[Allocation, ...]
+    certain: bool
+    """False if all allocations perhaps mean the same."""
+    reason: str
+    """Why two of the allocations do not mean the same, as a clause."""

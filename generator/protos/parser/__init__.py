@@ -22,7 +22,7 @@ from roverlink.generator.protos.parser.parsed_file import (
     Problem,
 )
 from roverlink.generator.protos.parser.parser import parse
-from roverlink.generator.protos.parser.type_names import SCALARS, resolve_type
+from roverlink.generator.protos.parser.type_names import SCALARS, map_types, resolve_type
 
 __all__ = [
     "LARGEST_ENUM_NUMBER",
@@ -31,6 +31,7 @@ __all__ = [
     "File",
     "Import",
     "Problem",
+    "map_types",
     "parse",
     "resolve_type",
 ]

@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Set
 from functools import lru_cache
 
 _SCALARS = "double float int32 int64 uint32 uint64 sint32 sint64 fixed32 fixed64 sfixed32 sfixed64 bool string bytes"
 SCALARS = frozenset(_SCALARS.split())
+_MAP = re.compile(r"map<(\w+), (.+)>")
+
+
+def map_types(type_name: str) -> tuple[str, str] | None:
+    """Return the types of the keys and the values of a map, as the file writes them; None for another type.
+
+    >>> map_types("map<string, pkg.Wheel>")
+    ('string', 'pkg.Wheel')
+    """
+    found = _MAP.fullmatch(type_name)
+    return (found[1], found[2]) if found else None
 
 
 def resolve_type(type_name: str, scope: str, declared_names: Set[str]) -> str | None:

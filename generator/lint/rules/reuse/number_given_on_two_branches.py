@@ -1,7 +1,8 @@
-"""Open branches have given the same number of the envelope to different payloads.
+"""Open branches have given the same number to different payloads, fields or enum values.
 
 The branch that is merged second takes the number from the first. Then the rover misreads boards with the firmware of
-the first branch. Before the merge, it is enough to change the number in one line.
+the first branch. Before the merge, it is enough to change the number in one line. All messages that the envelope can
+contain are compared. If the two perhaps mean the same, this is a warning.
 
 Bad::
 
@@ -16,11 +17,13 @@ Good::
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 
-from roverlink.generator.diagnostics import Diagnostic, Rule, Use
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Use
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.history import Allocation, whereabouts
+from roverlink.generator.lint.free_numbers import next_enum_number, next_field_number
+from roverlink.generator.lint.history import Allocation, History, whereabouts
 from roverlink.generator.lint.history_diagnostics import place_of
 from roverlink.generator.protos.schema import Fact
 
@@ -32,13 +35,20 @@ def check(context: Context) -> Iterator[Diagnostic]:
     past, envelope = context.past, context.table.envelope.message
     if past is None or not past.of_branches:
         return
-    for collision in past.history.collisions(envelope):
-        number, given = collision.number, collision.allocations
-        message = f"number {number} of {envelope!r} is {' and '.join(map(_said, given))}"
-        free = context.next_number()
-        help = f"keep the number for one payload, and give the other payload the number {free}, which no branch uses"
-        uses = [_use(context, number, one) for one in given]
-        yield RULE.at(place_of(context, envelope, number), message, help, type=envelope, number=number, uses=uses)
+    for found in past.history.collisions(envelope):
+        owner, number = found.owner, found.number
+        message = f"number {number} of {owner!r} is {' and '.join(map(_said, found.allocations))}"
+        free = _free_number(context, past.history, owner)
+        other = f"the number {free}, which no branch uses" if free else "a number in another type"
+        finding = RULE.at(
+            place_of(context, owner, number),
+            message if found.certain else f"{message}: {found.reason}",
+            f"keep the number for one of them, and give the other one {other}",
+            type=owner,
+            number=number,
+            uses=[_use(context, number, one) for one in found.allocations],
+        )
+        yield finding if found.certain else dataclasses.replace(finding, severity=Severity.WARNING)
 
 
 def _use(context: Context, number: int, one: Allocation) -> Use:
@@ -47,5 +57,16 @@ def _use(context: Context, number: int, one: Allocation) -> Use:
     return Use(one.type, one.name, one.came, None, (declaration,), place, whereabouts(one.refs))
 
 
+def _free_number(context: Context, history: History, owner: str) -> int | None:
+    """Return a number of a message or enum that no branch uses; None if no number is left."""
+    if owner == context.table.envelope.message:
+        return context.next_number()
+    taken = history.numbers(owner)
+    if owner in history.enums:
+        return next_enum_number(context, owner, taken)
+    return next_field_number(context, owner, taken)
+
+
 def _said(allocation: Allocation) -> str:
-    return f"{allocation.name!r} ({allocation.type}) {whereabouts(allocation.refs)}"
+    called = f"{allocation.name!r} ({allocation.type})" if allocation.type else repr(allocation.name)
+    return f"{called} {whereabouts(allocation.refs)}"

@@ -20,10 +20,11 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.comparison import MessagePair, SchemaChange, each_once, messages
+from roverlink.generator.lint.comparison.cardinality import required_changes
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import declaration, declaration_of_old
 from roverlink.generator.lint.fixits.put_back_or_reserve import put_back
-from roverlink.generator.protos.schema import ProtoField, ProtoMessage
+from roverlink.generator.protos.schema import ProtoField
 
 RULE = Rule("WIR104", "required-field-changed", __doc__)
 
@@ -38,23 +39,11 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
     for pair in messages(change):
-        before, after = _fields(pair.old), _fields(pair.new)
-        for number in sorted(before.keys() | after.keys()):
-            old, new = before.get(number), after.get(number)
-            if (old and old.repeated) or (new and new.repeated):
-                continue
-            if old and _required(old) and not (new and _required(new)):
-                yield _not_any_more(pair, old, new)
-            if new and _required(new) and not (old and _required(old)):
+        for old, new in required_changes(pair):
+            if new is not None and new.label == "required":
                 yield _added(pair, old, new)
-
-
-def _fields(message: ProtoMessage) -> dict[int, ProtoField]:
-    return {field.number: field for field in message.fields}
-
-
-def _required(field: ProtoField) -> bool:
-    return field.label == "required"
+            elif old is not None:
+                yield _not_any_more(pair, old, new)
 
 
 def _not_any_more(pair: MessagePair, old: ProtoField, new: ProtoField | None) -> Diagnostic:
