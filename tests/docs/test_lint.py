@@ -48,6 +48,9 @@ def _git(folder: Path, *arguments: str) -> None:
     subprocess.run(["git", "-C", str(folder), *arguments], check=True, env=_environment(), capture_output=True)
 
 
+_ANN = {"NAME": "Ann", "EMAIL": "ann@example.com"}
+
+
 def _start(repository: Path, protos: Path) -> None:
     """A repository of protos without a table, whose past gave the number 12 to two payloads."""
     shutil.copytree(ROOT / "proto", protos)
@@ -66,6 +69,41 @@ def _start(repository: Path, protos: Path) -> None:
         envelope.write_text(content)
         _git(repository, "add", "--all")
         _git(repository, "commit", "--message", subject)
+
+
+_ROVER = """\
+syntax = "proto3";
+message Imu {{ float heading = 1; float pitch = 2;{roll} }}
+{others}message Rover {{ oneof payload {{ Imu imu = 1; {member}}} }}
+"""
+_STATES = {
+    "Begin": ("", "message Gps { double latitude = 1; double longitude = 2; }\n", "Gps gps = 2; "),
+    "Remove the GPS": ("", "", ""),
+    "Add the wind sensor": (" float roll = 3;", "message Wind { float speed = 1; }\n", "Wind wind = 2; "),
+}
+
+
+def test_the_three_questions_have_the_answers_of_the_page(tmp_path: Path) -> None:
+    """Each command of the section prints what the page shows, in a repository with the history that it tells of."""
+    (tmp_path / "protos").mkdir()
+    _git(tmp_path, "init", "--initial-branch", "main")
+    for month, (subject, (roll, others, member)) in enumerate(_STATES.items(), 1):
+        (tmp_path / "protos" / "rover.proto").write_text(_ROVER.format(roll=roll, others=others, member=member))
+        _git(tmp_path, "add", "--all")
+        date = f"2026-0{month}-02T12:00:00Z"
+        people = {f"GIT_{who}_DATE": date for who in ("AUTHOR", "COMMITTER")}
+        people |= {f"GIT_{who}_{what}": text for who in ("AUTHOR", "COMMITTER") for what, text in _ANN.items()}
+        _run(f"git commit --quiet --message '{subject}' && git tag v{month}", tmp_path, people)
+    (tmp_path / "boards.txt").write_text("rover v3\nbasestation v2\narm v1\n")
+    section = _PAGE.read_text(encoding="utf-8").partition("## Three questions")[2].partition("\n## ")[0]
+    shown = "".join(re.findall(r"^```console\n(.*?)^```", section, re.DOTALL | re.MULTILINE))
+    commands = re.findall(r"^\$ (.*)", shown, re.MULTILINE)
+    printed = ((command, _run(command, tmp_path, {})) for command in commands)
+    assert _lines(shown) == _lines("".join(f"$ {command}\n{said.stdout}{said.stderr}" for command, said in printed))
+
+
+def _lines(text: str) -> list[str]:
+    return [line.rstrip() for line in text.splitlines() if line.strip()]
 
 
 @pytest.mark.slow

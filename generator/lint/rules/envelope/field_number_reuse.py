@@ -44,8 +44,12 @@ def check(context: Context) -> Iterator[Diagnostic]:
     envelope = context.table.envelope.message
     for row in context.table.rows:
         for entry in _others(row, published.values()):
-            help = f"give {row.name!r} the number {context.next_number()}"
-            help = f"{help}; keep the row of {entry.name!r}, or move that row to `retired`"
+            keep = (
+                f"keep the row of {entry.name!r}, or move that row to `retired`"
+                if context.table.proto.root
+                else f"keep {entry.name!r}, or write `reserved {entry.number};`"
+            )
+            help = f"give {row.name!r} the number {context.next_number()}; {keep}"
             yield from _judged(context, row, entry, _finding(row, entry, help, envelope))
     for retired in context.table.retired:
         for entry in _others(retired, published.values()):
