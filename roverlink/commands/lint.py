@@ -70,8 +70,8 @@ def add(commands: Subparsers) -> None:
         metavar="FILE|REPO",
         help="find numbers of the envelope, and of all messages and enums in it, that have different meanings in two "
         "projects or here, because the projects use different commits of the .proto files; also print which projects "
-        "misread each other. REPO is the folder of a project; the commit is read from its submodules or from GIT_TAG in "
-        "CMake. FILE is a text file with a line `project commit` for each project",
+        "misread each other. REPO is the folder of a project; the commit is read from its submodules or from GIT_TAG "
+        "in CMake. FILE is a text file with a line `project commit` for each project",
     )
     parser.add_argument(
         "--accept",

@@ -30,7 +30,7 @@ _WRONG_TODAY = pytest.mark.xfail(strict=True, reason="the lint judges this histo
 def _parameter(case: GoldenHistory) -> Any:  # pytest does not export the type of its parameters
     marks = [_WRONG_TODAY] if case.name in _NOT_YET else []
     # The same change as in another history, compared by another option or with more time in between.
-    if case.name.endswith(("_against", "_years_apart")):
+    if case.slow or case.name.endswith(("_against", "_years_apart")):
         marks.append(pytest.mark.slow)
     return pytest.param(case, id=case.name, marks=marks)
 
