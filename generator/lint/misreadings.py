@@ -214,7 +214,7 @@ class _Walk:
         for fields in required_changes(pair):
             states = zip(fields, (pair.old, pair.new), (self.change.before, self.change.after), strict=True)
             old, new = (
-                self._side(one, schema, message.full_name, message.file) if one else Side("absent", message.span)
+                self._side(one, schema, message.full_name, message.file) if one else Side("not declared", message.span)
                 for one, message, schema in states
             )
             number = next(one.number for one in fields if one)

@@ -7,6 +7,7 @@ written and added to the index, `working/PATH` is written to the working tree on
 Lines of the comment:
 
 - `run:` is the command line. Without it, it is `lint --history protos`.
+- `suite: slow` is for a variant of another history, which only the slow suite plays.
 - `commits:` is followed by one line for each commit: `NAME`, `NAME on BRANCH` or `NAME on BRANCH merging OTHER`. A
   branch begins at the latest commit of main. Without it, the commits are on main, in the order of the sections.
 
@@ -35,6 +36,11 @@ class GoldenHistory(CaseFile):
         """Arguments of `roverlink` that ask for the verdict."""
         given = re.search(r"^run: (.+)$", self._comment, re.MULTILINE)
         return (given[1] if given else "lint --history protos").split()
+
+    @property
+    def slow(self) -> bool:
+        """True for a history that only the slow suite plays."""
+        return re.search(r"^suite: slow$", self._comment, re.MULTILINE) is not None
 
     @property
     def verdict(self) -> set[str]:

@@ -15,7 +15,7 @@ from roverlink.__main__ import main
 
 def _parameter(case: GoldenHistory) -> Any:  # pytest does not export the type of its parameters
     # The same change as in another history, compared by another option or with more time in between.
-    repeats = case.name.endswith(("_against", "_years_apart"))
+    repeats = case.slow or case.name.endswith(("_against", "_years_apart"))
     return pytest.param(case, id=case.name, marks=[pytest.mark.slow] if repeats else [])
 
 

@@ -109,11 +109,10 @@ def _pins(consumers: Iterable[Consumer]) -> Iterator[tuple[Span, str]]:
 def _help(old: _Side, new: _Side) -> str:
     """Return the text that tells what to do: the two programs must be built from the same declaration."""
     if new.checkout:
-        name = new.checkout[0]
-        return (
-            f"build the other projects from {name} before they exchange messages with it, or put back {old.text} and "
-            "give the new declaration a number of its own"
-        )
+        help = f"build the other projects from {new.checkout[0]} before they exchange messages with it"
+        is_declared = old.text.startswith("`")
+        back = f"put back {old.text} and give the new declaration a number of its own"
+        return f"{help}, or {back}" if is_declared else help
     if old.checkout:
         return f"update {old.checkout[0]}, or build the other projects from it"
     return "pin these projects to one commit, and build them from it"
