@@ -117,7 +117,7 @@ def test_a_hostile_table(project: Path, kind: str, command: tuple[str, ...]) -> 
     fault = _plant(project / "mapping.yaml", kind)
     done = _run(project, *command)
     assert done.returncode == 2
-    assert f"mapping.yaml: fatal[MAP101] the table cannot be read: {fault}" in done.stderr
+    assert f"mapping.yaml: fatal[MAP101] the table cannot be read: {fault}" in done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("kind", _KINDS)
@@ -165,8 +165,8 @@ def test_the_proto_root_is_in_the_repository(project: Path, root: str, command: 
     (project / "mapping.yaml").write_text(_TABLE.replace("root: proto", f"root: {root}"))
     done = _run(project, *command)
     assert done.returncode in (1, 2)
-    assert "mapping.yaml:2:15: " in done.stderr
-    assert f"{root!r} is outside the git repository" in done.stderr
+    assert "mapping.yaml:2:15: " in done.stdout + done.stderr
+    assert f"{root!r} is outside the git repository" in done.stdout + done.stderr
 
 
 def test_links_inside_the_repository(project: Path) -> None:
@@ -466,7 +466,8 @@ def test_a_misspelt_key_does_not_widen_the_search(project: Path, key: str, place
     (project / "mapping.yaml").write_text(_TABLE.replace(key, typo, 1))
     for command in (("lint",), ("generate", "--check")):
         done = _run(project, *command)
-        assert done.stderr.startswith(f"mapping.yaml:{place}: error[MAP104] unknown key {typo[:-1]!r}")
-        assert f"help: did you mean {key[:-1]!r}?" in done.stderr
-        assert ".proto" not in done.stderr.replace("envelope.proto", "")
+        said = done.stdout + done.stderr
+        assert said.startswith(f"mapping.yaml:{place}: error[MAP104] unknown key {typo[:-1]!r}")
+        assert f"help: did you mean {key[:-1]!r}?" in said
+        assert ".proto" not in said.replace("envelope.proto", "")
         assert done.returncode == (2 if command == ("lint",) else 1)
