@@ -9,7 +9,7 @@ files without a table the file accepted-numbers.lock.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from roverlink.generator import lock
@@ -17,8 +17,9 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severi
 from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.lint.accepted_past import accepted, meanings, number_to_accept
 from roverlink.generator.lint.context import Context, Past
-from roverlink.generator.lint.history import Kind
+from roverlink.generator.lint.history import Kind, Reuse, TracedType
 from roverlink.generator.lint.history_diagnostics import reuses_by_number, stands_today
+from roverlink.generator.lint.input_rules import DEEPEN
 from roverlink.generator.lint.project import Linted
 from roverlink.generator.lock import Burned
 from roverlink.generator.lock.ledger_rules import LEDGER_RULES
@@ -44,13 +45,14 @@ def accept(
     """
     context, past = found.context, found.context.past
     if past is None or not past.of_numbers:
-        help = "run `roverlink lint --history --accept`"
+        help = "add --history to the command"
         raise DiagnosticsError([ACCEPT_WITHOUT_HISTORY.at(Span("--accept"), "--accept needs --history", help)])
     # Writing a ledger that was read only in part would lose the rest of it.
     if damaged := [finding for finding in found.findings if finding.rule in LEDGER_RULES]:
         raise DiagnosticsError(damaged)
-    reported = {(one.type, one.number or 0) for one in found.findings if one.rule.id in _HISTORY_RULES}
-    chosen = _chosen(context, wanted, reported) if wanted else reported
+    shown = {(one.type, one.number) for one in found.findings if one.rule.id in _HISTORY_RULES}
+    reported = {(type.name, number) for type, number, _ in _reuses(context) if (type.name, number) in shown}
+    chosen = _chosen(context, past, wanted, reported) if wanted else reported
     published = context.ledger.with_burned(_burned(context, past, chosen, reason))
     if table_path is not None:
         return recompile(table_path, published).changes(table_path.resolve().parent), len(chosen)
@@ -60,7 +62,7 @@ def accept(
     return compare(found.folder, files, {}, own=(lock.ACCEPTED_NAME,)), len(chosen)
 
 
-def _chosen(context: Context, wanted: Iterable[Number], reported: Iterable[Number]) -> set[Number]:
+def _chosen(context: Context, past: Past, wanted: Iterable[Number], reported: Iterable[Number]) -> set[Number]:
     """Return the full names and numbers of ``wanted``. Each must be reported, or accepted already."""
     envelope = context.table.envelope.message
     chosen = {(owner or envelope, number) for owner, number in wanted}
@@ -72,6 +74,8 @@ def _chosen(context: Context, wanted: Iterable[Number], reported: Iterable[Numbe
     if missing := sorted(chosen - known):
         ready = ", ".join(number_to_accept(context, *one) for one in sorted(reported))
         help = f"--accept takes the reported numbers: {ready}" if ready else "leave out --accept: nothing is reported"
+        if past.history.shallow:
+            help = f"this is a shallow clone, which lacks earlier commits: get them with {DEEPEN}; {help}"
         raise DiagnosticsError(
             [
                 NO_SUCH_FINDING.at(Span("--accept"), f"--history reports nothing about number {n} of {owner!r}", help)
@@ -86,12 +90,22 @@ def _burned(context: Context, past: Past, chosen: set[Number], reason: str) -> I
     for known in context.ledger.burned:
         if (known.owner, known.number) in chosen:
             yield _today(context, dataclasses.replace(known, reason=reason or known.reason))
-    for type, number, reuses in reuses_by_number(context, frozenset(Kind) - {Kind.RENAMED}):
+    for type, number, reuses in _reuses(context):
         if (type.name, number) in chosen:
             one = Burned(type.name, number, tuple(meanings(past.history, type, reuses)), None, reason)
             for earlier in accepted(context, type, number):
                 one = one.joined(earlier)
             yield _today(context, one)
+
+
+def _reuses(context: Context) -> Iterator[tuple[TracedType, int, list[Reuse]]]:
+    """Yield each number with its changes of meaning, without those that are the business of a branch."""
+    for type, number, reuses in reuses_by_number(context, frozenset(Kind) - {Kind.RENAMED}):
+        # What a branch does with the number is not accepted together with the past, but only if it is all that is
+        # reported.
+        here = [reuse for reuse in reuses if not reuse.elsewhere] or [one for one in reuses if not one.unmerged]
+        if here:
+            yield type, number, here
 
 
 def _today(context: Context, burned: Burned) -> Burned:

@@ -49,10 +49,6 @@ class Commit:
         return f"{self.id[:10]} {self.date} {shortened(self.subject)}" if self.id else self.subject
 
 
-UNCOMMITTED = Commit("", "", "a change that is not committed yet")
-"""Stands in place of the commit for a change that only the index or the working tree has."""
-
-
 @dataclass(frozen=True, slots=True)
 class Repository:
     """A folder in a git repository. All paths that the methods take or return are relative to this folder."""

@@ -15,8 +15,9 @@ from posixpath import normpath
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span, Use
 from roverlink.generator.lint.accepted_past import command_to_accept, meaning_of, not_accepted
-from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.history import Content, Kind, Relation, Reuse, TracedType, Usage, whereabouts
+from roverlink.generator.lint.context import Context, Past
+from roverlink.generator.lint.free_numbers import next_enum_number, next_field_number
+from roverlink.generator.lint.history import Content, History, Kind, Relation, Reuse, TracedType, Usage, whereabouts
 from roverlink.generator.lint.history.judged_facts import is_named
 from roverlink.generator.lock import PastUse
 from roverlink.generator.protos.schema import Fact, ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
@@ -51,7 +52,7 @@ def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses
     finding = rule.at(
         place_of(context, owner, number),
         f"number {number} of {owner!r} {_told_last(_last_changes(order, reuses))}" f"{_today(context, owner, number)}",
-        _help(context, owner, number),
+        _help(context, context.past, owner, number, reuses),
         type=owner,
         number=number,
         uses=list(_uses(context, order, reuses)),
@@ -254,16 +255,35 @@ def _today(context: Context, owner: str, number: int) -> str:
     return "; today it is reserved" if _is_reserved(declared, number) else "; today it is free, and not reserved"
 
 
-def _help(context: Context, owner: str, number: int) -> str:
+def number_never_used(context: Context, history: History, owner: str) -> int | None:
+    """Return a number of a message or enum that no commit of any branch used; None if no number is left."""
+    if owner == context.table.envelope.message:
+        return context.next_number()
+    taken = history.numbers(owner)
+    if owner in history.enums:
+        return next_enum_number(context, owner, taken)
+    return next_field_number(context, owner, taken)
+
+
+def _help(context: Context, past: Past, owner: str, number: int, reuses: Sequence[Reuse]) -> str:
     accept = f"if this was only a rename or is harmless, `{command_to_accept(context, owner, number)}` accepts it"
     if burned := context.ledger.burned_in(owner).get(number):
         accept = f"accepted so far: {burned.told}; {accept}"
     declared = _declared(context, owner)
     if declared is None or _is_reserved(declared, number):
         return accept
-    if number in _parts(context, declared):
+    if part := _parts(context, declared).get(number):
+        free = number_never_used(context, past.history, owner)
+        # The meaning of today can still be changed if nobody else has it yet.
+        if free and any(_is_new(past, reuse.later) and reuse.later.name == part.name for reuse in reuses):
+            return f"give {part.name!r} the number {free}, which was never used; {accept}"
         return f"make sure that no board still uses the old meaning; {accept}"
     return f"write `reserved {number};` into {owner!r}; {accept}"
+
+
+def _is_new(past: Past, usage: Usage) -> bool:
+    """Return True if a usage is not committed yet, or began after the commit of the baseline (``--against``)."""
+    return not usage.came.id or (bool(past.before) and usage.came.id not in past.before)
 
 
 def _called(usage: Usage) -> str:

@@ -24,6 +24,7 @@ from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past, since_last_generate
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lint.history import History, read_history
+from roverlink.generator.lint.history.uncommitted import CheckedOut
 from roverlink.generator.lint.input_rules import DEEPEN, LIMITED_HISTORY, LOST_PAST, NO_PROTOS, UNREADABLE_HISTORY
 from roverlink.generator.lint.pinned_states import PinnedStates, ProtoState, StateReader, compare_states
 from roverlink.generator.lint.wrong_root import wrong_root
@@ -145,14 +146,26 @@ def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) 
 def _state(project: Path, newest: str, findings: list[Diagnostic]) -> Iterator[Path]:
     """Yield the folder with the files to check: the project's folder, or a temporary folder with the files of a ref.
 
-    A diagnostic for each file of a ref that is left out is added to ``findings``.
+    In a hook of ``git commit``, these are the files that the commit will contain. A diagnostic for each file that is
+    left out is added to ``findings``.
     """
+    repository = CheckedOut(project)
+    if not newest and project.is_dir() and (tree := _tree_of_hook(repository)):
+        with checked_out(repository, tree, "index", findings) as folder:
+            yield folder
+        return
     if not newest or not project.is_dir():
         yield project
         return
-    repository = Repository(project)
     with checked_out(repository, commit_of_ref(repository, newest, "--history"), newest, findings) as folder:
         yield folder
+
+
+def _tree_of_hook(repository: CheckedOut) -> str:
+    try:
+        return repository.tree_of_hook()
+    except GitError:  # the project is in no repository
+        return ""
 
 
 def _lint(
@@ -220,8 +233,11 @@ def _lint(
     theirs = _of_buf(baseline.schema, schema, shown_root, findings) if question.with_buf and baseline else []
     findings += lint(context, theirs)
     ordered = tuple(in_order(findings))
-    texts = _texts(folder, ordered) if question.newest else {}
-    return Linted(ordered, project, texts, _blame(project, question.newest, baseline), context)
+    on_disk = folder == project
+    texts = {} if on_disk else _texts(folder, ordered)
+    # No commit has the lines of the index, which a hook checks.
+    lines_of = question.newest or (None if on_disk else "")
+    return Linted(ordered, project, texts, _blame(project, lines_of, baseline), context)
 
 
 def _texts(folder: Path, findings: tuple[Diagnostic, ...]) -> dict[str, str]:
@@ -320,21 +336,23 @@ def _changes(schema: Schema, baseline: Baseline | None, published: lock.Ledger) 
     return (*changes, *since_last_generate(published, schema))
 
 
-def _blame(project: Path, newest: str, baseline: Baseline | None) -> Callable[[Span], Commit | None]:
+def _blame(project: Path, newest: str | None, baseline: Baseline | None) -> Callable[[Span], Commit | None]:
     """Return a function that finds the commit which last changed the line of a place.
 
-    The place is in the current state, which is that of the ref ``newest`` if there is one, or in the baseline, the
-    earlier state. The function returns None if the commit is unknown.
+    The place is in the current state or in the baseline, the earlier state. The current state is that of the ref
+    ``newest``, or that of the disk if it is None, or that of the index if it is empty. The function returns None if the
+    commit is unknown.
     """
     repository = Repository(project)
-    commits_of = cache(lambda file: repository.commits_of_lines(file, newest or None))
+    commits_of = cache(lambda file: repository.commits_of_lines(file, newest))
 
     def commit_of(span: Span) -> Commit | None:
         if not span.line:
             return None
         if baseline is not None and span.file.startswith(baseline.name):
             return baseline.commit_of(span)
-        if not (project / span.file).is_file():  # a file of an earlier commit: its name starts with the commit
+        # The name of a file of an earlier commit starts with the commit.
+        if newest == "" or not (project / span.file).is_file():
             return None
         return commit_of_line(commits_of(span.file), span.line)
 

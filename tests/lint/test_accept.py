@@ -423,6 +423,27 @@ def test_what_cannot_be_accepted(tree: Repository, arguments: list[str], said: s
     assert _status() == ""
 
 
+def test_a_reuse_of_an_open_branch_is_not_accepted_elsewhere(tree: Repository) -> None:
+    """Accepting a number on one branch says nothing about what another branch does with it later."""
+    _reused(tree)
+    git(Path(), "checkout", "--quiet", "-b", "feature")
+    tree.commit(_NOW[0], "Water water = 2;", types=f"{_TYPES}message Water {{ int32 depth = 1; }}\n")
+    git(Path(), "checkout", "--quiet", "-")
+    assert tree.lint("--accept", "rover.Env:2")[0] == 0
+    assert "water" not in tree.ledger.read_text()
+
+
+def test_a_shallow_clone_says_why_a_number_is_not_reported(
+    tree: Repository, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without the earlier commits nothing is reported; the message says how to get them."""
+    _reused(tree)
+    git(tmp_path, "clone", "--quiet", "--depth", "1", f"file://{Path().resolve()}", "shallow")
+    monkeypatch.chdir(tmp_path / "shallow")
+    code, out, _ = tree.lint("--accept", "rover.Env:2")
+    assert (code, "git fetch --unshallow" in out) == (2, True)
+
+
 def test_a_number_alone_needs_the_envelope(tree: Repository) -> None:
     """In a tree whose envelope is not named, `18` is no number of any message."""
     _reused(tree)

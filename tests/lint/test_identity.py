@@ -244,7 +244,8 @@ def test_the_working_tree_and_the_index_are_the_newest_states(repository: Reposi
     git(root, "rm", "--quiet", "--cached", "pose.proto")
     assert _reused(read_history(root)) == {("Pose", 3)}
     (usage,) = (usage for usage in read_history(root).numbers("Pose")[3] if usage.name == "label_text")
-    assert (str(usage.came), usage.live_at) == ("a change that is not committed yet", ("the working tree",))
+    assert str(usage.came) == "a change in the working tree that is not committed yet"
+    assert usage.live_at == ("the working tree",)
 
 
 def test_a_hook_looks_at_the_index(repository: RepositoryBuilder, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -293,4 +294,4 @@ def test_a_merge_that_is_not_committed_yet(repository: RepositoryBuilder) -> Non
     assert {
         usage.type: sorted(went.subject for one in usage.intervals for went in one.went)
         for usage in history.numbers("Pose")[3]
-    } == {"float": ["Change z", "Lose z"], "double": ["a change that is not committed yet"]}
+    } == {"float": ["Change z", "Lose z"], "double": ["a change in the working tree that is not committed yet"]}

@@ -612,18 +612,32 @@ def test_a_reuse_is_found_before_the_commit(root: Path, run: Run, against: tuple
 
 
 def test_a_hook_refuses_the_commit_of_a_reuse(root: Path) -> None:
-    """The hook looks at the index: a reuse that is not staged does not matter, one that is staged does."""
+    """The hook looks at the index: what is not staged does not matter, neither a reuse nor its correction."""
+    good = _envelope("Imu imu = 1;").replace("{\n", "{\n  reserved 2;\n", 1)
+    bad = _envelope("Imu imu = 1;", "Wind wind = 2;")
+    (root / _FILE).write_text(good)
     hook = root / ".git" / "hooks" / "pre-commit"
     command = shlex.join([sys.executable, "-m", "roverlink", "lint", ".", *_TREE, "--history"])
     hook.write_text(f"#!/bin/sh\n{command} >&2\n")
     hook.chmod(0o755)
     (root / "README.md").write_text("Text.")
-    git(root, "add", "README.md")
-    (root / _FILE).write_text(_envelope("Imu imu = 1;", "Wind wind = 2;"))
-    identity = ("-c", "user.name=A", "-c", "user.email=a@example.com")
-    git(root, *identity, "commit", "--quiet", "--message", "Write")
-    with pytest.raises(AssertionError, match="number 2 of 'PBEnvelope' was given to 'wind'"):
-        git(root, *identity, "commit", "--quiet", "--all", "--message", "Measure the wind")
+    git(root, "add", "--all")
+    (root / _FILE).write_text(bad)
+    commit = ("-c", "user.name=A", "-c", "user.email=a@example.com", "commit", "--quiet", "--message", "Change")
+    git(root, *commit)
+    with pytest.raises(
+        AssertionError, match=r"(?s)number 2 of 'PBEnvelope' was given to 'wind'.*give 'wind' the number 3"
+    ):
+        git(root, *commit, "--all")
+    git(root, "add", "--all")
+    (root / _FILE).write_text(good)
+    with pytest.raises(AssertionError, match=r"now in the index, not committed yet"):
+        git(root, *commit)
+    (root / _FILE).write_text(_envelope("Wind wind = 3;"))
+    git(root, "add", "--all")
+    (root / _FILE).write_text(good)
+    with pytest.raises(AssertionError, match=r"error.ENV107. field 1, 'imu'"):
+        git(root, *commit)
 
 
 def test_another_state_that_is_not_there(root: Path, run: Run) -> None:

@@ -158,20 +158,22 @@ class Reuses:
             new=new,
             survivors=self._compare_contents(old, new).left if old and new else 0,
             reason=reason,
-            unmerged=self._is_unmerged(earlier, later, came),
+            elsewhere=(elsewhere := self._is_elsewhere(earlier, later, came)),
+            unmerged=elsewhere and not self._are_rivals(earlier, later),
         )
 
-    def _is_unmerged(self, earlier: TracedUsage, later: TracedUsage, came: int) -> bool:
-        """Return `Reuse.unmerged`; ``came`` is the node with which the later meaning began, if both are one usage."""
+    def _is_elsewhere(self, earlier: TracedUsage, later: TracedUsage, came: int) -> bool:
+        """Return `Reuse.elsewhere`; ``came`` is the node with which the later meaning began, if both are one usage."""
         if earlier is later:
-            return not self._record.is_kept(came) and not self._stands(earlier)
-        kept = (
+            return not self._record.is_kept(came)
+        return not all(
             any(self._record.is_kept(stretch.lifetime.came) for stretch in use.stretches) for use in (earlier, later)
         )
-        if all(kept):
-            return False
+
+    def _are_rivals(self, earlier: TracedUsage, later: TracedUsage) -> bool:
+        """Return True if the state that is judged has one of the meanings, and a branch has the other one today."""
         pairs = (earlier, later), (later, earlier)
-        return not any(self._stands(one) and other.usage.live_at for one, other in pairs)
+        return any(self._stands(one) and (other is one or bool(other.usage.live_at)) for one, other in pairs)
 
     def _stands(self, use: TracedUsage) -> bool:
         """Return True if the state that is judged has the declaration."""

@@ -15,7 +15,7 @@ from hashlib import sha1
 from pathlib import Path
 
 from roverlink.generator import source_files
-from roverlink.generator.git import UNCOMMITTED, GitError, Repository
+from roverlink.generator.git import Commit, GitError, Repository
 from roverlink.generator.lint.history.commits import PROTOS, Edit, Revision, edits_at
 
 _INDEX, _WORKING_TREE = "the index", "the working tree"
@@ -62,14 +62,19 @@ class CheckedOut(Repository):
         revisions: list[Revision] = []
         staged = self._staged(parents, hook)
         if staged or len(parents) > 1:
-            revisions.append(Revision(_INDEX, UNCOMMITTED, parents, tuple(staged)))
+            revisions.append(Revision(_INDEX, _as_commit(_INDEX), parents, tuple(staged)))
             parents = (_INDEX,)
         if hook:
             return Uncommitted(tuple(revisions))
         edits, contents = self._changed()
         if edits:
-            revisions.append(Revision(_WORKING_TREE, UNCOMMITTED, parents, tuple(edits)))
+            revisions.append(Revision(_WORKING_TREE, _as_commit(_WORKING_TREE), parents, tuple(edits)))
         return Uncommitted(tuple(revisions), contents)
+
+    def tree_of_hook(self) -> str:
+        """Return the id of the tree that ``git commit`` is about to commit, in one of its hooks; empty elsewhere."""
+        hook = self._index_of_hook()
+        return self._run("write-tree", index=hook).strip() if hook else ""
 
     def _staged(self, parents: tuple[str, ...], hook: str) -> list[Edit]:
         """Return the .proto files of the index that differ from HEAD. ``hook`` is the index file of a hook, if any."""
@@ -102,6 +107,11 @@ class CheckedOut(Repository):
         file = os.environ.get("GIT_INDEX_FILE", "")
         folder = self._run("rev-parse", "--absolute-git-dir").removesuffix("\n")
         return os.path.abspath(file) if file and os.path.realpath(os.path.dirname(file)) == folder else ""
+
+
+def _as_commit(state: str) -> Commit:
+    """Return what stands in place of the commit for a change that only the index or the working tree has."""
+    return Commit("", "", f"a change in {state} that is not committed yet")
 
 
 def _is_file(path: Path) -> bool:

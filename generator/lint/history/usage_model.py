@@ -158,8 +158,10 @@ class Reuse:
     """The usages with the meaning of `earlier` under other names, which mere renames link with it."""
     same_as_later: frozenset[Usage] = frozenset()
     """The usages with the meaning of `later` under other names."""
+    elsewhere: bool = False
+    """True if only branches that are not merged gave the number one of the meanings."""
     unmerged: bool = False
-    """True if the number has both meanings only because of branches that are not merged, and may still be changed.
+    """True if the reuse is `elsewhere`, and may still be changed there.
 
     False if the state that is judged has one of the meanings, and an unmerged branch has the other one today.
     """

@@ -13,11 +13,13 @@ _MOST_NAMED = 3
 def whereabouts(refs: Sequence[str]) -> str:
     """Return where a declaration exists today: ``on the branch main``, ``in the index, not committed yet``.
 
-    ``refs`` are the refs of the branches; or the index or the working tree (see `uncommitted`), if no branch has the
-    declaration. The text is empty without refs.
+    ``refs`` are the refs of the branches, and the index or the working tree (see `uncommitted`). These two are only
+    named if no branch has the declaration. The text is empty without refs.
     """
-    if any(map(is_uncommitted, refs)):
+    committed = [ref for ref in refs if not is_uncommitted(ref)]
+    if refs and not committed:
         return f"in {refs[0]}, not committed yet"
+    refs = committed
     if tuple(refs) == ("HEAD",):
         return "on HEAD, which is on no branch"
     # `origin/main` says nothing new beside `main`.

@@ -22,9 +22,8 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Use
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.free_numbers import next_enum_number, next_field_number
-from roverlink.generator.lint.history import Allocation, History, whereabouts
-from roverlink.generator.lint.history_diagnostics import place_of
+from roverlink.generator.lint.history import Allocation, whereabouts
+from roverlink.generator.lint.history_diagnostics import number_never_used, place_of
 from roverlink.generator.protos.schema import Fact
 
 RULE = Rule("HIS104", "number-given-on-two-branches", __doc__)
@@ -38,7 +37,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     for found in past.history.collisions(envelope):
         owner, number = found.owner, found.number
         message = f"number {number} of {owner!r} is {' and '.join(map(_said, found.allocations))}"
-        free = _free_number(context, past.history, owner)
+        free = number_never_used(context, past.history, owner)
         other = f"the number {free}, which no branch uses" if free else "a number in another type"
         finding = RULE.at(
             place_of(context, owner, number),
@@ -55,16 +54,6 @@ def _use(context: Context, number: int, one: Allocation) -> Use:
     declaration = Fact(number, one.name, one.type).text
     place = context.place(one.path, one.line, 0)
     return Use(one.type, one.name, one.came, None, (declaration,), place, whereabouts(one.refs))
-
-
-def _free_number(context: Context, history: History, owner: str) -> int | None:
-    """Return a number of a message or enum that no branch uses; None if no number is left."""
-    if owner == context.table.envelope.message:
-        return context.next_number()
-    taken = history.numbers(owner)
-    if owner in history.enums:
-        return next_enum_number(context, owner, taken)
-    return next_field_number(context, owner, taken)
 
 
 def _said(allocation: Allocation) -> str:
