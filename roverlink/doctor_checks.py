@@ -31,6 +31,7 @@ from roverlink.runtime.net import hosts, udp
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.parameters import Parameters
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
+from roverlink.runtime.text.hosts import LEARN
 
 _NEEDED = ("protobuf", "pyyaml", "jinja2", "rich")
 _EXTRAS = {
@@ -132,7 +133,7 @@ def _hosts(registry: Registry, settings: Parameters) -> Iterator[Diagnosis]:
     for parameter in dict.fromkeys(end.host_parameter for end in registry.ends.values()):
         ends = [name for name, end in registry.ends.items() if end.host_parameter == parameter]
         named, what = settings.addresses[ends[0]].hosts, ", ".join(map(str, ends))
-        if named == (hosts.LEARN,):
+        if named == (LEARN,):
             yield Diagnosis("ok", parameter, f"the address of {what} is that of its last valid datagram")
             continue
         for host in named:

@@ -35,9 +35,10 @@ from roverlink.runtime.interfaces import Time
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.destination import Destination
-from roverlink.runtime.net.hosts import LEARN, Sender
+from roverlink.runtime.net.hosts import Sender
 from roverlink.runtime.net.sources import restricts_sources
 from roverlink.runtime.ros_arguments.parameters import Parameters
+from roverlink.runtime.text.hosts import LEARN
 
 NODE = "udp_forwarder"
 """Default node name of the bridge in the ROS 2 graph."""

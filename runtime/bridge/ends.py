@@ -25,6 +25,7 @@ from roverlink.runtime.net.destination import Destination, Target
 from roverlink.runtime.net.host_watch import HostWatch
 from roverlink.runtime.net.hosts import SocketAddress
 from roverlink.runtime.ros_arguments.parameters import EndAddress, Parameters
+from roverlink.runtime.text.hosts import LEARN, is_literal
 
 
 class LinkEvent(str, Enum):
@@ -151,7 +152,7 @@ class _Steering:
 
     @property
     def _learns(self) -> bool:
-        return self._wanted.hosts == (hosts.LEARN,)
+        return self._wanted.hosts == (LEARN,)
 
     def start(self) -> None:
         """Start to look up the hosts."""
@@ -169,7 +170,7 @@ class _Steering:
             self._wanted, self._targets, self._missing = wanted, {}, set()
             for host in () if self._learns else wanted.hosts:
                 # An address of a network interface needs the interface, which may not be there yet.
-                if hosts.is_literal(host) and "%" not in host and not self._end.interface:
+                if is_literal(host) and "%" not in host and not self._end.interface:
                     with contextlib.suppress(OSError):  # it is noted
                         self._look_up(wanted, host)
                 else:
@@ -184,14 +185,14 @@ class _Steering:
         wanted = self._wanted
         if not self._learns:
             return
-        before = self._targets.get(hosts.LEARN)
+        before = self._targets.get(LEARN)
         address = _with_port(sender, wanted.port or sender[1])
         if before is not None and before.address == address:
             return
         with self._lock:
             if wanted is not self._wanted:
                 return  # the parameters have just changed
-            self._targets[hosts.LEARN] = Target(address)
+            self._targets[LEARN] = Target(address)
             self._direct()
         if before is None:
             self._note(LinkEvent.LEARNED, f"learned the address {hosts.text_of(address)}")
@@ -228,7 +229,7 @@ class _Steering:
                 self._note(LinkEvent.NOT_RESOLVED, f"{host} cannot be resolved: {_reason(error)}")
             raise
         text = hosts.text_of(target.address)
-        if was_missing or (before is None and not hosts.is_literal(host)):
+        if was_missing or (before is None and not is_literal(host)):
             self._note(LinkEvent.RESOLVED, f"{host} is {text}")
         if before is not None and before.address != target.address:
             self._note(LinkEvent.ADDRESS_CHANGED, f"{host}: {_moved(before.address, target.address)}")

@@ -1,21 +1,14 @@
-"""Hosts of the table and of the parameters: IP addresses, names that a resolver knows, or the word ``learn``."""
+"""Addresses of hosts: look-up of names, and addresses as the kernel takes and gives them."""
 
 from __future__ import annotations
 
-import re
 import socket
 from functools import lru_cache
-from ipaddress import IPv4Address, IPv6Address, ip_address
+from ipaddress import IPv6Address, ip_address
 from typing import NamedTuple
-
-LEARN = "learn"
-"""Host that stands for the address from which an end's last valid datagram came."""
 
 SocketAddress = tuple[str, int] | tuple[str, int, int, int]
 """Address of a socket, as `socket.socket.sendto` takes it: IPv4 address and port, or the four values of IPv6."""
-
-_LABEL = re.compile(r"[A-Za-z0-9_]([A-Za-z0-9_-]{0,61}[A-Za-z0-9_])?")
-_LONGEST_NAME = 253  # characters (RFC 1035, section 2.3.4, without the length bytes)
 
 
 class Sender(NamedTuple):
@@ -24,25 +17,6 @@ class Sender(NamedTuple):
     ip: bytes
     """IP address without the port, four bytes (IPv4) or sixteen (IPv6)."""
     address: SocketAddress
-
-
-def hosts_in(text: str) -> tuple[str, ...]:
-    """Return the hosts in a parameter's text, which separates several hosts by commas.
-
-    Raises `ValueError` with the reason if one of them is neither an address nor a name, or if ``learn`` has neighbours.
-    """
-    hosts = tuple(host.strip() for host in text.split(","))
-    for host in hosts:
-        if not is_literal(host) and not _is_name(host):
-            raise ValueError(f"{host!r} is neither an IP address nor the name of a host")
-    if LEARN in hosts and len(hosts) > 1:
-        raise ValueError(f"{LEARN!r} cannot stand beside other hosts")
-    return hosts
-
-
-def is_literal(host: str) -> bool:
-    """Return true if a host is an IP address, which needs no look-up."""
-    return _parsed(host) is not None
 
 
 def is_multicast(address: SocketAddress) -> bool:
@@ -80,16 +54,3 @@ def sender_at(address: SocketAddress) -> Sender:
     if isinstance(ip, IPv6Address) and ip.ipv4_mapped:
         return Sender(ip.ipv4_mapped.packed, (str(ip.ipv4_mapped), address[1]))
     return Sender(ip.packed, address)
-
-
-def _parsed(host: str) -> IPv4Address | IPv6Address | None:
-    try:
-        return ip_address(host)
-    except ValueError:
-        return None
-
-
-def _is_name(host: str) -> bool:
-    labels = host.removesuffix(".").split(".")
-    # A last label of digits makes an address, as in 10.0.0.300 (RFC 1123, section 2.1), and no resolver may guess it.
-    return len(host) <= _LONGEST_NAME and all(map(_LABEL.fullmatch, labels)) and not labels[-1].isdigit()

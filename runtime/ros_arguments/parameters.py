@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.runtime.core.registry import End, EndName, Registry
-from roverlink.runtime.net import hosts
 from roverlink.runtime.text import strict_yaml
+from roverlink.runtime.text.hosts import LEARN, hosts_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Declaration:
             raise SetupError(f"the parameter {name!r} is {value}; {self.limits}")
         if self.hosts:
             try:
-                hosts.hosts_in(str(value))
+                hosts_in(str(value))
             except ValueError as error:
                 raise SetupError(f"the parameter {name!r} is {value!r}; {error}") from error
 
@@ -148,11 +148,11 @@ def _checked(registry: Registry, given: Mapping[str, Any]) -> Parameters:
         declared[parameter].check(parameter, value)
     values = {**defaults(registry), **given}
     addresses = {
-        name: EndAddress(hosts.hosts_in(values[end.host_parameter]), values[end.port_parameter])
+        name: EndAddress(hosts_in(values[end.host_parameter]), values[end.port_parameter])
         for name, end in registry.ends.items()
     }
     for name, end in registry.ends.items():
-        if not addresses[name].port and addresses[name].hosts != (hosts.LEARN,):
-            message = f"the parameter {end.port_parameter!r} is 0, but {end.host_parameter!r} is not {hosts.LEARN!r}"
+        if not addresses[name].port and addresses[name].hosts != (LEARN,):
+            message = f"the parameter {end.port_parameter!r} is 0, but {end.host_parameter!r} is not {LEARN!r}"
             raise SetupError(f"{message}; set the UDP port of {name}")
     return Parameters(addresses=addresses, values=values, **{one: values[one] for one in DECLARED})

@@ -30,4 +30,5 @@ def check(context: Context) -> Iterator[Diagnostic]:
         for key in ("host", "interface", "ttl", "parameter"):
             if peer.boards and key in peer.spans:
                 message = f"`{key}` of the peer {peer.name!r} has no effect, because the peer has `boards`"
-                yield RULE.at(peer.at(key), message, f"remove `{key}`, or move it to a board")
+                other = "; every board has parameters of its own" if key == "parameter" else ", or write it at a board"
+                yield RULE.at(peer.at(key), message, f"remove `{key}`{other}")

@@ -30,7 +30,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each `interface` and `ttl` of a peer or board without a multicast group."""
     for peer in context.table.peers:
         for settings, end in peer.ends:
-            if any(map(_is_group, settings.hosts)):
+            unread = "host" in settings.spans and not settings.hosts  # a mistake that is reported on its own
+            if unread or any(map(_is_group, settings.hosts)):
                 continue
             for key in ("interface", "ttl"):
                 if key in settings.spans:
