@@ -233,7 +233,8 @@ class _Steering:
             self._note(LinkEvent.RESOLVED, f"{host} is {text}")
         if before is not None and before.address != target.address:
             self._note(LinkEvent.ADDRESS_CHANGED, f"{host}: {_moved(before.address, target.address)}")
-        if self._ipv4_only and len(target.address) != 2 and before is None:
+        is_heard = not self._ipv4_only or len(target.address) == 2 or hosts.is_multicast(target.address)
+        if not is_heard and before is None:
             self._note(
                 LinkEvent.ONE_WAY,
                 f"{text} is an IPv6 address, but the bridge listens only on IPv4 and cannot hear it; start the bridge "
