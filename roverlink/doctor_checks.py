@@ -31,7 +31,7 @@ from roverlink.runtime.net import hosts, udp
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.parameters import Parameters
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
-from roverlink.runtime.text.hosts import LEARN
+from roverlink.runtime.text.host_names import LEARN
 
 _NEEDED = ("protobuf", "pyyaml", "jinja2", "rich")
 _EXTRAS = {

@@ -38,7 +38,7 @@ from roverlink.runtime.net.destination import Destination
 from roverlink.runtime.net.hosts import Sender
 from roverlink.runtime.net.sources import restricts_sources
 from roverlink.runtime.ros_arguments.parameters import Parameters
-from roverlink.runtime.text.hosts import LEARN
+from roverlink.runtime.text.host_names import LEARN
 
 NODE = "udp_forwarder"
 """Default node name of the bridge in the ROS 2 graph."""

@@ -25,7 +25,7 @@ from roverlink.runtime.net.destination import Destination, Target
 from roverlink.runtime.net.host_watch import HostWatch
 from roverlink.runtime.net.hosts import SocketAddress
 from roverlink.runtime.ros_arguments.parameters import EndAddress, Parameters
-from roverlink.runtime.text.hosts import LEARN, is_literal
+from roverlink.runtime.text.host_names import LEARN, is_literal
 
 
 class LinkEvent(str, Enum):

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.runtime.core.registry import End, EndName, Registry
 from roverlink.runtime.text import strict_yaml
-from roverlink.runtime.text.hosts import LEARN, hosts_in
+from roverlink.runtime.text.host_names import LEARN, hosts_in
 
 
 @dataclass(frozen=True, slots=True)

@@ -87,7 +87,9 @@ def test_diagnostics_are_heard_by_anybody(start: Start, done: Start) -> None:
     stamps = [array["header"]["stamp"]["sec"] + array["header"]["stamp"]["nanosec"] / 1e9 for array in said]
     assert stamps[0] < stamps[1]
     statuses = {status["name"]: status for status in said[-1]["status"]}
-    assert statuses.keys() == {"udp_forwarder", *(f"udp_forwarder: {name}" for name in REGISTRY.by_name)}
+    links = {"basestation", "hardware", *(f"{board}Board of hardware" for board in ("Arm", "Driving", "Sensor"))}
+    parts = {*REGISTRY.by_name, *(f"link to {name}" for name in links)}
+    assert statuses.keys() == {"udp_forwarder", *(f"udp_forwarder: {name}" for name in parts)}
     imu = {pair["key"]: pair["value"] for pair in statuses["udp_forwarder: imu_info"]["values"]}
     assert int(imu["count"]) > 0
 

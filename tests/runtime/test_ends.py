@@ -26,7 +26,7 @@ from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.net import host_watch, hosts
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
-from roverlink.runtime.text.hosts import LEARN
+from roverlink.runtime.text.host_names import LEARN
 
 _LOGGER = logging.getLogger("test_ends")
 _QUIET = unguarded(REGISTRY)
