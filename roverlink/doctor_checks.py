@@ -144,7 +144,7 @@ def _hosts(registry: Registry, settings: Parameters) -> Iterator[Diagnosis]:
                 cure = f"switch it on, or set another host with --ros-args -p {parameter}:=ADDRESS"
                 yield Diagnosis("warning", parameter, says, cure)
             else:
-                yield Diagnosis("ok", parameter, f"datagrams for {what} are sent to {hosts.text_of(found)}")
+                yield Diagnosis("ok", parameter, f"datagrams for {what} go to {found[0]}")
                 if len(found) != 2 and ":" not in settings.listen_address:
                     says = f"{what} has the IPv6 address {found[0]}, but listen_address receives only IPv4"
                     yield Diagnosis("warning", parameter, says, "add --ros-args -p listen_address:=\"'::'\"")

@@ -614,7 +614,7 @@ class Row(StandardTopicSettings):
     ] = field(default_factory=dict)
     forward: Annotated[
         tuple[PeerName, ...],
-        Meaning("Other peers that also get the raw datagram. Only for rows from a peer."),
+        Meaning("Other peers that also get the envelope. Only for rows from a peer."),
     ] = ()
     bounds: Annotated[
         Mapping[FieldPath, Bound],
