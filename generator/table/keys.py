@@ -350,8 +350,8 @@ class PeerSettings(EndSettings):
         Text("parameter name", r"[a-z][a-z0-9_]*", "dst_b_port"),
         Meaning(
             "The node's parameter that holds this peer's UDP port.",
-            default="`<peer>_port` if the peer has a `host`, else `dst_a_port`, `dst_b_port`, ... in the alphabetical "
-            "order of the peers",
+            default="`dst_a_port`, `dst_b_port`, ... in the alphabetical order of the peers; `<peer>_port` if the peer "
+            "has a `host`",
         ),
     ] = ""
     port: Annotated[
