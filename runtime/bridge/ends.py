@@ -144,9 +144,9 @@ class _Steering:
     @property
     def state(self) -> str:
         """State of the end's address: ``ok``, ``not_learned``, ``not_resolved`` or ``unreachable``."""
-        if self._learns and not self._targets:
+        if self._learns and not self.destination.addresses:
             return "not_learned"
-        if self._missing or not self._targets:
+        if self._missing or not self.destination.addresses:
             return LinkEvent.NOT_RESOLVED.value
         return "ok" if self.destination.is_reachable else LinkEvent.UNREACHABLE.value
 
