@@ -80,7 +80,7 @@ class _Handled:
 
         return counted
 
-    def sending(self, peer: str, send: Send) -> Send:  # noqa: ARG002  # of the interface
+    def sending(self, peer: str, send: Send) -> Send:  # of the interface
         """Change nothing."""
         return send
 
