@@ -17,7 +17,9 @@ from roverlink.heard_bridges import HeardBridges
 from roverlink.link_page.followed_bridges import FollowedBridges
 from roverlink.link_page.live_page import LivePage
 from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.bridge.ends import LinkState
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.monitoring import diagnostic_array
 from roverlink.runtime.monitoring.histogram import LatencyProbe
 from roverlink.runtime.monitoring.monitor import Monitor
@@ -32,6 +34,10 @@ class _Bridge:
 
     def __init__(self) -> None:
         self.account = Account()
+
+    def link_states(self) -> dict[EndName, LinkState]:
+        """Return no end of the link."""
+        return {}
 
     def socket_state(self) -> SocketState:
         """Return the state of an empty socket."""

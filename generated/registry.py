@@ -56,6 +56,7 @@ REGISTRY = Registry(
             name="hardware",
             port_parameter="dst_b_port",
             port=6001,
+            max_size=1472,
         ),
     ),
     handlers=(

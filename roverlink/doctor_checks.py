@@ -27,10 +27,11 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.middleware.interface_packages import installed_class
-from roverlink.runtime.net import udp
+from roverlink.runtime.net import hosts, udp
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.parameters import Parameters
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
+from roverlink.runtime.text.host_names import LEARN
 
 _NEEDED = ("protobuf", "pyyaml", "jinja2", "rich")
 _EXTRAS = {
@@ -83,7 +84,7 @@ def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
         says = "UDP port, receive buffer, dst_ip and firewall were not checked, because the parameters are unknown"
         found.append(Diagnosis("warning", "not checked", says, "correct the error above, and run the command again"))
     else:
-        found += [*_network(settings), *_firewall(settings)]
+        found += [*_network(registry, settings), *_firewall(settings)]
     return [*found, *_multicast(), *_ros(registry)]
 
 
@@ -111,7 +112,7 @@ def _python() -> Iterator[Diagnosis]:
 # --- the network ------------------------------------------------------------------------------------------------
 
 
-def _network(settings: Parameters) -> Iterator[Diagnosis]:
+def _network(registry: Registry, settings: Parameters) -> Iterator[Diagnosis]:
     port, address = settings.listen_port, settings.listen_address
     try:
         sock = udp.bind(address, port, settings.receive_buffer)
@@ -124,11 +125,29 @@ def _network(settings: Parameters) -> Iterator[Diagnosis]:
         with sock:
             yield Diagnosis("ok", f"UDP port {port}", f"no other program uses it on the address {address}")
             yield _buffer(udp.receive_buffer(sock), settings.receive_buffer)
-    try:
-        udp.resolve(settings.dst_ip, 9)
-        yield Diagnosis("ok", "dst_ip", f"{settings.dst_ip}, the address to which datagrams for the peers are sent")
-    except RoverlinkError as error:
-        yield Diagnosis("error", "dst_ip", str(error), "set the peers' address with --ros-args -p dst_ip:=ADDRESS")
+    yield from _hosts(registry, settings)
+
+
+def _hosts(registry: Registry, settings: Parameters) -> Iterator[Diagnosis]:
+    """Check the hosts to which datagrams are sent, once for each parameter that names hosts."""
+    for parameter in dict.fromkeys(end.host_parameter for end in registry.ends.values()):
+        ends = [name for name, end in registry.ends.items() if end.host_parameter == parameter]
+        named, what = settings.addresses[ends[0]].hosts, ", ".join(map(str, ends))
+        if named == (LEARN,):
+            yield Diagnosis("ok", parameter, f"the address of {what} is that of its last valid datagram")
+            continue
+        for host in named:
+            try:
+                found = hosts.look_up(host, settings.addresses[ends[0]].port)[0]
+            except (OSError, UnicodeError) as error:
+                says = f"{host}, the host of {what}, cannot be resolved: {error}"
+                cure = f"switch it on, or set another host with --ros-args -p {parameter}:=ADDRESS"
+                yield Diagnosis("warning", parameter, says, cure)
+            else:
+                yield Diagnosis("ok", parameter, f"datagrams for {what} go to {found[0]}")
+                if len(found) != 2 and ":" not in settings.listen_address:
+                    says = f"{what} has the IPv6 address {found[0]}, but listen_address receives only IPv4"
+                    yield Diagnosis("warning", parameter, says, "add --ros-args -p listen_address:=\"'::'\"")
 
 
 def _buffer(got: int, wanted: int) -> Diagnosis:

@@ -22,7 +22,19 @@ QUIET_S = 3.0
 _GONE_S = 60.0
 """Time in seconds without a message after which a bridge can make room for another one."""
 
-_TEXTS = ("full_name", "host", "instance", "fingerprint", "topic", "direction", "board", "recording")
+_TEXTS = (
+    "full_name",
+    "host",
+    "instance",
+    "fingerprint",
+    "topic",
+    "direction",
+    "board",
+    "recording",
+    "address",
+    "link",
+    "state",
+)
 _NODE_VALUES = frozenset(("received", "received_rate", "kernel_drops", "socket_waiting_bytes", "socket_size_bytes"))
 _ROW_VALUES = frozenset(("number", "topic", "direction", "count", "rate"))
 
@@ -142,22 +154,25 @@ def instance(page: dict[str, Any]) -> str:
 def page_of(array: DiagnosticArray) -> dict[str, Any] | None:
     """Convert a message of ``/diagnostics`` to the state of the bridge that published it; None for another node.
 
-    The state is a dictionary for JSON: ``stamp`` (seconds since 1970), ``node`` (the bridge as a whole) and ``rows`` (a
-    list). Texts that spell numbers are converted to numbers.
+    The state is a dictionary for JSON: ``stamp`` (seconds since 1970), ``node`` (the bridge as a whole), ``rows`` (a
+    list) and ``ends`` (a list: peers and boards with their addresses). Texts that spell numbers become numbers.
     """
     own = next((status for status in array.status if any(pair.key == "fingerprint" for pair in status.values)), None)
     if own is None:
         return None
     prefix = f"{own.name}: "
     node = _entry(own, own.name, _NODE_VALUES)
-    rows = [
-        _entry(status, status.name.removeprefix(prefix), _ROW_VALUES)
-        for status in array.status
-        if status.name.startswith(prefix)
-    ]
+    parts = [status for status in array.status if status.name.startswith(prefix)]
+    ends = [status for status in parts if any(pair.key == "link" for pair in status.values)]
+    rows = [_entry(status, status.name.removeprefix(prefix), _ROW_VALUES) for status in parts if status not in ends]
     if node is None or None in rows:
         return None
-    return {"stamp": array.header.stamp.sec + array.header.stamp.nanosec / 1e9, "node": node, "rows": rows}
+    return {
+        "stamp": array.header.stamp.sec + array.header.stamp.nanosec / 1e9,
+        "node": node,
+        "rows": rows,
+        "ends": [_entry(status, status.name.removeprefix(prefix), frozenset()) for status in ends],
+    }
 
 
 def _entry(status: DiagnosticStatus, name: str, needed: frozenset[str]) -> dict[str, Any] | None:

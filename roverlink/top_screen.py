@@ -234,6 +234,8 @@ def _header(page: dict[str, Any], label: str, quiet: bool = False) -> list[Text]
         lines.append(Text(_plain(f"stopped by the bridge, because the topic is silent: {stopped}"), "yellow"))
     if mismatches := _named(node, _MISMATCHES, none=""):
         lines.append(Text(_plain(f"publishers and subscriptions of other nodes without matching QoS: {mismatches}")))
+    if ends := [text for end in page["ends"] if (text := _end_text(end))]:
+        lines.append(Text(_plain(f"peers and boards: {', '.join(ends)}"), "yellow"))
     if "recording" in node:
         size, waiting, lost = (node.get(f"recording_{name}", 0) for name in ("bytes", "waiting", "lost"))
         recording = f"recording: {lost} messages lost, {waiting} waiting for the disk, {size / 1e6:.1f} MB in "
@@ -246,6 +248,14 @@ def _header(page: dict[str, Any], label: str, quiet: bool = False) -> list[Text]
     lines.append(Text(_plain(sent)))
     lines.append(Text(f"receive buffer: {buffer}; time to handle datagrams: p50 {p50}, p99 {p99}"))
     return lines
+
+
+def _end_text(end: Mapping[str, Any]) -> str:
+    """Return a text about a peer or board that is silent, or whose address has a problem; empty for the others."""
+    problems = [end["link"].replace("_", " ")] if end["link"] != "ok" else []
+    problems += ["silent"] if end["state"] == "silent" else []
+    name = end["name"].removeprefix("link to ")
+    return f"{name} {' and '.join(problems)}{' at ' if end['address'] else ''}{end['address']}" if problems else ""
 
 
 def _levels(entries: Sequence[dict[str, Any]]) -> str:

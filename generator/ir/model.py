@@ -62,19 +62,45 @@ class Envelope:
 
 
 @dataclass(frozen=True, slots=True)
-class Peer:
-    """Machine that exchanges datagrams with the bridge. It may consist of several boards."""
+class End:
+    """End of the link, to which datagrams are sent: a peer, or a board of a peer that has boards with addresses."""
 
     name: str
-    parameter: str
-    port: int
-    strip_trailing_zeros: bool
+    parameter: str = ""
+    """The node's parameter that holds the UDP port; empty for a peer with boards, which have parameters of their own.
+    """
+    port: int = 0
+    """Default of that parameter; 0 if the port is learned with the address."""
+    host: str = ""
+    """Names or IP addresses of the hosts with commas between them, or ``learn``; empty if the table names no host."""
+    host_parameter: str = ""
+    """The node's parameter that holds the host; empty if that is ``dst_ip``, because the table names no host."""
+    interface: str = ""
+    """Network interface for a multicast group; empty if the table names none."""
+    ttl: int | None = None
+    """Largest number of networks that datagrams to a multicast group cross; None if the table does not tell."""
+
+
+@dataclass(frozen=True, slots=True)
+class Peer(End):
+    """Machine that exchanges datagrams with the bridge. It may consist of several boards."""
+
+    strip_trailing_zeros: bool = False
     prefixes: tuple[str, ...] = ()
     """Beginnings of the names of this peer's messages, such as ``SensorBoard``; empty if any name is allowed."""
     sources: tuple[str, ...] = ()
     """IP addresses and networks from which the peer may send; empty if any address is allowed."""
     source_rate: int | None = None
     """Largest number of datagrams per second that is accepted from each address of the peer; None for no limit."""
+    max_size: int | None = None
+    """Largest envelope in bytes that the peer can receive or send; None for no limit."""
+    boards: tuple[End, ...] = ()
+    """Boards of the peer that have addresses of their own; empty if the peer is one end."""
+
+    @property
+    def ends(self) -> tuple[End, ...]:
+        """Ends of the link that belong to the peer: its boards, or the peer itself."""
+        return self.boards or (self,)
 
 
 @dataclass(frozen=True, slots=True)

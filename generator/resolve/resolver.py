@@ -19,7 +19,7 @@ from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.messages import RosMessages
 from roverlink.generator.resolve.safety import check_peers, with_safety_settings
 from roverlink.generator.resolve.standard import StandardTopics
-from roverlink.generator.table import Table
+from roverlink.generator.table import PeerSettings, Table
 
 
 def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) -> ir.Envelope:
@@ -91,18 +91,7 @@ def resolve(
         python_package=table.python.package,
         maintainer=table.ros.maintainer,
         envelope=envelope,
-        peers=tuple(
-            ir.Peer(
-                peer.name,
-                peer.parameter,
-                peer.port,
-                peer.strip_trailing_zeros,
-                peer.prefixes,
-                peer.sources,
-                peer.source_rate,
-            )
-            for peer in sorted(table.peers, key=lambda peer: peer.name)
-        ),
+        peers=tuple(_peer(peer) for peer in sorted(table.peers, key=lambda peer: peer.name)),
         routes=routes,
         messages=tuple(sorted(messages.messages.values(), key=lambda message: message.name)),
         nested=tuple(conversion for ros, conversion in sorted(messages.conversions.items()) if ros not in carried),
@@ -113,6 +102,26 @@ def resolve(
         interfaces=standard_topics.interfaces,
         modules=compilation.modules,
         descriptors=schema.descriptors_without_comments(),
+    )
+
+
+def _peer(peer: PeerSettings) -> ir.Peer:
+    ends = tuple(end for _, end in peer.ends)
+    own = ir.End(peer.name) if peer.boards else ends[0]
+    return ir.Peer(
+        name=peer.name,
+        parameter=own.parameter,
+        port=own.port,
+        host=own.host,
+        host_parameter=own.host_parameter,
+        interface=own.interface,
+        ttl=own.ttl,
+        strip_trailing_zeros=peer.strip_trailing_zeros,
+        prefixes=peer.prefixes,
+        sources=peer.sources,
+        source_rate=peer.source_rate,
+        max_size=peer.max_size,
+        boards=ends if peer.boards else (),
     )
 
 

@@ -9,14 +9,16 @@ The reader, the JSON Schema, the reference in docs/mapping.md and the defaults a
 from __future__ import annotations
 
 import keyword
+import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from ipaddress import IPv4Network
+from ipaddress import IPv6Network, ip_address, ip_network
 from typing import Annotated, Literal
 
 from roverlink.generator.diagnostics import Span
-from roverlink.generator.ir.model import Qos
+from roverlink.generator.ir.model import End, Qos
+from roverlink.generator.ir.ros_names import snake_case
 from roverlink.generator.table.parts import NAME, NOT_EMPTY, Form, Part
 from roverlink.generator.table.value_types import (
     AnyOf,
@@ -41,23 +43,44 @@ IMPLEMENTATION_NUMBERS = range(19_000, 20_000)
 LARGEST_DATAGRAM = 65_507
 """Largest payload of a UDP datagram over IPv4 in bytes: 65,535 minus the IP header (20) and the UDP header (8)."""
 USUAL_TARGETS = ("python", "ros2", "markdown")
+LEARN = "learn"
+"""Host that stands for the source of a peer's last valid datagram."""
 _QOS = Qos()
 
 # --- types of value that several keys share ---
 
 
 def _network_fault(text: str) -> tuple[str, str]:
-    """Return the reason why ``text`` is not an IPv4 address or network, and a help text.
+    """Return the reason why ``text`` is not an IP address or network, and a help text.
 
     Both are empty if it is an address, or a network without bits set after the prefix, such as ``10.0.0.0/24``.
     """
     try:
-        network = IPv4Network(text, strict=False)
+        network = ip_network(text, strict=False)
     except ValueError:
-        help = "write an IPv4 address or network, such as 10.0.0.7 or 10.0.0.0/24"
+        help = "write an IP address or network, such as 10.0.0.7, 10.0.0.0/24 or fd00::/64"
     else:
+        # An IPv4 sender is an IPv4 address in the runtime, even if the socket shows it as ::ffff:10.0.0.7.
+        mapped = isinstance(network, IPv6Network) and network.network_address.ipv4_mapped is not None
         help = "" if text in (str(network), str(network.network_address)) else f"the network is {network}"
+        help = "write it as an IPv4 address or network" if mapped else help
     return ("which is not an address or a network", help) if help else ("", "")
+
+
+def _host_fault(text: str) -> tuple[str, str]:
+    """Return the reason why ``text`` is neither an IP address nor the name of a host, and a help text.
+
+    Both are empty if it is one of them. The runtime checks the node's parameters in the same way.
+    """
+    try:
+        ip_address(text)
+    except ValueError:
+        labels = text.removesuffix(".").split(".")
+        is_name = all(map(_HOST_LABEL.fullmatch, labels)) and not labels[-1].isdigit() and len(text) <= 253
+    else:
+        is_name = True
+    help = "write an IP address, the name of a host, or learn (the source of the last valid datagram)"
+    return ("", "") if is_name else ("which is neither an IP address nor the name of a host", help)
 
 
 def _import_fault(name: str) -> tuple[str, str]:
@@ -74,6 +97,7 @@ def _import_fault(name: str) -> tuple[str, str]:
     return "", ""
 
 
+_HOST_LABEL = re.compile(r"[A-Za-z0-9_]([A-Za-z0-9_-]{0,61}[A-Za-z0-9_])?")
 _DOTTED = r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*"
 _PROTO_FILE = r"([A-Za-z_][A-Za-z0-9_-]*/)*[A-Za-z_][A-Za-z0-9_-]*\.proto"
 _MAINTAINER = r"[^<>&\"]+ <[^<>&\" ]+@[^<>&\" ]+>"
@@ -89,9 +113,12 @@ PeerName = Annotated[
 
 ``ros`` and names with ``_to_`` are excluded, so that a direction such as ``a_to_ros`` has only one reading.
 """
-Address = Annotated[
-    str, Text("address", r"[0-9]{1,3}(\.[0-9]{1,3}){3}(/[0-9]{1,2})?", "10.0.0.0/24", fault=_network_fault)
-]
+Address = Annotated[str, Text("address", r"[0-9A-Fa-f.:]+(/[0-9]{1,3})?", "10.0.0.0/24", fault=_network_fault)]
+_HOST = Text("host", r"[0-9A-Za-z_.:%-]+", "192.168.0.21", fault=_host_fault)
+Hosts = Annotated[Form, AnyOf((_HOST, ListOf(_HOST, least=1)))]
+"""One host or several. A host is an IP address, a name, or ``learn``."""
+BoardName = Annotated[str, Text("board name", r"[A-Za-z][A-Za-z0-9_]*", "ArmBoard")]
+Port = Annotated[int, Integer(1, 65_535)]
 PythonPackage = Annotated[str, Text("import name", _DOTTED, "my_rover.generated", fault=_import_fault)]
 Folder = Annotated[str, Text("folder")]
 Topic = Annotated[str, Text("topic")]
@@ -252,7 +279,60 @@ class PythonSettings(Part):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PeerSettings(Part):
+class EndSettings(Part):
+    """Address of an end of the link: of a peer, or of a board of a peer."""
+
+    host: Annotated[
+        Hosts | None,
+        Meaning(
+            "Default of the node's parameter `<peer>_host`: an IP address, a name, or a list of them, each of which "
+            "gets all datagrams. `learn` is the source of the peer's last valid datagram. A multicast group is an "
+            "address as well.",
+            default="the host in the parameter `dst_ip`",
+            see="operations.md#addresses-of-peers-and-boards",
+        ),
+    ] = None
+    interface: Annotated[
+        str,
+        Text("network interface", r"[^\s/:]{1,15}", "eth0"),
+        Meaning(
+            "Network interface through which datagrams to a multicast group leave.",
+            default="the one of the computer's default route",
+        ),
+    ] = ""
+    ttl: Annotated[
+        Annotated[int, Integer(1, 255)] | None,
+        Meaning("Largest number of networks that datagrams to a multicast group cross; 1 crosses no router.", "1"),
+    ] = None
+
+    @property
+    def hosts(self) -> tuple[str, ...]:
+        """Hosts to which datagrams are sent, such as names or IP addresses; empty if the table names none."""
+        if self.host is None:
+            return ()
+        return tuple(str(one.value) for one in (self.host.items if self.host.items is not None else (self.host,)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoardSettings(EndSettings):
+    """Board of a peer, with an address of its own."""
+
+    name: Annotated[BoardName, NAME]
+    host: Annotated[
+        Hosts,
+        Meaning(
+            "Default of the node's parameter `<peer>_<board>_host`, as `host` of a peer.",
+            see="operations.md#addresses-of-peers-and-boards",
+        ),
+    ]
+    port: Annotated[
+        Port,
+        Meaning("Default of the node's parameter `<peer>_<board>_port`: a UDP port.", default="`port` of the peer"),
+    ] = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PeerSettings(EndSettings):
     """Peer: a machine that exchanges datagrams with the bridge."""
 
     name: Annotated[PeerName, NAME]
@@ -270,14 +350,26 @@ class PeerSettings(Part):
         Text("parameter name", r"[a-z][a-z0-9_]*", "dst_b_port"),
         Meaning(
             "The node's parameter that holds this peer's UDP port.",
-            default="`dst_a_port`, `dst_b_port`, ... in the alphabetical order of the peers",
+            default="`dst_a_port`, `dst_b_port`, ... in the alphabetical order of the peers; `<peer>_port` if the peer "
+            "has a `host`",
         ),
     ] = ""
     port: Annotated[
-        int,
-        Integer(1, 65_535),
-        Meaning("Default of that parameter: a UDP port.", default="6000, 6001, ... in the same order"),
+        Port,
+        Meaning(
+            "Default of that parameter: a UDP port. Also the port of the peer's boards that have none.",
+            default="6000, 6001, ... in the same order; with `host: learn`, the port from which the peer sends",
+        ),
     ] = 0
+    boards: Annotated[
+        tuple[BoardSettings, ...],
+        Meaning(
+            "Boards with addresses of their own, by name. A row goes to the board whose name begins the name of its "
+            "message, the longest one if several fit, or to the `board` of the row. The node's parameters for a board "
+            "`ArmBoard` of the peer `hardware` are `hardware_arm_board_host` and `hardware_arm_board_port`.",
+            see="operations.md#addresses-of-peers-and-boards",
+        ),
+    ] = ()
     max_size: Annotated[
         Size | None,
         Meaning(
@@ -293,8 +385,8 @@ class PeerSettings(Part):
         tuple[Address, ...],
         NOT_EMPTY,
         Meaning(
-            "IPv4 addresses and networks (`10.0.0.0/24`) of this peer. Datagrams from other addresses, and payloads "
-            "that belong to another peer, are dropped and counted.",
+            "IP addresses and networks (`10.0.0.0/24`, `fd00::/64`) of this peer. Datagrams from other addresses, "
+            "and payloads that belong to another peer, are dropped and counted.",
             default="any",
             see="security.md",
         ),
@@ -312,9 +404,41 @@ class PeerSettings(Part):
 
         The prefixes are compared with the name without package, and with the full name.
         """
-        names = (proto, proto.rpartition(".")[2])
-        fitting = (prefix for prefix in self.prefixes if any(name.startswith(prefix) for name in names))
-        return max(fitting, key=len, default="")
+        return _longest_prefix(self.prefixes, proto)
+
+    @property
+    def board_names(self) -> tuple[str, ...]:
+        """Names of the boards of the peer: its `boards`, and its `prefixes` if there are several."""
+        prefixes = self.prefixes if self.boards or len(self.prefixes) > 1 else ()
+        return tuple(dict.fromkeys((*(board.name for board in self.boards), *prefixes)))
+
+    def board_for(self, proto: str) -> str:
+        """Return the board whose name begins the name of a message; empty if there is none."""
+        return _longest_prefix(self.board_names, proto)
+
+    @property
+    def ends(self) -> tuple[tuple[EndSettings, End], ...]:
+        """Ends of the link that belong to the peer, each with its settings: its boards, or the peer itself."""
+        if not self.boards:
+            return ((self, _end(self, self.name, self.name, self.parameter, self.port)),)
+        return tuple(
+            (board, _end(board, board.name, parameter, f"{parameter}_port", board.port))
+            for board in self.boards
+            for parameter in [f"{self.name}_{snake_case(board.name)}"]
+        )
+
+
+def _end(settings: EndSettings, name: str, parameter: str, port_parameter: str, port: int) -> End:
+    hosts = settings.hosts
+    host_parameter = f"{parameter}_host" if hosts else ""
+    return End(name, port_parameter, port, ",".join(hosts), host_parameter, settings.interface, settings.ttl)
+
+
+def _longest_prefix(prefixes: tuple[str, ...], proto: str) -> str:
+    """Return the longest of the prefixes with which a message's name, with or without package, begins."""
+    names = (proto, proto.rpartition(".")[2])
+    fitting = (prefix for prefix in prefixes if any(name.startswith(prefix) for name in names))
+    return max(fitting, key=len, default="")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -452,6 +576,14 @@ class Row(StandardTopicSettings):
         Text("direction", r"[a-z][a-z0-9_]*_to_ros|ros_to_[a-z][a-z0-9_]*", "hardware_to_ros", checked_by_rule=True),
         Meaning("The direction: `<peer>_to_ros` or `ros_to_<peer>`."),
     ]
+    board: Annotated[
+        BoardName,
+        Meaning(
+            "The board of the peer that sends or receives the payload.",
+            default="the board whose name begins the name of the message",
+            see="operations.md#addresses-of-peers-and-boards",
+        ),
+    ] = ""
     fields: Annotated[
         Mapping[FieldPath, Annotated[Form, _TARGET]],
         Meaning(
@@ -482,7 +614,7 @@ class Row(StandardTopicSettings):
     ] = field(default_factory=dict)
     forward: Annotated[
         tuple[PeerName, ...],
-        Meaning("Other peers that also get the raw datagram. Only for rows from a peer."),
+        Meaning("Other peers that also get the envelope. Only for rows from a peer."),
     ] = ()
     bounds: Annotated[
         Mapping[FieldPath, Bound],
@@ -622,12 +754,12 @@ class Table(Part):
         return {peer.name: peer for peer in self.peers}
 
     def board_of(self, row: Row) -> str:
-        """Return the board of the row's peer that its message belongs to: the prefix that fits, if there are several.
+        """Return the board of the row's peer to which the row belongs.
 
-        Return an empty text if the peer is one board, or if no prefix fits.
+        Return an empty text if the peer is one board, or if neither the row nor its message's name decides.
         """
         peer = self.peers_by_name().get(row.peer)
-        return peer.prefix_of(row.proto) if peer is not None and len(peer.prefixes) > 1 else ""
+        return row.board or (peer.board_for(row.proto) if peer is not None else "")
 
     def and_further(self, targets: tuple[str, ...], templates: tuple[str, ...]) -> Table:
         """Return a copy of the table with further targets and template folders, without duplicates."""

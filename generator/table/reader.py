@@ -10,7 +10,7 @@ from string import ascii_lowercase
 
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
 from roverlink.generator.ir import ros_names
-from roverlink.generator.table.keys import PeerSettings, Row, StandardTopicSettings, Table
+from roverlink.generator.table.keys import LEARN, PeerSettings, Row, StandardTopicSettings, Table
 from roverlink.generator.table.parts import Form, build, object_of
 from roverlink.generator.table.reading_rules import CONFLICTING_KEYS, WRONG_TYPE
 from roverlink.generator.table.yaml_items import read_form, read_text
@@ -57,12 +57,19 @@ def _numbers(table: Form) -> Iterator[int]:
 def _with_ports(peers: tuple[PeerSettings, ...]) -> Iterator[PeerSettings]:
     """Yield the peers sorted by name, with default values for a missing port or port parameter.
 
-    The defaults are 6000, 6001... and ``dst_a_port``, ``dst_b_port``... in this order.
+    The defaults are 6000, 6001... and ``dst_a_port``, ``dst_b_port``... in this order. A peer with a host has the port
+    parameter ``<peer>_port``. The port of a host that is learned has no default, because it is learned too.
     """
     for index, peer in enumerate(sorted(peers, key=lambda peer: peer.name)):
         letter = ascii_lowercase[index % len(ascii_lowercase)]
-        parameter = peer.parameter or f"dst_{letter}_port"
-        yield replace(peer, parameter=parameter, port=peer.port or _FIRST_PORT + index)
+        parameter = peer.parameter or (f"{peer.name}_port" if peer.host else f"dst_{letter}_port")
+        default = _FIRST_PORT + index
+        boards = (
+            replace(board, port=board.port or peer.port or (0 if board.hosts == (LEARN,) else default))
+            for board in sorted(peer.boards, key=lambda board: board.name)
+        )
+        port = peer.port or (0 if peer.hosts == (LEARN,) else default)
+        yield replace(peer, parameter=parameter, port=port, boards=tuple(boards))
 
 
 def _mistakes(row: Row) -> Iterator[Diagnostic]:

@@ -21,12 +21,13 @@ from roverlink.generated_code import load_project
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry, SetupError, Translator
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.registry import AnyHandler
+from roverlink.runtime.core.registry import AnyHandler, EndName
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.text.values import message_to_values, payload_to_values
 from roverlink.simulation import crossings
 from roverlink.simulation.bridge_host import BridgeHost, bridge_with
 from roverlink.simulation.crossings import Crossing
+from roverlink.simulation.peers import on_loopback
 
 if TYPE_CHECKING:
     from roverlink.demo.camera import DemoCamera
@@ -77,9 +78,9 @@ def run(arguments: argparse.Namespace) -> int:
     console = Console()
     with contextlib.ExitStack() as stack:
         camera = _camera(console, project, arguments.middleware, stack)
-        sockets = {peer.name: stack.enter_context(_peer_socket()) for peer in registry.peers}
-        ports = {peer.port_parameter: int(sockets[peer.name].getsockname()[1]) for peer in registry.peers}
-        host = stack.enter_context(bridge_with(arguments.middleware, project, registry, ports))
+        sockets = {name: stack.enter_context(_peer_socket()) for name in registry.ends}
+        given = on_loopback(registry, sockets)
+        host = stack.enter_context(bridge_with(arguments.middleware, project, registry, given))
         middleware = stack.enter_context(host.middleware(topic_types.identity("demo")))
         rig = _Rig(registry, host, middleware, sockets, camera.rows if camera else ())
         if camera and arguments.middleware == "memory":
@@ -126,15 +127,16 @@ class _Rig:
         registry: Registry,
         host: BridgeHost,
         middleware: Middleware,
-        sockets: dict[str, socket.socket],
+        sockets: dict[EndName, socket.socket],
         published_elsewhere: Collection[str] = (),
     ) -> None:
         """Create the ROS 2 publishers and subscribers.
 
-        ``sockets`` holds the UDP socket of each peer, by the peer's name. ``published_elsewhere`` holds the names of
+        ``sockets`` holds the UDP socket of each end of the link. ``published_elsewhere`` holds the names of
         rows on whose topics another ROS 2 node publishes, so this object does not.
         """
         self._registry, self._host, self._sockets = registry, host, sockets
+        self._senders = {name.peer: sock for name, sock in sockets.items()}
         self._published_elsewhere = published_elsewhere
         self._translator = Translator(registry)
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
@@ -172,7 +174,7 @@ class _Rig:
             if handler.route.inbound:
                 payload = payload_at(handler.payload_type, seconds)
                 envelope = self._registry.envelope(**{handler.route.name: payload})
-                self._sockets[handler.route.peer].sendto(envelope.SerializeToString(), ("127.0.0.1", self._host.port))
+                self._senders[handler.route.peer].sendto(envelope.SerializeToString(), ("127.0.0.1", self._host.port))
         for handler, publisher in self._publishers:
             publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
 

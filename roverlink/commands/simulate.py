@@ -145,7 +145,7 @@ def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) 
     with contextlib.ExitStack() as stack:
         arrivals = stack.enter_context(Arrivals(world.registry))
         project = project_folder(arguments.project)
-        host = bridge_with(arguments.bridge, project, world.registry, arrivals.ports, _LOG_LEVEL)
+        host = bridge_with(arguments.bridge, project, world.registry, arrivals.parameters, _LOG_LEVEL)
         # Before the bridge, so that only this process reports a package that is not installed.
         middleware = stack.enter_context(host.middleware(topic_types.identity("simulate")))
         stack.enter_context(host)

@@ -6,27 +6,42 @@ The state is a result of `roverlink.heard_bridges.page_of`. Times are in seconds
 from __future__ import annotations
 
 import threading
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
-_SILENT_S = 3.0
-"""Age in seconds of a peer's last message from which on the peer counts as silent, if its rows are not slower."""
-_SILENT_PERIODS = 3
+from roverlink.runtime.monitoring.liveness import liveness_of
+
 _STATES = ("alive", "silent", "never", "listens")
 """States of peers and boards; that of a peer is the first that one of its boards has."""
+_LINK_FAULTS = {
+    "unreachable": "the network refuses datagrams to its address",
+    "not_resolved": "its host cannot be resolved",
+}
 _MOST = 500  # alarms
 _BADNESS = ("OK", "WARN", "STALE", "ERROR")
 
 
-def peers_of(node: Mapping[str, Any], rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def peers_of(
+    node: Mapping[str, Any], rows: list[dict[str, Any]], ends: Sequence[Mapping[str, Any]] = ()
+) -> list[dict[str, Any]]:
     """Return the peers of the rows, each with its ``state``: alive, silent, or never (no message has come yet).
 
     A peer that only receives has the state "listens". ``age`` is the time since its last message; None if there was
     none. ``rate_in`` and ``rate_out`` are messages a second. ``boards`` are the boards of the peer, with the same keys;
     a peer with boards is alive if one of them is.
+
+    ``ends`` are the ends of the link in the bridge's state. A peer or board with an address of its own has this
+    ``address`` and ``link``, the state of the address.
     """
-    return [_peer(name, node, rows) for name in dict.fromkeys(row["peer"] for row in rows)]
+    peers = [_peer(name, node, rows) for name in dict.fromkeys(row["peer"] for row in rows)]
+    links = {(end["peer"], end.get("board", "")): end for end in ends}
+    for peer in peers:
+        for board, shown in (("", peer), *((board["name"], board) for board in peer["boards"])):
+            end = links.get((peer["name"], board))
+            if end is not None and (not board or end.get("address") != peer.get("address")):
+                shown |= {"address": end.get("address", ""), "link": end["link"]}
+    return peers
 
 
 def _peer(name: str, node: Mapping[str, Any], rows: list[dict[str, Any]]) -> dict[str, Any]:
@@ -47,22 +62,11 @@ def _peer(name: str, node: Mapping[str, Any], rows: list[dict[str, Any]]) -> dic
 def _end(name: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
     """Return what peers and boards have in common; ``silent_after`` is the age at which the end counts as silent."""
     inbound = [row for row in rows if row["direction"].endswith("_to_ros")]
-    age = min((row["age"] for row in inbound if "age" in row), default=None)
-    # One that is expected to speak once in ten seconds is not silent between two messages.
-    slowest = min((row["expect_rate"] for row in inbound if row.get("expect_rate")), default=None)
-    limit = max(_SILENT_S, _SILENT_PERIODS / slowest if slowest else 0.0)
-    if not inbound:
-        state = "listens"
-    elif age is None:
-        state = "never"
-    else:
-        state = "alive" if age <= limit else "silent"
+    liveness = liveness_of((row.get("age"), row.get("expect_rate")) for row in inbound)
     rate_in = sum(row["rate"] for row in inbound)
     return {
         "name": name,
-        "state": state,
-        "age": age,
-        "silent_after": limit,
+        **liveness._asdict(),
         "rate_in": rate_in,
         "rate_out": sum(row["rate"] for row in rows) - rate_in,
     }
@@ -87,6 +91,10 @@ def conditions_of(state: Mapping[str, Any]) -> dict[str, Condition]:
     for peer in state["peers"]:
         if peer["state"] == "silent":
             found[f"peer {peer['name']}"] = Condition("ERROR", f"no message for {peer['age']:.0f} s")
+        for shown in (peer, *peer["boards"]):
+            if shown.get("link") in _LINK_FAULTS:
+                owner = peer["name"] if shown is peer else f"{shown['name']} of {peer['name']}"
+                found[f"link {owner}"] = Condition("ERROR", _LINK_FAULTS[shown["link"]])
         for board in peer["boards"]:
             # Boards that fall silent together are one alarm, that of the peer. So a board has an alarm only if the peer
             # has spoken since the board was due. The alarm stays if the rest of the peer falls silent later.

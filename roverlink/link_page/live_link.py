@@ -98,7 +98,7 @@ class LiveLink:
             "quiet": quiet,
             "node": given["node"],
             "rows": rows,
-            "peers": peers_of(given["node"], rows),
+            "peers": peers_of(given["node"], rows, given["ends"]),
         }
 
 

@@ -350,12 +350,23 @@ function showPeers() {
       showBoards(boards, peer.boards);
       const heard = peer.age === null ? "" : `last message ${ageText(peer.age)} ago; `;
       const unsent = peer.unsent ? `; ${peer.unsent} not sent` : "";
-      setText(facts, `${heard}${rateText(peer.rate_in)} in, ${rateText(peer.rate_out)} out${unsent}`);
+      const rates = `${heard}${rateText(peer.rate_in)} in, ${rateText(peer.rate_out)} out${unsent}`;
+      setText(facts, [rates, linkText(peer)].filter(Boolean).join("; "));
       setClass(stop, "stop");
       stop.hidden = peer.stopping.length === 0;
       setText(stop, `■ told to stop: ${peer.stopping.join(", ")}`);
     }
   );
+}
+
+const LINK_FAULTS = {
+  not_resolved: "host not resolved",
+  not_learned: "address not learned yet",
+  unreachable: "unreachable",
+};
+
+function linkText(end) {
+  return [end.address, LINK_FAULTS[end.link]].filter(Boolean).join(", ");
 }
 
 function showBoards(list, boards) {
@@ -374,7 +385,8 @@ function showBoards(list, boards) {
       setText(name, board.name);
       setClass(shown, `level ${board.state}`);
       setText(shown, PEER_STATES[board.state]);
-      setText(facts, board.state === "silent" ? `last message ${ageText(board.age)} ago` : "");
+      const heard = board.state === "silent" ? `last message ${ageText(board.age)} ago` : "";
+      setText(facts, [heard, linkText(board)].filter(Boolean).join("; "));
     }
   );
 }

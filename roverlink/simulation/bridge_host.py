@@ -43,22 +43,22 @@ class BridgeHost(Protocol):
 
 
 def bridge_with(
-    middleware: str, project: Path, registry: Registry, ports: dict[str, int], log_level: str = "warn"
+    middleware: str, project: Path, registry: Registry, given: dict[str, str | int], log_level: str = "warn"
 ) -> BridgeHost:
     """Return a bridge for a project; it starts when it is entered as a context manager.
 
     ``middleware`` is ``dds``, ``rclpy`` or ``memory``; with ``memory`` the bridge is a thread, else a child process.
-    ``ports`` holds the UDP port of each simulated peer, by the name of the peer's port parameter (``dst_b_port``).
+    ``given`` are parameters of the bridge: the hosts and ports of the simulated peers.
     """
     if middleware == "memory":
-        return BridgeThread(registry, ports, log_level)
-    return BridgeProcess(project, middleware, ports, log_level)
+        return BridgeThread(registry, given, log_level)
+    return BridgeProcess(project, middleware, given, log_level)
 
 
 class BridgeProcess:
     """Bridge as a child process ``roverlink run``, which uses the middleware ``dds`` or ``rclpy``."""
 
-    def __init__(self, project: Path, middleware: str, ports: dict[str, int], log_level: str = "warn") -> None:
+    def __init__(self, project: Path, middleware: str, given: dict[str, str | int], log_level: str = "warn") -> None:
         self._middleware = middleware
         command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", middleware]
         command += [
@@ -71,8 +71,9 @@ class BridgeProcess:
             "listen_address:='127.0.0.1'",
         ]
         command += ["--log-level", log_level]
-        for name, port in ports.items():
-            command += ["-p", f"{name}:={port}"]
+        for name, value in given.items():
+            # In YAML, a text in quotes stays a text.
+            command += ["-p", f"{name}:={value!r}"]
         self._command = command
         self.port = self.pid = 0
 
@@ -126,9 +127,9 @@ class BridgeProcess:
 class BridgeThread:
     """Bridge on a thread of this process. It uses the middleware ``memory``, whose topics need no ROS 2."""
 
-    def __init__(self, registry: Registry, ports: dict[str, int], log_level: str = "warn") -> None:
+    def __init__(self, registry: Registry, given: dict[str, str | int], log_level: str = "warn") -> None:
         self._graph = Graph()
-        settings = parameters.read(registry, {"listen_port": 0, "listen_address": "127.0.0.1", **ports})
+        settings = parameters.read(registry, {"listen_port": 0, "listen_address": "127.0.0.1", **given})
         logger = logging.getLogger("bridge")
         logger.setLevel(log_level.upper())
         self._bridge = Bridge(registry, settings, MemoryMiddleware(self._graph), NodeIdentity(NODE).topic, logger)

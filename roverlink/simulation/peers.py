@@ -5,9 +5,11 @@ from __future__ import annotations
 import contextlib
 import socket
 import threading
+from collections.abc import Mapping
 from types import TracebackType
 
 from roverlink.runtime import Registry
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.net import udp
 from roverlink.simulation.scenarios import Emission
 
@@ -47,6 +49,17 @@ class Senders:
             sock.close()
 
 
+def on_loopback(registry: Registry, sockets: Mapping[EndName, socket.socket]) -> dict[str, str | int]:
+    """Return the parameters of a bridge that sends each end's datagrams to a socket on this computer.
+
+    They set the host as well: the datagrams of a simulation must not reach the boards that the table names.
+    """
+    given: dict[str, str | int] = {}
+    for name, end in registry.ends.items():
+        given |= {end.host_parameter: "127.0.0.1", end.port_parameter: int(sockets[name].getsockname()[1])}
+    return given
+
+
 class Arrivals:
     """Sockets on which the simulated peers receive datagrams of the bridge. A context manager.
 
@@ -57,9 +70,9 @@ class Arrivals:
         self._count = 0
         self._lock = threading.Lock()
         self._stack = contextlib.ExitStack()
-        self._sockets = {peer.name: udp.bind("127.0.0.1", 0, _RECEIVE_BUFFER) for peer in registry.peers}
-        self.ports = {peer.port_parameter: int(self._sockets[peer.name].getsockname()[1]) for peer in registry.peers}
-        """UDP port of each simulated peer, by the name of the bridge's parameter for this port, such as dst_b_port."""
+        self._sockets = {name: udp.bind("127.0.0.1", 0, _RECEIVE_BUFFER) for name in registry.ends}
+        self.parameters = on_loopback(registry, self._sockets)
+        """Parameters that direct a bridge to these sockets."""
 
     @property
     def count(self) -> int:

@@ -40,6 +40,10 @@ class Account:
     """Dropped datagrams whose payload is known, by payload and reason."""
     unsent: Counter[str] = field(default_factory=Counter)
     """Datagrams that the network refused to send, by peer."""
+    unforwarded: Counter[str] = field(default_factory=Counter)
+    """Datagrams not forwarded to a peer because they are longer than its ``max_size``, by this peer."""
+    link_events: Counter[tuple[str, str, str]] = field(default_factory=Counter)
+    """Events of the addresses of peers, by peer, board (empty for a whole peer) and event (`LinkEvent`)."""
     taken: Counter[str] = field(default_factory=Counter)
     """Messages received from topics, by payload."""
     refused: Counter[str] = field(default_factory=Counter)
@@ -69,6 +73,10 @@ class Account:
             "failed": dict(sorted(self.failed.items())),
             "stops": dict(sorted(self.stops.items())),
             "unsent": dict(sorted(self.unsent.items())),
+            "unforwarded": dict(sorted(self.unforwarded.items())),
+            "link_events": {
+                " ".join(filter(None, key)): count for key, count in sorted(self.link_events.items()) if count
+            },
             "extra_published": dict(sorted(self.extra_published.items())),
             "extra_unpublished": dict(sorted(self.extra_unpublished.items())),
             "qos_mismatches": {topic: len(texts) for topic, texts in sorted(self.qos_mismatches.items())},
@@ -126,8 +134,11 @@ class ThrottledWarnings:
         self._suppressed: Counter[str] = Counter()
         self._lock = threading.Lock()
 
-    def warn(self, subject: str, message: str) -> None:
-        """Log a warning; if one of the same subject was logged less than two seconds ago, only count the new one."""
+    def warn(self, subject: str, message: str, level: int = logging.WARNING) -> None:
+        """Log a warning; if one of the same subject was logged less than two seconds ago, only count the new one.
+
+        A message that is good news can have a lower ``level``.
+        """
         now = self._clock()
         # Warnings come from several threads. Logging happens after the lock is released, since a log handler may block.
         with self._lock:
@@ -137,7 +148,7 @@ class ThrottledWarnings:
             self._next[subject] = now + WARNING_INTERVAL_S
             self._last[subject] = message
             kept_back = self._suppressed.pop(subject, 0)
-        self._log(subject, message, kept_back)
+        self._log(subject, message, kept_back, level)
 
     def log_suppressed(self) -> None:
         """Log, for each subject, how many warnings were suppressed after the last one.
@@ -149,7 +160,7 @@ class ThrottledWarnings:
         for subject, kept_back in rest.items():
             self._log(subject, self._last[subject], kept_back)
 
-    def _log(self, subject: str, message: str, kept_back: int) -> None:
+    def _log(self, subject: str, message: str, kept_back: int, level: int = logging.WARNING) -> None:
         more = f" (and {kept_back} more like it)" if kept_back else ""
         facts = {"subject": subject, "kept_back": kept_back}
-        self._logger.warning("%s%s", message, more, extra={"facts": facts})
+        self._logger.log(level, "%s%s", message, more, extra={"facts": facts})

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import logging
 import time
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Protocol
@@ -21,20 +22,23 @@ from typing import Any, Protocol
 from roverlink.runtime.bridge import extra_topics
 from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.counters import Counters
+from roverlink.runtime.bridge.ends import Ends, LinkState
 from roverlink.runtime.bridge.forwarding import Forwarding
 from roverlink.runtime.bridge.qos_watch import QosWatch
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
 from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch, Send
 from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
 from roverlink.runtime.core.errors import DatagramError, Reason
-from roverlink.runtime.core.registry import AnyHandler, Registry
+from roverlink.runtime.core.registry import AnyHandler, EndName, Registry
 from roverlink.runtime.core.translator import Translation, Translator
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.destination import Destination
+from roverlink.runtime.net.hosts import Sender
 from roverlink.runtime.net.sources import restricts_sources
 from roverlink.runtime.ros_arguments.parameters import Parameters
+from roverlink.runtime.text.host_names import LEARN
 
 NODE = "udp_forwarder"
 """Default node name of the bridge in the ROS 2 graph."""
@@ -79,31 +83,31 @@ class Bridge:
         logger: logging.Logger,
         observers: Sequence[Observer] = (),
     ) -> None:
-        """Bind the UDP port and resolve the peers' addresses.
+        """Bind the UDP port.
 
         ``topic`` returns the fully qualified name of a topic from its name in the table. Raises `SetupError` if the
-        port is in use or an address does not resolve.
+        port is in use.
         """
         self._registry, self._parameters, self._middleware, self._topic = registry, parameters, middleware, topic
         self._translator = Translator(registry)
         self._logger = logger
-        addresses = _addresses(parameters)
         self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
         self._counters = Counters(self._socket, logger)
         self.account = self._counters.account
-        self._destinations = {name: Destination(name, address) for name, address in addresses.items()}
+        self._ends = Ends(registry, parameters, self._counters, self._socket)
+        self._sender: Sender | None = None  # of the datagrams that are handled now, if an address is to be learned
         self._observers = observers
         self._handle_observed = self._observed(self._handle)
         self._admission = Admission(registry, self._counters.count_dropped)
         self._admitted: dict[Translator, Handle] = {}
         self._receiver: udp.Receiver[Any] = udp.Receiver(
-            self._socket, parameters.max_datagram + 1, *self._receiving(parameters.source_policy)
+            self._socket, parameters.max_datagram + 1, *self._receiving(parameters)
         )
         self._inbound_rows: dict[str, InboundRow] = {}
         self._outbound_rows: list[OutboundRow] = []
         self._paced: list[PacedInboundRow] = []
         self._extra_topics = extra_topics.ExtraTopics(self.account, self._counters.warnings)
-        self._forwarding = Forwarding(registry, self._destinations, parameters.forward_policy, self._send, self.account)
+        self._forwarding = Forwarding(registry, self._ends, parameters.forward_policy, self._send, self._counters)
         self._failure: BaseException | None = None
 
     @property
@@ -115,6 +119,10 @@ class Bridge:
     def socket_state(self) -> udp.SocketState:
         """Return the fill level of the socket's receive buffer and the number of datagrams that the kernel dropped."""
         return udp.socket_state(self._socket)
+
+    def link_states(self) -> dict[EndName, LinkState]:
+        """Return the addresses of each end of the link, with their state."""
+        return self._ends.states()
 
     def __enter__(self) -> Bridge:
         handlers: tuple[AnyHandler, ...] = (*self._registry.handlers, *self._registry.extra_topics)
@@ -137,6 +145,7 @@ class Bridge:
         qos_watch = QosWatch(routes, self._middleware.endpoints, self.account, self._counters.warnings)
         self._watch = Timekeeper("graph-watch", [*filter(None, watches), qos_watch], self._fail)
         self._warn_of_small_buffer()
+        self._ends.start()
         self._timekeeper.__enter__()
         self._watch.__enter__()
         # The receiver starts last: when the first datagram comes in, every topic is open and every timer runs.
@@ -158,8 +167,7 @@ class Bridge:
         self._counters.read_kernel_drops()
         self._counters.warnings.log_suppressed()
         self._socket.close()
-        for destination in self._destinations.values():
-            destination.close()
+        self._ends.close()
 
     def stop(self) -> None:
         """Make `run` return as soon as the datagrams that have already arrived are handled.
@@ -177,29 +185,31 @@ class Bridge:
     def change(self, parameters: Parameters) -> None:
         """Use changed parameters from now on; the values of read-only parameters must be the same as before.
 
-        Raises `SetupError` if the address of the peers does not resolve; the bridge then keeps the old parameters.
+        The changes cannot fail: a host that does not resolve is looked up again and again, as after the start.
         """
-        addresses = _addresses(parameters)
         before, self._parameters = self._parameters, parameters
-        for name, address in addresses.items():
-            self._destinations[name].direct_to(address)
+        self._ends.follow(parameters)
         self._forwarding.follow(parameters.forward_policy)
-        if parameters.source_policy != before.source_policy:
-            self._receiver.pass_to(*self._receiving(parameters.source_policy))
+        if _reading(parameters) != _reading(before):
+            self._receiver.pass_to(*self._receiving(parameters))
         if parameters.receive_buffer != before.receive_buffer:
             udp.size_receive_buffer(self._socket, parameters.receive_buffer)
             self._warn_of_small_buffer()
 
     # --- peers to topics ---
 
-    def _receiving(self, source_policy: str) -> tuple[Callable[[list[Any]], None], Callable[..., Any]]:
+    def _receiving(self, parameters: Parameters) -> tuple[Callable[[list[Any]], None], Callable[..., Any]]:
         """Return the function that handles batches, and the function that makes their reader, for `udp.Receiver`.
 
-        The addresses of senders are read only if the table restricts senders, because reading them costs time.
+        The addresses of senders are read only if the table restricts senders, or if an end's address is learned,
+        because reading them costs time.
         """
-        if source_policy == "any" or not restricts_sources(self._registry.peers):
-            return self._handle_observed, udp.reader
-        return self._handle_with_sources, udp.source_reader
+        policy, learns = _reading(parameters)
+        restricts = policy == "mapping" and restricts_sources(self._registry.peers)
+        handle: Callable[[list[Any]], None] = self._handle_with_sources if restricts else self._handle_observed
+        if learns:
+            return partial(self._handle_and_learn, handle, restricts), udp.sender_reader
+        return handle, udp.source_reader if restricts else udp.reader
 
     def _observed(self, handle: Handle) -> Handle:
         """Let all observers wrap a function that handles batches, and return the wrapped function."""
@@ -219,6 +229,21 @@ class Bridge:
                 self._admitted[translator] = self._observed(partial(self._dispatch, translator=translator))
             self._admitted[translator](datagrams)
 
+    def _handle_and_learn(
+        self, handle: Callable[[list[Any]], None], restricts: bool, batch: list[udp.SentDatagram]
+    ) -> None:
+        """Bridge the datagrams of each sender with ``handle``, so that `_dispatch` can learn the sender's address.
+
+        If the table ``restricts`` senders, ``handle`` gets each datagram with the IP address of its sender.
+        """
+        by_sender: defaultdict[Sender, list[Any]] = defaultdict(list)
+        for datagram, sender in batch:
+            by_sender[sender].append((datagram, sender.ip) if restricts else datagram)
+        for sender, datagrams in by_sender.items():
+            self._sender = sender
+            handle(datagrams)
+        self._sender = None
+
     def _dispatch(self, batch: udp.Batch, translator: Translator) -> None:
         # The receiver reads one byte more than allowed, so a longer datagram is recognized although the kernel cut it.
         fitting = self._without_oversized(batch)
@@ -228,7 +253,9 @@ class Bridge:
             self._counters.count_dropped(refusal)
         self._publish(translation, stamp)
         # Forward after publishing: topics have priority, and the policy `mapping` needs the names.
-        self._forwarding.forward(fitting, translation.names)
+        self._forwarding.forward(fitting, translation.names, translation.restored)
+        if self._sender is not None:
+            self._ends.learn(translation.names, self._sender.address)
 
     def _without_oversized(self, batch: udp.Batch) -> udp.Batch:
         longest = self._parameters.max_datagram
@@ -259,14 +286,14 @@ class Bridge:
     # --- topics to peers ---
 
     def _send(self, datagrams: Sequence[bytes], destination: Destination) -> int:
-        """Send datagrams to a peer and return how many of them the network accepted."""
+        """Send datagrams to an end and return how many of them the network accepted."""
         refusals = destination.send_all(datagrams)
         for error in refusals:
             self._counters.count_unsent(destination, error)
         return len(datagrams) - len(refusals)
 
     def _outbound_row(self, handler: AnyHandler) -> OutboundRow:
-        destination = self._destinations[handler.route.peer]
+        destination = self._ends.destinations[self._registry.end_of(handler.route)]
         send: Send = partial(self._send, destination=destination)
         for observer in self._observers:
             send = observer.sending(destination.peer, send)
@@ -305,9 +332,6 @@ class Bridge:
             )
 
 
-def _addresses(parameters: Parameters) -> dict[str, tuple[str, int]]:
-    """Return the IPv4 address and UDP port of each peer, by the peer's name.
-
-    Raises `SetupError` if the parameter ``dst_ip``, the host of all peers, does not resolve.
-    """
-    return {name: udp.resolve(parameters.dst_ip, port) for name, port in parameters.peer_ports.items()}
+def _reading(parameters: Parameters) -> tuple[str, bool]:
+    """Return what decides how datagrams are read: the source policy, and true if the address of an end is learned."""
+    return parameters.source_policy, any(address.hosts == (LEARN,) for address in parameters.addresses.values())

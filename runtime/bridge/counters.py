@@ -10,7 +10,7 @@ import time
 from roverlink.runtime.bridge.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
 from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.net import udp
-from roverlink.runtime.net.destination import Destination
+from roverlink.runtime.net.destination import Destination, is_told_by_event
 
 
 class Counters:
@@ -48,10 +48,27 @@ class Counters:
             self.account.dropped[Reason.STOPPED.value] += count
 
     def count_unsent(self, destination: Destination, error: OSError) -> None:
-        """Count a datagram that the network refused to send, and log a warning."""
+        """Count a datagram that was not sent, and log a warning, unless the state of the link has told the reason."""
         with self._lock:  # called by every thread of the bridge
             self.account.unsent[destination.peer] += 1
+        if is_told_by_event(error):
+            return
         self.warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
+
+    def count_unforwarded(self, peer: str, size: int, allowed: int) -> None:
+        """Count a datagram of ``size`` bytes that is too long to be forwarded to a peer, and log a warning."""
+        with self._lock:
+            self.account.unforwarded[peer] += 1
+        self.warnings.warn(
+            f"unforwarded {peer}",
+            f"not forwarded to {peer}: a datagram of {size} bytes, but the peer's max_size is {allowed}",
+        )
+
+    def count_link_event(self, peer: str, board: str, event: str, text: str, level: int) -> None:
+        """Count an event of the address of a peer or of its board, and log its text."""
+        with self._lock:
+            self.account.link_events[peer, board, event] += 1
+        self.warnings.warn(f"{event} {peer} {board}", text, level)
 
     def read_kernel_drops(self) -> None:
         """Read how many datagrams the kernel has dropped for the socket, and log a warning if the number has grown."""

@@ -1,11 +1,16 @@
-"""Forwarding of received datagrams, unchanged, from peers to other peers (table key ``forward``)."""
+"""Forwarding of received datagrams from peers to other peers (table key ``forward``).
+
+A row's datagrams reach the other peers as the protobuf library writes an envelope. Some boards append zeros to their
+datagrams, and others strip zeros from them; strict decoders, such as those of prost and upb, refuse both.
+"""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 
-from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.bridge.counters import Counters
+from roverlink.runtime.bridge.ends import Ends
 from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.net.destination import Destination
 
@@ -13,29 +18,31 @@ from roverlink.runtime.net.destination import Destination
 class Forwarding:
     """Forwarder of received datagrams to other peers: to the peers that the row names, or to all peers.
 
-    Only one thread may call `forward`.
+    A peer with boards gets the datagrams at each of its boards. Only one thread may call `forward`.
     """
 
     def __init__(
         self,
         registry: Registry,
-        destinations: Mapping[str, Destination],
+        ends: Ends,
         policy: str,
         send: Callable[[Sequence[bytes], Destination], int],
-        account: Account,
+        counters: Counters,
     ) -> None:
-        """Forward to the peers' ``destinations``, given by the names of the peers.
+        """Forward to the destinations of ``ends``.
 
         The ``policy`` is ``mapping`` (to the peers that the row names) or ``all`` (every datagram to every peer). The
-        function ``send`` sends datagrams to a destination and returns how many the network accepted; ``account`` counts
+        function ``send`` sends datagrams to a destination and returns how many the network accepted; ``counters`` count
         them.
         """
-        self._send, self._account = send, account
-        self._all = tuple(destinations.values())
+        self._send, self._counters = send, counters
+        self._all = tuple(ends.destinations.values())
+        self._limits = {peer.name: peer.max_size for peer in registry.peers if peer.max_size is not None}
         self._rows: defaultdict[Destination, set[str]] = defaultdict(set)
         for handler in registry.handlers:
             for peer in handler.route.forward if handler.route.inbound else ():
-                self._rows[destinations[peer]].add(handler.route.name)
+                for destination in ends.of_peer(peer):
+                    self._rows[destination].add(handler.route.name)
         self.follow(policy)
 
     def follow(self, policy: str) -> None:
@@ -45,16 +52,31 @@ class Forwarding:
         """
         self._to_all = policy == "all"
 
-    def forward(self, datagrams: Sequence[bytes], names: Sequence[str | None]) -> None:
-        """Forward datagrams; ``names`` holds the payload name of each datagram, or None if the datagram was refused."""
-        # One call for each peer: `Destination.send_all` sends runs of equal size with one system call.
+    def forward(self, datagrams: Sequence[bytes], names: Sequence[str | None], restored: Mapping[bytes, bytes]) -> None:
+        """Forward datagrams; ``names`` holds the payload name of each datagram, or None if the datagram was refused.
+
+        ``restored`` holds the envelope without padding, and with its stripped zeros, for each datagram that was not
+        exactly an envelope. With the policy ``all``, datagrams go as they are.
+        """
+        # One call for each end: `Destination.send_all` sends runs of equal size with one system call.
         if self._to_all:
             for destination in self._all:
                 self._hand_on(datagrams, destination)
             return
+        if restored:
+            datagrams = [restored.get(datagram, datagram) for datagram in datagrams]
         for destination, rows in self._rows.items():
-            self._hand_on([datagram for datagram, name in zip(datagrams, names) if name in rows], destination)
+            own = [datagram for datagram, name in zip(datagrams, names) if name in rows]
+            limit = self._limits.get(destination.peer)
+            self._hand_on(own if limit is None else self._fitting(own, limit, destination.peer), destination)
+
+    def _fitting(self, datagrams: Sequence[bytes], limit: int, peer: str) -> list[bytes]:
+        """Return the datagrams with at most ``limit`` bytes, and count the others."""
+        for datagram in datagrams:
+            if len(datagram) > limit:
+                self._counters.count_unforwarded(peer, len(datagram), limit)
+        return [datagram for datagram in datagrams if len(datagram) <= limit]
 
     def _hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> None:
         if sent := self._send(datagrams, destination):
-            self._account.forwarded[destination.peer] += sent
+            self._counters.account.forwarded[destination.peer] += sent

@@ -9,12 +9,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from google.protobuf.runtime_version import VersionError
 
 from roverlink.runtime.core.errors import RegistryError
-from roverlink.runtime.core.handler import Handler
+from roverlink.runtime.core.handler import Handler, Route
 from roverlink.runtime.core.standard_handler import StandardHandler
 
 if TYPE_CHECKING:
@@ -24,21 +24,57 @@ AnyHandler = Handler[Any, Any]
 AnyStandardHandler = StandardHandler[Any, Any]
 
 
+class EndName(NamedTuple):
+    """Name of an end of the link: a peer, or a board of a peer that has ``boards`` in the table."""
+
+    peer: str
+    board: str = ""
+    """Empty if the end is the whole peer."""
+
+    def __str__(self) -> str:
+        return f"{self.board} of {self.peer}" if self.board else self.peer
+
+
 @dataclass(frozen=True, slots=True)
-class Peer:
-    """Peer: the other end of a UDP link to the rover's computer, such as ``hardware`` or ``basestation``."""
+class End:
+    """End of the link, to which datagrams are sent: a peer, or one of its boards."""
 
     name: str
-    port_parameter: str
-    """Name of the ROS 2 node parameter that sets the peer's UDP port."""
-    port: int
-    """UDP port to which the peer's datagrams are sent, if the parameter is not given."""
+    """Name of the peer or of the board."""
+    port_parameter: str = ""
+    """Name of the ROS 2 node parameter that sets the end's UDP port; empty for a peer with boards."""
+    port: int = 0
+    """UDP port to which the end's datagrams are sent, if the parameter is not given.
+
+    It is 0 for an end whose port is learned with its address.
+    """
+    host: str = ""
+    """Hosts to which the end's datagrams are sent, if `host_parameter` is not given: names or addresses with commas
+    between them, or ``learn``. Empty if the table names none.
+    """
+    host_parameter: str = "dst_ip"
+    """Name of the ROS 2 node parameter that sets the end's hosts."""
+    interface: str = ""
+    """Network interface through which datagrams leave, if the host is a multicast group; empty for the kernel's choice.
+    """
+    ttl: int = 1
+    """Largest number of networks that datagrams cross, if the host is a multicast group."""
+
+
+@dataclass(frozen=True, slots=True)
+class Peer(End):
+    """Peer: the other end of a UDP link to the rover's computer, such as ``hardware`` or ``basestation``."""
+
     strip_trailing_zeros: bool = False
     """True if datagrams to this peer are sent without their trailing zero bytes."""
     sources: tuple[str, ...] = ()
-    """IPv4 addresses and networks from which the peer may send; empty if any address may send."""
+    """IP addresses and networks from which the peer may send; empty if any address may send."""
     source_rate: int | None = None
     """Largest number of datagrams a second accepted from each address of the peer; None for no limit."""
+    max_size: int | None = None
+    """Largest envelope in bytes that the peer can receive; None if the table sets no limit."""
+    boards: tuple[End, ...] = ()
+    """Boards of the peer that have addresses of their own; empty if the peer is one end."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +115,19 @@ class Registry:
     def peers_by_name(self) -> dict[str, Peer]:
         """Peers by name."""
         return {peer.name: peer for peer in self.peers}
+
+    @cached_property
+    def ends(self) -> dict[EndName, End]:
+        """Ends of the link: each board of a peer that has boards, and each other peer."""
+        return {
+            EndName(peer.name, "" if end is peer else end.name): end
+            for peer in self.peers
+            for end in peer.boards or (peer,)
+        }
+
+    def end_of(self, route: Route) -> EndName:
+        """Return the name of the end to which a row belongs. A row that a board sends may belong to none in `ends`."""
+        return EndName(route.peer, route.board if self.peers_by_name[route.peer].boards else "")
 
 
 def load_registry(project: str | Path | None = None, package: str = "generated") -> Registry:

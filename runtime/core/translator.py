@@ -34,6 +34,8 @@ class Translation:
     """
     refusals: list[DatagramError] = field(default_factory=list)
     """Error of each refused datagram."""
+    restored: dict[bytes, bytes] = field(default_factory=dict)
+    """Envelope in each datagram that had appended or stripped zeros, by the datagram."""
 
 
 class Translator:
@@ -95,7 +97,7 @@ class Translator:
         names = translation.names
         for datagram in datagrams:
             try:
-                name, payload = self._parsed(datagram)
+                name, payload = self._parsed(datagram, translation.restored)
             except DatagramError as error:
                 translation.refusals.append(error)
                 names.append(None)
@@ -104,9 +106,16 @@ class Translator:
                 names.append(name)
         return payloads
 
-    def _parsed(self, datagram: bytes) -> tuple[str, ProtoMessage]:
-        """Return name and payload of a datagram. Raises `DatagramError` if the table does not bridge the payload."""
-        message = self.parse(datagram)
+    def _parsed(self, datagram: bytes, restored: dict[bytes, bytes]) -> tuple[str, ProtoMessage]:
+        """Return name and payload of a datagram. Raises `DatagramError` if the table does not bridge the payload.
+
+        If trailing zeros were stripped or appended, the envelope is added to ``restored``.
+        """
+        try:
+            message = self._parse(datagram)
+        except DecodeError:
+            restored[datagram] = envelope.restore(datagram)
+            message = self._parse_restored(datagram, restored[datagram])
         name = self._which(message, self._oneof)  # the class's method: a field could have the same name
         if name not in self._inbound:
             raise self._refusal(name, datagram)
@@ -134,11 +143,11 @@ class Translator:
         try:
             return self._parse(datagram)
         except DecodeError:
-            return self._parse_restored(datagram)
+            return self._parse_restored(datagram, envelope.restore(datagram))
 
-    def _parse_restored(self, datagram: bytes) -> ProtoMessage:
+    def _parse_restored(self, datagram: bytes, restored: bytes) -> ProtoMessage:
         try:
-            return self._parse(envelope.restore(datagram))
+            return self._parse(restored)
         except DecodeError as error:
             start = datagram[:8].hex(" ")
             raise DatagramError(

@@ -15,7 +15,7 @@ from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
 from roverlink.runtime.interfaces.std_msgs import Header
 from roverlink.runtime.middleware import Middleware
-from roverlink.runtime.monitoring.state import RowState, State
+from roverlink.runtime.monitoring.state import EndState, RowState, State
 
 TOPIC = "/diagnostics"
 QOS = Qos(depth=10)
@@ -46,7 +46,9 @@ def array_of(state: State, now: int, origin: Mapping[str, Any]) -> DiagnosticArr
     ``origin`` holds further values of the node: where the bridge runs.
     """
     header = Header(Time.since_1970(now))
-    return DiagnosticArray(header, [_node_status(state, origin), *(_row_status(state.node, row) for row in state.rows)])
+    rows = (_row_status(state.node, row) for row in state.rows)
+    ends = (_end_status(state.node, end) for end in state.ends)
+    return DiagnosticArray(header, [_node_status(state, origin), *rows, *ends])
 
 
 def _node_status(state: State, origin: Mapping[str, Any]) -> DiagnosticStatus:
@@ -57,6 +59,7 @@ def _node_status(state: State, origin: Mapping[str, Any]) -> DiagnosticStatus:
         "received_rate": f"{state.received_rate:.2f}",
         **{f"forwarded.{peer}": count for peer, count in state.forwarded.items()},
         **{f"unsent.{peer}": count for peer, count in state.unsent.items()},
+        **{f"unforwarded.{peer}": count for peer, count in state.unforwarded.items()},
         **{f"dropped.{reason}": count for reason, count in state.dropped.items()},
         **{f"qos_mismatches.{topic}": count for topic, count in state.qos_mismatches.items()},
         "kernel_drops": state.kernel_drops,
@@ -95,6 +98,19 @@ def _row_status(node: str, row: RowState) -> DiagnosticStatus:
         **({"qos_mismatches": row.qos_mismatches} if row.qos_mismatches else {}),
     }
     return _status(row.level, f"{node}: {row.name}", row.message, row.peer, values)
+
+
+def _end_status(node: str, end: EndState) -> DiagnosticStatus:
+    values: dict[str, Any] = {
+        **({"board": end.board} if end.board else {}),
+        "address": ", ".join(end.addresses),
+        "link": end.link,
+        "state": end.liveness.state,
+        **({} if end.liveness.age is None else {"age": f"{end.liveness.age:.2f}"}),
+    }
+    name = f"{end.board} of {end.peer}" if end.board else end.peer
+    message = "; ".join(filter(None, [end.message, *end.addresses]))
+    return _status(end.level, f"{node}: link to {name}", message, end.peer, values)
 
 
 def _status(level: int, name: str, message: str, hardware: str, values: Mapping[str, Any]) -> DiagnosticStatus:

@@ -10,14 +10,16 @@ import math
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.bridge.ends import LinkState
 from roverlink.runtime.core.handler import Route
-from roverlink.runtime.core.registry import Registry
+from roverlink.runtime.core.registry import EndName, Registry
 from roverlink.runtime.monitoring.histogram import LatencyProbe
-from roverlink.runtime.monitoring.state import Level, Recording, RowState, State
+from roverlink.runtime.monitoring.liveness import Liveness, liveness_of
+from roverlink.runtime.monitoring.state import EndState, Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
 
 SAMPLE_S = 0.25
@@ -38,6 +40,9 @@ class Watched(Protocol):
 
     def socket_state(self) -> SocketState:
         """Return the fill level of the socket's receive buffer, and how many datagrams the kernel has dropped."""
+
+    def link_states(self) -> Mapping[EndName, LinkState]:
+        """Return the addresses of each end of the link, with their state."""
 
 
 class _Sample(NamedTuple):
@@ -130,10 +135,14 @@ class Monitor:
         socket = self._bridge.socket_state()
         recording = self._recording()
         level, message = self._overall(recording)
+        rows = tuple(self._row(handler.route) for handler in self._registry.handlers)
         return State(
             node=self._node,
             fingerprint=self._registry.fingerprint,
-            rows=tuple(self._row(handler.route) for handler in self._registry.handlers),
+            rows=rows,
+            ends=tuple(_ends(self._bridge.link_states(), rows)),
+            unforwarded=dict(account.unforwarded),
+            link_events=dict(account.link_events),
             received=last.received,
             received_rate=(last.received - first.received) / max(last.time - first.time, SAMPLE_S),
             forwarded=dict(account.forwarded),
@@ -191,6 +200,37 @@ class Monitor:
             level=level,
             message=message,
         )
+
+
+def _ends(links: Mapping[EndName, LinkState], rows: Sequence[RowState]) -> Iterator[EndState]:
+    """Yield the state of each end of the link, and of each board that has rows.
+
+    A board without an address of its own has that of its peer.
+    """
+    boards = [EndName(row.peer, row.board) for row in rows if row.board]
+    for name in dict.fromkeys([*links, *boards]):
+        link = links.get(name) or links.get(EndName(name.peer))
+        own = [row for row in rows if row.peer == name.peer and name.board in ("", row.board)]
+        inbound = [row for row in own if row.direction.endswith("_to_ros")]
+        liveness = liveness_of((row.age, row.expect_rate) for row in inbound)
+        if link is None:  # a board that sends, but to which nothing goes
+            link = LinkState((), "ok")
+        yield EndState(*name, link.addresses, link.state, liveness, *_assess_end(link, liveness))
+
+
+_LINK_LEVELS = {
+    "unreachable": (Level.ERROR, "the network refuses datagrams to its address"),
+    "not_resolved": (Level.WARN, "its host cannot be resolved"),
+    "not_learned": (Level.WARN, "its address is not known before its first valid datagram"),
+}
+
+
+def _assess_end(link: LinkState, liveness: Liveness) -> tuple[Level, str]:
+    level, message = _LINK_LEVELS.get(link.state, (Level.OK, ""))
+    if liveness.state == "silent":
+        silence = f"silent for {liveness.age:.1f} s"
+        return max(level, Level.STALE), f"{silence}; {message}" if message else silence
+    return level, message
 
 
 def _assess(

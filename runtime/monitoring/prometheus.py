@@ -65,6 +65,18 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     yield "dropped_total", "Datagrams that were not bridged.", _by("reason", state.dropped)
     yield "forwarded_total", "Raw datagrams forwarded to a peer.", _by("peer", state.forwarded)
     yield "unsent_total", "Datagrams that the network refused to send.", _by("peer", state.unsent)
+    yield "unforwarded_total", "Datagrams that were too long to be forwarded to a peer.", _by("peer", state.unforwarded)
+    yield "link_events_total", "Events of the addresses of peers and boards.", [
+        ({"peer": peer, "board": board, "event": event}, count)
+        for (peer, board, event), count in sorted(state.link_events.items())
+    ]
+    ends = [({"peer": end.peer, "board": end.board}, end) for end in state.ends]
+    yield "link_ok", "1 if the address of the peer or board is known and reachable, else 0.", [
+        (labels, end.link == "ok") for labels, end in ends
+    ]
+    yield "silent", "1 if the peer or board has sent messages, but is silent now, else 0.", [
+        (labels, end.liveness.state == "silent") for labels, end in ends
+    ]
     yield "qos_mismatches", "Publishers and subscriptions of other nodes whose QoS does not match.", _by(
         "topic", state.qos_mismatches
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 from roverlink.runtime.monitoring.histogram import Latencies
+from roverlink.runtime.monitoring.liveness import Liveness
 
 
 class Level(IntEnum):
@@ -56,6 +57,22 @@ class RowState:
 
 
 @dataclass(frozen=True)
+class EndState:
+    """State of a peer, or of a board of a peer."""
+
+    peer: str
+    board: str
+    """Name of the board; empty for the whole peer."""
+    addresses: tuple[str, ...]
+    """Addresses with their ports to which datagrams go now; empty if none is known."""
+    link: str
+    """State of the address: ``ok``, ``not_learned``, ``not_resolved`` or ``unreachable``."""
+    liveness: Liveness
+    level: Level
+    message: str
+
+
+@dataclass(frozen=True)
 class Recording:
     """State of the recording that a bridge makes."""
 
@@ -99,5 +116,10 @@ class State:
     """Level of the bridge as a whole."""
     message: str
     """Reason for the level of the bridge."""
+    ends: tuple[EndState, ...] = ()
+    unforwarded: Mapping[str, int] = field(default_factory=dict)
+    """Datagrams that were too long to be forwarded to a peer, by this peer."""
+    link_events: Mapping[tuple[str, str, str], int] = field(default_factory=dict)
+    """Events of the addresses of peers, by peer, board and event."""
     latencies: Latencies = field(default=Latencies((), 0.0))
     recording: Recording | None = None

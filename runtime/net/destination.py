@@ -1,4 +1,4 @@
-"""Sending of datagrams to a peer, one or many at once.
+"""Sending of datagrams to an end of the link, one or many at once, to one or several addresses.
 
 UDP segmentation offload (``UDP_SEGMENT``, udp(7), since Linux 4.18) cuts one large buffer into datagrams of equal size,
 so the network stack runs once for all of them. On loopback a datagram sent in a group of eight takes 1.3 us of CPU, and
@@ -11,46 +11,133 @@ import errno
 import socket
 import struct
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Callable, Sequence
 from itertools import groupby
+from typing import NamedTuple
+
+from roverlink.runtime.net.hosts import SocketAddress, family_of, is_multicast, text_of
 
 _UDP_SEGMENT = 103  # linux/udp.h
 
 _ROUTE_LOST = frozenset({errno.ENETUNREACH, errno.EHOSTUNREACH, errno.EADDRNOTAVAIL, errno.EINVAL})
 """Errors of a connected socket after its address or network has disappeared."""
+_LINK_LOST = _ROUTE_LOST | {errno.ENETDOWN, errno.ENODEV}
+
+_NOWHERE = OSError(errno.EDESTADDRREQ, "its address is not known yet")
+
+
+def is_told_by_event(error: OSError) -> bool:
+    """Return true if an error of `Destination.send_all` belongs to a state of the link, which is reported on its own.
+
+    The other errors concern single datagrams, such as one that is too long.
+    """
+    return error is _NOWHERE or error.errno in _LINK_LOST
+
+
+class Target(NamedTuple):
+    """Address to which datagrams are sent."""
+
+    address: SocketAddress
+    interface: int = 0
+    """Index of the network interface, if the address is that of a multicast group; 0 for the kernel's choice."""
+    ttl: int = 1
+    """Largest number of networks, if the address is that of a multicast group; 1 does not cross a router."""
+
+
+Report = Callable[[str, str], None]
+"""Function that gets an address as text, and the reason why nothing can be sent there; empty if sending works again."""
 
 
 class Destination:
-    """Address of a peer, with the UDP sockets that send datagrams to it. Safe to use from several threads."""
+    """Addresses of an end of the link, with the UDP sockets that send datagrams there.
 
-    def __init__(self, peer: str, address: tuple[str, int]) -> None:
-        self.peer = peer
-        self._connected = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        # Made now: switching is then one assignment, which is safe while other threads send.
-        self._unconnected = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._can_segment = _can_segment(self._connected)
-        self.direct_to(address)
+    Safe to use from several threads.
+    """
 
-    def direct_to(self, address: tuple[str, int]) -> None:
-        """Send all further datagrams to ``address``: IPv4 address and UDP port."""
-        self.address = address
-        self._route: tuple[socket.socket, tuple[str, int] | None] = self._connected, None
+    def __init__(self, peer: str, *targets: Target, board: str = "", report: Report = lambda *_: None) -> None:
+        """Send to ``targets``, the addresses of a peer or of its board.
+
+        ``report`` is called when an address becomes unreachable, and when it is reachable again.
+        """
+        self.peer, self.board = peer, board
+        self._report = report
+        self._lock = threading.Lock()
+        self._ways: list[_Way] = []
+        self._used: tuple[_Way, ...] = ()
+        self.direct_to(*targets)
+
+    def direct_to(self, *targets: Target) -> None:
+        """Send all further datagrams to ``targets``: each datagram to all of them. Without targets, send nothing."""
+        with self._lock:
+            self._ways += [_Way(self._report) for _ in range(len(targets) - len(self._ways))]
+            for way, target in zip(self._ways, targets):
+                way.direct_to(target)
+            # One assignment, which is safe while other threads send. Ways that are not used any more stay open: another
+            # thread may be sending through them.
+            self._used = tuple(self._ways[: len(targets)])
+
+    @property
+    def addresses(self) -> tuple[SocketAddress, ...]:
+        """Addresses to which datagrams are sent."""
+        return tuple(way.target.address for way in self._used)
+
+    @property
+    def is_reachable(self) -> bool:
+        """False if the network refused the last datagram to one of the addresses."""
+        return not any(way.is_lost for way in self._used)
+
+    def send_all(self, datagrams: Sequence[bytes]) -> list[OSError]:
+        """Send datagrams in order; return one error for each datagram that the network refused.
+
+        If there are several addresses, these are the errors of the address with the fewest.
+        """
+        used = self._used
+        if len(used) == 1:
+            return used[0].send_all(datagrams)
+        return min((way.send_all(datagrams) for way in used), key=len, default=[_NOWHERE] * len(datagrams))
+
+    def close(self) -> None:
+        """Close the sockets."""
+        for way in self._ways:
+            way.close()
+
+    def __str__(self) -> str:
+        name = f"{self.board} of {self.peer}" if self.board else self.peer
+        return f"{name} at {', '.join(map(text_of, self.addresses)) or 'no known address'}"
+
+
+class _Way:
+    """Sockets that send datagrams to one address."""
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+        self._pairs: dict[int, tuple[socket.socket, socket.socket]] = {}
+        self._lock = threading.Lock()
+        self._can_segment = False
+        self.target: Target = Target(("", 0))
+        self.is_lost = False
+
+    def direct_to(self, target: Target) -> None:
+        """Send all further datagrams to ``target``."""
+        if target == self.target:
+            return
+        address, family = target.address, family_of(target.address)
+        if family not in self._pairs:
+            # Both made now: switching between them is then one assignment, which is safe while other threads send.
+            pair = socket.socket(family, socket.SOCK_DGRAM), socket.socket(family, socket.SOCK_DGRAM)
+            self._pairs[family] = pair
+            self._can_segment = _can_segment(pair[0])
+        connected, unconnected = self._pairs[family]
+        if is_multicast(address):
+            for sock in (connected, unconnected):
+                _set_up_multicast(sock, target)
+        self.target, self.is_lost = target, False
         try:
-            self._connected.connect(address)  # the kernel then looks up the route once instead of for each datagram
+            connected.connect(address)  # the kernel then looks up the route once instead of for each datagram
+            self._route: tuple[socket.socket, SocketAddress | None] = connected, None
         except OSError:
-            self._use_unconnected()
-
-    def send(self, datagram: bytes) -> None:
-        """Send one datagram. Raises `OSError` if the network refuses it."""
-        try:
-            self._send(datagram)
-        except ConnectionRefusedError:
-            # An ICMP error of an earlier datagram: nobody listened. This datagram has not been sent yet.
-            self._send(datagram)
-        except OSError as error:
-            if error.errno in _ROUTE_LOST:
-                self._use_unconnected()
-            raise
+            self._route = unconnected, address
 
     def send_all(self, datagrams: Sequence[bytes]) -> list[OSError]:
         """Send datagrams in order; return one error for each datagram that the network refused."""
@@ -58,29 +145,47 @@ class Destination:
         # At low rates most datagrams come alone, and sorting them by size would cost as much as all else here.
         if len(datagrams) == 1:
             self._try_send(datagrams[0], refusals)
-            return refusals
-        # UDP_SEGMENT cuts into datagrams of one size, so only neighbours of equal size can go together, in order.
-        for size, run in groupby(datagrams, len):
-            same_size = list(run)
-            if len(same_size) > 1 and self._send_as_one(same_size, size):
-                continue
-            for datagram in same_size:
-                self._try_send(datagram, refusals)
+        else:
+            # UDP_SEGMENT cuts into datagrams of one size, so only neighbours of equal size can go together, in order.
+            for size, run in groupby(datagrams, len):
+                same_size = list(run)
+                if len(same_size) > 1 and self._send_as_one(same_size, size):
+                    continue
+                for datagram in same_size:
+                    self._try_send(datagram, refusals)
+        if refusals or self.is_lost:
+            self._judge(len(datagrams), refusals)
         return refusals
-
-    def _try_send(self, datagram: bytes, refusals: list[OSError]) -> None:
-        try:
-            self.send(datagram)
-        except OSError as error:
-            refusals.append(error)
 
     def close(self) -> None:
         """Close the sockets."""
-        self._connected.close()
-        self._unconnected.close()
+        for pair in self._pairs.values():
+            for sock in pair:
+                sock.close()
 
-    def __str__(self) -> str:
-        return f"{self.peer} at {self.address[0]}:{self.address[1]}"
+    def _judge(self, count: int, refusals: list[OSError]) -> None:
+        """Report that the address has become unreachable, or is reachable again, after ``count`` datagrams."""
+        lost = next((error for error in refusals if error.errno in _LINK_LOST), None)
+        with self._lock:  # several threads may send, and each event is reported once
+            before = self.is_lost
+            self.is_lost = lost is not None or (before and len(refusals) == count)
+            changed = self.is_lost != before
+        if changed:
+            self._report(text_of(self.target.address), str(lost.strerror) if lost else "")
+
+    def _try_send(self, datagram: bytes, refusals: list[OSError]) -> None:
+        try:
+            try:
+                self._send(datagram)
+            except ConnectionRefusedError:
+                # An ICMP error of an earlier datagram: nobody listened. This datagram has not been sent yet.
+                self._send(datagram)
+        except OSError as error:
+            if error.errno in _ROUTE_LOST:
+                # For the unconnected socket, the kernel looks up the route again for each datagram. So sending also
+                # works after the network has changed, or if the network comes up late.
+                self._route = self._pairs[family_of(self.target.address)][1], self.target.address
+            refusals.append(error)
 
     def _send_as_one(self, same_size: list[bytes], size: int) -> bool:
         """Send datagrams of equal size with one system call.
@@ -105,13 +210,17 @@ class Destination:
         else:
             sock.sendto(datagram, address)
 
-    def _use_unconnected(self) -> None:
-        """Send through the unconnected socket from now on.
 
-        For this socket, the kernel looks up the route again for each datagram. So sending also works after the network
-        has changed, or if the network comes up late.
-        """
-        self._route = self._unconnected, self.address
+def _set_up_multicast(sock: socket.socket, target: Target) -> None:
+    """Set network interface and TTL of a socket that sends to a multicast group."""
+    if sock.family == socket.AF_INET6:
+        sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_HOPS, target.ttl)
+        sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_IF, target.interface)
+    else:
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, target.ttl)
+        # struct ip_mreqn of ip(7): group, address of the interface, index of the interface
+        interface = struct.pack("@4s4si", bytes(4), bytes(4), target.interface)
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
 
 
 def _can_segment(sock: socket.socket) -> bool:

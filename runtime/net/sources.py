@@ -1,6 +1,6 @@
 """Access control by sender address: to which peers an address belongs, and how many datagrams a second it may send.
 
-The functions get addresses as four bytes, and times in seconds of a monotonic clock. Memory is bounded: only a limited
+The functions get addresses as bytes, and times in seconds of a monotonic clock. Memory is bounded: only a limited
 number of addresses of known peers is stored, and other addresses never are. So a sender that forges addresses cannot
 exhaust the memory.
 """
@@ -8,11 +8,10 @@ exhaust the memory.
 from __future__ import annotations
 
 import math
-import socket
 from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass
-from ipaddress import IPv4Network
+from ipaddress import ip_address, ip_network
 
 from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.core.registry import Peer
@@ -24,7 +23,7 @@ _BURST_S = 0.25
 _SMALLEST_BURST = 32
 
 Address = bytes
-"""IPv4 address, four bytes in network order."""
+"""IP address in network order: four bytes for IPv4, sixteen for IPv6."""
 
 
 def restricts_sources(peers: Iterable[Peer]) -> bool:
@@ -65,9 +64,9 @@ class SourceGate:
     def __init__(self, peers: Iterable[Peer]) -> None:
         self._peers = tuple(peers)
         self._networks = [
-            (peer.name, int(network.network_address), int(network.netmask))
+            (peer.name, len(network.netmask.packed), int(network.network_address), int(network.netmask))
             for peer in self._peers
-            for network in map(IPv4Network, peer.sources)
+            for network in map(ip_network, peer.sources)
         ]
         self._unrestricted = {peer.name for peer in self._peers if not peer.sources}
         self._known: OrderedDict[Address, _Source] = OrderedDict()
@@ -86,18 +85,16 @@ class SourceGate:
             self._known.move_to_end(address)
         if not source.take_token(now):
             raise DatagramError(
-                Reason.OVER_RATE, f"{socket.inet_ntoa(address)} sends more than {source.rate:g} datagrams a second"
+                Reason.OVER_RATE, f"{ip_address(address)} sends more than {source.rate:g} datagrams a second"
             )
         return source.peers
 
     def _add(self, address: Address, now: float) -> _Source:
-        number = int.from_bytes(address, "big")
-        named = {name for name, network, mask in self._networks if number & mask == network}
+        number, length = int.from_bytes(address, "big"), len(address)
+        named = {name for name, size, network, mask in self._networks if size == length and number & mask == network}
         peers = named | self._unrestricted
         if not peers:
-            raise DatagramError(
-                Reason.UNKNOWN_SOURCE, f"{socket.inet_ntoa(address)} is not among the sources of any peer"
-            )
+            raise DatagramError(Reason.UNKNOWN_SOURCE, f"{ip_address(address)} is not among the sources of any peer")
         rates = [peer.source_rate or math.inf for peer in self._peers if peer.name in named]
         rate = max(rates, default=math.inf)  # an address of several peers gets the highest of their rates
         burst = max(_SMALLEST_BURST, rate * _BURST_S)

@@ -19,6 +19,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net import mmsg
+from roverlink.runtime.net.hosts import Sender, SocketAddress, sender_at
 
 _SO_RCVBUFFORCE = 33  # asm-generic/socket.h
 _SO_MEMINFO = 55  # asm-generic/socket.h
@@ -42,7 +43,9 @@ overflow its queue.
 
 Batch = list[bytes]
 SourcedDatagram = tuple[bytes, bytes]
-"""A datagram with its sender's IPv4 address, four bytes."""
+"""A datagram with its sender's IP address, four or sixteen bytes."""
+SentDatagram = tuple[bytes, Sender]
+"""A datagram with its sender's address and port."""
 
 T = TypeVar("T")
 
@@ -50,10 +53,16 @@ T = TypeVar("T")
 def bind(address: str, port: int, receive_buffer: int) -> socket.socket:
     """Return a bound UDP socket whose receive buffer is as near to ``receive_buffer`` bytes as the system allows.
 
-    Raises `SetupError` with port and cause if the socket cannot be bound.
+    With the address ``::``, it receives IPv4 and IPv6. Raises `SetupError` with port and cause if the socket cannot be
+    bound.
     """
-    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
+        sock = socket.socket(socket.AF_INET6 if ":" in address else socket.AF_INET, socket.SOCK_DGRAM)
+    except OSError as error:  # a system without IPv6
+        raise SetupError(_bind_failure(address, port, error)) from error
+    try:
+        if sock.family == socket.AF_INET6:
+            sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 0)  # the default depends on the system
         # Before bind(), so that no datagram arrives while the buffer is still small.
         size_receive_buffer(sock, receive_buffer)
         sock.bind((address, port))
@@ -148,6 +157,13 @@ def source_reader(sock: socket.socket, size: int) -> Callable[[], list[SourcedDa
     if mmsg.AVAILABLE:
         return mmsg.SourceReader(sock, size, _SLOTS).read_with_sources
     return OneByOneReader(sock, size, _SLOTS).read_with_sources
+
+
+def sender_reader(sock: socket.socket, size: int) -> Callable[[], list[SentDatagram]]:
+    """Return a function that reads datagrams like the function from `reader`, each with its sender."""
+    if mmsg.AVAILABLE:
+        return mmsg.SourceReader(sock, size, _SLOTS).read_with_senders
+    return OneByOneReader(sock, size, _SLOTS).read_with_senders
 
 
 class Receiver(Generic[T]):
@@ -269,10 +285,14 @@ class OneByOneReader:
         return [datagram for datagram, _ in self._arrived()]
 
     def read_with_sources(self) -> list[SourcedDatagram]:
-        """Return the same datagrams as `read`, each with the IPv4 address of its sender as four bytes."""
-        return [(datagram, socket.inet_aton(host)) for datagram, (host, _) in self._arrived()]
+        """Return the same datagrams as `read`, each with the IP address of its sender as four or sixteen bytes."""
+        return [(datagram, sender.ip) for datagram, sender in self.read_with_senders()]
 
-    def _arrived(self) -> Iterator[tuple[bytes, tuple[str, int]]]:
+    def read_with_senders(self) -> list[SentDatagram]:
+        """Return the same datagrams as `read`, each with its sender's address and port."""
+        return [(datagram, sender_at(address)) for datagram, address in self._arrived()]
+
+    def _arrived(self) -> Iterator[tuple[bytes, SocketAddress]]:
         with contextlib.suppress(BlockingIOError, InterruptedError):
             for _ in range(self._limit):
                 yield self._sock.recvfrom(self._size)

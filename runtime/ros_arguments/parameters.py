@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from roverlink.runtime.core.errors import SetupError, nearest
-from roverlink.runtime.core.registry import Registry
+from roverlink.runtime.core.registry import End, EndName, Registry
 from roverlink.runtime.text import strict_yaml
+from roverlink.runtime.text.host_names import LEARN, hosts_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +31,8 @@ class Declaration:
     """Allowed texts; empty if any text is allowed."""
     read_only: bool = False
     """True if the parameter cannot change while the node runs."""
+    hosts: bool = False
+    """True if the text is a host, several hosts with commas between them, or ``learn``."""
 
     def check(self, name: str, value: int | str) -> None:
         """Raise `SetupError` if a value is not allowed for the parameter; ``name`` is the parameter's name."""
@@ -39,6 +42,11 @@ class Declaration:
             raise SetupError(f"the parameter {name!r} is {value!r}; it must be one of {', '.join(self.choices)}")
         if self.limits and not self.minimum <= int(value) <= self.maximum:
             raise SetupError(f"the parameter {name!r} is {value}; {self.limits}")
+        if self.hosts:
+            try:
+                hosts_in(str(value))
+            except ValueError as error:
+                raise SetupError(f"the parameter {name!r} is {value!r}; {error}") from error
 
 
 _FILE = Path(__file__).with_name("node_parameters.yaml")
@@ -47,6 +55,15 @@ DECLARED: Mapping[str, Declaration] = {
 }
 """Declarations of the parameters in `node_parameters.yaml`, by the name of the parameter."""
 LISTEN_PORT = DECLARED["listen_port"].default
+
+
+class EndAddress(NamedTuple):
+    """Hosts and UDP port of an end of the link, as its parameters set them."""
+
+    hosts: tuple[str, ...]
+    """IP addresses and names of hosts, or only the word ``learn``."""
+    port: int
+    """UDP port; 0 if it is learned with the address."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +77,8 @@ class Parameters:
     source_policy: str
     max_datagram: int
     receive_buffer: int
-    peer_ports: Mapping[str, int]
-    """UDP port of each peer, by the peer's name."""
+    addresses: Mapping[EndName, EndAddress]
+    """Hosts and UDP port of each end of the link."""
     values: Mapping[str, Any]
     """Value of every parameter, by its ROS 2 name."""
 
@@ -69,14 +86,31 @@ class Parameters:
 def declarations(registry: Registry) -> dict[str, Declaration]:
     """Return the declaration of every parameter of the node, by the parameter's name.
 
-    These are the parameters in `DECLARED`, and a parameter for the UDP port of each peer, which the table names.
+    These are the parameters in `DECLARED`, and parameters for the host and the UDP port of each end of the link, which
+    the table names.
     """
-    port = replace(DECLARED["listen_port"], minimum=1, read_only=False)
-    ports = {
-        peer.port_parameter: replace(port, default=peer.port, description=f"UDP port of the peer {peer.name}")
-        for peer in registry.peers
-    }
-    return {**DECLARED, **ports}
+    declared = dict(DECLARED)
+    for name, end in registry.ends.items():
+        declared |= _declarations_of(name, end)
+    return declared
+
+
+def _declarations_of(name: EndName, end: End) -> dict[str, Declaration]:
+    what = f"the board {name}" if name.board else f"the peer {name}"
+    port = replace(
+        DECLARED["listen_port"],
+        default=end.port,
+        minimum=0 if end.host else 1,
+        read_only=False,
+        description=f"UDP port of {what}" + ("; 0 learns it with the address" if end.host else ""),
+    )
+    if not end.host:
+        return {end.port_parameter: port}
+    host = replace(DECLARED["dst_ip"], default=end.host, description=f"host of {what}, {_SEVERAL}")
+    return {end.host_parameter: host, end.port_parameter: port}
+
+
+_SEVERAL = "several with commas between them, or learn: the source of its last valid datagram"
 
 
 def defaults(registry: Registry) -> dict[str, Any]:
@@ -108,10 +142,17 @@ def changed(registry: Registry, parameters: Parameters, changes: Mapping[str, An
 
 def _checked(registry: Registry, given: Mapping[str, Any]) -> Parameters:
     declared = declarations(registry)
-    for name, value in given.items():
-        if name not in declared:
-            raise SetupError(f"unknown parameter {name!r}; {nearest(name, declared)}")
-        declared[name].check(name, value)
+    for parameter, value in given.items():
+        if parameter not in declared:
+            raise SetupError(f"unknown parameter {parameter!r}; {nearest(parameter, declared)}")
+        declared[parameter].check(parameter, value)
     values = {**defaults(registry), **given}
-    ports = {peer.name: values[peer.port_parameter] for peer in registry.peers}
-    return Parameters(peer_ports=ports, values=values, **{name: values[name] for name in DECLARED})
+    addresses = {
+        name: EndAddress(hosts_in(values[end.host_parameter]), values[end.port_parameter])
+        for name, end in registry.ends.items()
+    }
+    for name, end in registry.ends.items():
+        if not addresses[name].port and addresses[name].hosts != (LEARN,):
+            message = f"the parameter {end.port_parameter!r} is 0, but {end.host_parameter!r} is not {LEARN!r}"
+            raise SetupError(f"{message}; set the UDP port of {name}")
+    return Parameters(addresses=addresses, values=values, **{one: values[one] for one in DECLARED})

@@ -92,8 +92,8 @@ def test_parameters_are_shown_and_set(link: WatchedLink) -> None:
         ("dst", "x", "unknown parameter 'dst'; did you mean 'dst_ip'?"),
         ("dst_ip", "no host", "'no host'"),
         ("dst_ip", "a" * 300, "a" * 300),
-        ("dst_ip", "a\0b", "does not resolve to an IPv4 address"),
-        ("dst_ip", "a\ud800", "does not resolve to an IPv4 address"),
+        ("dst_ip", "a\0b", "is neither an IP address nor the name of a host"),
+        ("dst_ip", "a\ud800", "is neither an IP address nor the name of a host"),
         ("receive_buffer", [1], "the parameter 'receive_buffer' is [1]; it must be of type int"),
     ],
 )

@@ -20,9 +20,12 @@ from generated.registry import REGISTRY
 from roverlink import top_screen
 from roverlink.console import LOG_FORMATS
 from roverlink.heard_bridges import HeardBridge, HeardBridges, has_problems, page_of
+from roverlink.link_page.link_alarms import peers_of
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
+from roverlink.runtime.bridge.ends import LinkState
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, KeyValue
 from roverlink.runtime.monitoring import diagnostic_array, prometheus
@@ -57,6 +60,9 @@ class _Bridge:
         self.monitor = Monitor(
             "udp_forwarder", _expecting(**rates), self, self.probe, lambda: self.recording, lambda: self.now
         )
+
+    def link_states(self) -> dict[EndName, LinkState]:
+        return {}
 
     def socket_state(self) -> SocketState:
         return SocketState(4096, 8192, self.kernel_drops)
@@ -412,7 +418,7 @@ def test_diagnostics_are_those_of_ros2() -> None:
     values = message_to_values(theirs)
     assert values["header"]["stamp"] == {"sec": 1_700_000_000, "nanosec": 250_000_000}
     by_name = {status["name"]: status for status in values["status"]}
-    assert len(by_name) == 1 + len(REGISTRY.handlers)
+    assert len(by_name) == 1 + len(REGISTRY.handlers) + 3  # the boards that have rows; this bridge knows no addresses
     imu = by_name["udp_forwarder: imu_info"]
     assert (imu["level"], imu["hardware_id"]) == (1, "hardware")
     assert imu["message"] == "20.0/s; 40/s expected"
@@ -515,3 +521,47 @@ def test_records_as_json(records: tuple[logging.Logger, list[logging.LogRecord]]
         "subject": "empty",
         "kept_back": 0,
     }
+
+
+def test_the_silent_board_is_named_with_its_address() -> None:
+    """A status for each peer and board: alive, silent, unreachable, or with an address yet to be learned."""
+    bridge = _Bridge()
+    arm, driving, sensor = (EndName("hardware", board) for board in ("ArmBoard", "DrivingBoard", "SensorBoard"))
+    links = {
+        EndName("basestation"): LinkState(("10.0.0.5:6000", "10.0.0.6:6000"), "unreachable"),
+        arm: LinkState(("192.168.0.21:8",), "ok"),
+        driving: LinkState(("192.168.0.22:8",), "ok"),
+        sensor: LinkState((), "not_learned"),
+    }
+    bridge.link_states = lambda: links  # type: ignore[method-assign]
+    monitor = Monitor("rover", REGISTRY, bridge, LatencyProbe(), clock=lambda: bridge.now)
+    monitor.sample()
+    bridge.account.published.update(arm_feedback=1, drive_diag=1)
+    monitor.sample()
+    bridge.now += 5
+    bridge.account.published.update(drive_diag=1)
+    monitor.sample()
+    array = diagnostic_array.array_of(monitor.state(), _STAMP, {})
+    told = {status.name: (status.level, status.message) for status in array.status if "link to" in status.name}
+    assert told == {
+        "rover: link to basestation": (
+            Level.ERROR,
+            "the network refuses datagrams to its address; 10.0.0.5:6000; 10.0.0.6:6000",
+        ),
+        "rover: link to ArmBoard of hardware": (Level.STALE, "silent for 5.0 s; 192.168.0.21:8"),
+        "rover: link to DrivingBoard of hardware": (Level.OK, "192.168.0.22:8"),
+        "rover: link to SensorBoard of hardware": (
+            Level.WARN,
+            "its address is not known before its first valid datagram",
+        ),
+    }
+    page = page_of(array)
+    assert page is not None
+    peers = {peer["name"]: peer for peer in peers_of(page["node"], page["rows"], page["ends"])}
+    boards = {board["name"]: (board["address"], board["link"]) for board in peers["hardware"]["boards"]}
+    assert boards["ArmBoard"] == ("192.168.0.21:8", "ok")
+    assert boards["SensorBoard"] == ("", "not_learned")
+    assert peers["basestation"]["address"] == "10.0.0.5:6000, 10.0.0.6:6000"
+    samples = prometheus.text_of(monitor.state())
+    assert 'roverlink_silent{board="ArmBoard",peer="hardware"} 1.0' in samples
+    assert 'roverlink_link_ok{board="SensorBoard",peer="hardware"} 0.0' in samples

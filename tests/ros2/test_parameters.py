@@ -91,7 +91,7 @@ def test_setting_a_parameter_has_its_effect(judge: Judge, bridge: Start, new_boa
         ("max_datagram", 100, "read-only"),
         ("dst_b_port", 0, "out of range"),
         ("forward_policy", "none", "it must be one of mapping, all"),
-        ("dst_ip", "no.such.host.invalid", "does not resolve"),
+        ("dst_ip", "no host", "is neither an IP address nor the name of a host"),
         ("dst_ip", 7, "type"),
         ("use_sim_time", True, "does not use simulated time"),
     ],

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import pytest
+from google.protobuf.message import DecodeError
 from needs import needs_linux
 from polling import PATIENCE_S, wait_until
 from tables import unguarded
@@ -23,7 +24,7 @@ from roverlink.runtime import Bridge, MiddlewareError, Qos, Registry, SetupError
 from roverlink.runtime.bridge.bridge import Handle, Observer, Send
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.core.registry import AnyHandler
+from roverlink.runtime.core.registry import AnyHandler, EndName
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.net import udp
 from roverlink.runtime.ros_arguments import parameters
@@ -166,8 +167,8 @@ def test_telemetry_is_forwarded_raw_to_the_basestation(rig: _Rig) -> None:
 
 
 @pytest.mark.parametrize("change", ["stripped", "padded"])
-def test_trailing_zeros_are_understood_and_forwarded_as_they_came(rig: _Rig, change: str) -> None:
-    """A stripped or padded envelope is published as the plain one, and handed on in the form in which it came."""
+def test_trailing_zeros_are_understood_and_forwarded_intact(rig: _Rig, change: str) -> None:
+    """A stripped or padded envelope is published as the plain one, and a strict decoder gets the plain one as well."""
     plain = _envelope(load_cell_info={"mass_grams": 0.0, "is_calibrated": True, "tare_offset_counts": 256})
     plain += b"\x5a\0"  # number 11, empty: the payload that counts, and its length is a zero byte
     handler = REGISTRY.by_number[11]
@@ -175,7 +176,11 @@ def test_trailing_zeros_are_understood_and_forwarded_as_they_came(rig: _Rig, cha
     rig.send(sent)
     rig.settle(1)
     assert rig.on_topic[handler.route.topic] == [handler.to_cdr(handler.payload_type())]
-    assert rig.arrived("basestation", 1) == [sent]
+    (forwarded,) = rig.arrived("basestation", 1)
+    assert forwarded == plain
+    with pytest.raises(DecodeError):
+        REGISTRY.envelope.FromString(sent)
+    assert REGISTRY.envelope.FromString(forwarded) == REGISTRY.envelope.FromString(plain)
 
 
 def test_many_messages_keep_their_order(rig: _Rig) -> None:
@@ -355,7 +360,7 @@ def test_the_longest_datagram_passes_and_a_longer_one_does_not(policy: str) -> N
         rig.settle(3)
         assert rig.account.published == {"imu_info": 1}
         assert rig.account.dropped == {"oversized": 2}
-        assert rig.arrived("basestation", 1) == [longest]
+        assert rig.arrived("basestation", 1) == [longest if policy == "all" else longest.rstrip(b"\0")]
 
 
 class _SlowSubscribers(MemoryMiddleware):
@@ -417,10 +422,15 @@ def test_a_port_in_use_is_told(rig: _Rig) -> None:
         _Rig(listen_port=rig.bridge.port)
 
 
-def test_a_destination_that_does_not_resolve_is_told() -> None:
-    """A wrong `dst_ip` is told at start, by its name."""
-    with pytest.raises(SetupError, match=r"the destination 'rover\.invalid' does not resolve"):
-        _Rig(dst_ip="rover.invalid")
+def test_a_host_that_does_not_resolve_is_a_warning(caplog: pytest.LogCaptureFixture) -> None:
+    """A board may boot later, so the bridge starts, and tells the name once for each peer."""
+    with _Rig(dst_ip="rover.invalid") as rig:
+        wait_until(lambda: rig.account.link_events.total() == 2, "two failed look-ups")
+        rig.send(_envelope(imu_info={}))
+        rig.settle(1)
+        assert rig.account.unsent == {"basestation": 1}
+    assert rig.account.link_events == {("basestation", "", "not_resolved"): 1, ("hardware", "", "not_resolved"): 1}
+    assert len(re.findall(r"hardware: rover\.invalid cannot be resolved: ", caplog.text)) == 1
 
 
 class _Stale(MemoryMiddleware):
@@ -486,7 +496,7 @@ def test_a_network_that_comes_back_is_used_again(rig: _Rig) -> None:
 
         send = sendmsg  # for a datagram that comes alone
 
-    rig.bridge._destinations["basestation"]._route = _Gone(), None  # type: ignore[assignment]  # a socket that has lost it
+    rig.bridge._ends.destinations[EndName("basestation")]._ways[0]._route = _Gone(), None  # type: ignore[assignment]  # a socket that has lost it
     rig.send(*[_envelope(imu_info={"accel_x": float(number)}) for number in range(3)])
     rig.settle(3)
     assert rig.account.unsent == {"basestation": 1}

@@ -10,7 +10,7 @@ import pytest
 from needs import NOT_LINUX
 from polling import PATIENCE_S
 
-from roverlink.runtime.net.destination import Destination
+from roverlink.runtime.net.destination import Destination, Target
 
 
 @pytest.fixture
@@ -26,32 +26,32 @@ def peer() -> Iterator[socket.socket]:
 @pytest.fixture(params=["cutting", "one by one"])
 def destination(request: pytest.FixtureRequest, peer: socket.socket) -> Iterator[Destination]:
     """The peer as a destination, where the system cuts messages into datagrams and where it does not."""
-    destination = Destination("hardware", peer.getsockname())
+    destination = Destination("hardware", Target(peer.getsockname()))
     if request.param == "one by one":
-        destination._can_segment = False
-    elif not destination._can_segment:
+        destination._ways[0]._can_segment = False
+    elif not destination._ways[0]._can_segment:
         pytest.skip(NOT_LINUX)  # which cuts messages into datagrams
     yield destination
     destination.close()
 
 
 def _refusing() -> Destination:
-    return Destination("hardware", ("255.255.255.255", 6001))  # a broadcast, which nobody allowed
+    return Destination("hardware", Target(("255.255.255.255", 6001)))  # a broadcast, which nobody allowed
 
 
 def test_a_destination_gets_what_is_sent(destination: Destination, peer: socket.socket) -> None:
     """A destination sends to its peer, and is shown with its peer's name and address."""
-    destination.send(b"hello")
+    assert destination.send_all([b"hello"]) == []
     assert peer.recv(100) == b"hello"
     assert str(destination) == f"hardware at 127.0.0.1:{peer.getsockname()[1]}"
 
 
 def test_a_destination_moves_with_its_peer(peer: socket.socket) -> None:
     """What is sent after the change goes to the new address, and what was sent before does not follow."""
-    destination = Destination("hardware", ("127.0.0.1", 9))
-    destination.send(b"lost")
-    destination.direct_to(peer.getsockname())
-    destination.send(b"hello")
+    destination = Destination("hardware", Target(("127.0.0.1", 9)))
+    assert destination.send_all([b"lost"]) == []
+    destination.direct_to(Target(peer.getsockname()))
+    assert destination.send_all([b"hello"]) == []
     assert peer.recv(100) == b"hello"
     assert str(destination) == f"hardware at 127.0.0.1:{peer.getsockname()[1]}"
     destination.close()
@@ -91,8 +91,8 @@ def test_each_datagram_that_is_refused_is_told() -> None:
     """A network that refuses does so for each datagram, together or alone, from the first on."""
     destination = _refusing()
     try:
-        with pytest.raises(PermissionError):
-            destination.send(b"hello")
+        (refusal,) = destination.send_all([b"hello"])
+        assert isinstance(refusal, PermissionError)
         refusals = destination.send_all([b"hello"] * 3 + [b"hello, too"])
         assert [error.errno for error in refusals] == [errno.EACCES] * 4
     finally:
@@ -103,7 +103,7 @@ def test_a_peer_that_comes_back_gets_every_datagram(destination: Destination, pe
     """The news that nobody received an earlier datagram costs none of those that are sent once the peer is there."""
     address = peer.getsockname()
     peer.close()
-    destination.send(b"into the void")
+    assert destination.send_all([b"into the void"]) == []
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
         again.bind(address)
         again.settimeout(PATIENCE_S)
@@ -121,7 +121,7 @@ def test_a_system_that_can_segment_no_messages_sends_one_by_one(
         raise OSError(errno.ENOPROTOOPT, "Protocol not available")
 
     monkeypatch.setattr(socket.socket, "getsockopt", unknown)
-    destination = Destination("hardware", peer.getsockname())
+    destination = Destination("hardware", Target(peer.getsockname()))
     try:
         assert destination.send_all([b"one", b"two"]) == []
         assert [peer.recv(100), peer.recv(100)] == [b"one", b"two"]

@@ -21,6 +21,7 @@ from generated.registry import REGISTRY
 from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Bound, Float64, Length, Message
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.interfaces import rcl_interfaces
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
 from roverlink.runtime.middleware import Endpoint, NodeIdentity, open_middleware
@@ -334,7 +335,7 @@ def test_rclpy_changes_what_the_node_can_change(ros: _Ros) -> None:
     open_middleware("rclpy", _NODE, live)
     changes = [types.SimpleNamespace(name=name, value=value) for name, value in (("dst_ip", "::"), ("dst_a_port", 7))]
     assert ros.change(changes).successful
-    assert [(changed.dst_ip, changed.peer_ports["basestation"]) for changed in applied] == [("::", 7)]
+    assert [(changed.dst_ip, changed.addresses[EndName("basestation")].port) for changed in applied] == [("::", 7)]
     result = ros.change([types.SimpleNamespace(name="listen_port", value=7)])
     assert (result.successful, result.reason) == (
         False,

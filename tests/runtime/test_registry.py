@@ -17,6 +17,7 @@ from generated import checks
 from generated.registry import REGISTRY
 from roverlink.runtime import Registry, RegistryError, SetupError, load_registry
 from roverlink.runtime.core import descriptor_check
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.ros_arguments import parameters
 
 _REPOSITORY = Path(__file__).parents[2]
@@ -267,7 +268,10 @@ def test_the_defaults_are_those_of_the_contract(registry: Registry) -> None:
     """Ports and policy of a node that was given nothing."""
     read = parameters.read(registry, {})
     assert (read.listen_port, read.dst_ip, read.forward_policy) == (5000, "127.0.0.1", "mapping")
-    assert read.peer_ports == {"basestation": 6000, "hardware": 6001}
+    assert read.addresses == {
+        EndName("basestation"): (("127.0.0.1",), 6000),
+        EndName("hardware"): (("127.0.0.1",), 6001),
+    }
 
 
 def test_given_parameters_are_taken(registry: Registry) -> None:
@@ -285,7 +289,7 @@ def test_given_parameters_are_taken(registry: Registry) -> None:
     }
     assert set(given) == set(parameters.defaults(registry))
     read = parameters.read(registry, {**given, "use_sim_time": True})
-    assert read.peer_ports == {"basestation": 1, "hardware": 65_535}
+    assert [address.port for address in read.addresses.values()] == [1, 65_535]
     for name, value in given.items():
         assert name in ("dst_a_port", "dst_b_port") or getattr(read, name) == value
 
@@ -322,4 +326,4 @@ def test_the_ports_are_named_by_the_table(registry: Registry) -> None:
     """A peer's port parameter and its default are the table's, whatever they are."""
     peers = (dataclasses.replace(REGISTRY.peers[0], name="moon", port_parameter="moon_port", port=7000),)
     read = parameters.read(dataclasses.replace(registry, peers=peers), {})
-    assert read.peer_ports == {"moon": 7000}
+    assert read.addresses == {EndName("moon"): (("127.0.0.1",), 7000)}

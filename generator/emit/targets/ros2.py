@@ -20,7 +20,7 @@ _PARAMS_FILE = "YAML file with the parameters of the node"
 _ADDRESSES = ("listen_address", "listen_port", "dst_ip")
 """Parameters of the node that are also arguments of the launch files, because their values differ between computers.
 
-The parameters with the peers' ports are also arguments; their names come from the table.
+The parameters with the addresses of peers and boards are also arguments; their names come from the table.
 """
 
 
@@ -68,15 +68,27 @@ def emit(bridge: ir.Bridge) -> Files:
         "node.py.j2", header=comment, registry=f"{bridge.folder}/registry.py"
     )
     yield f"{folder}/config/udp.yaml", render(
-        "udp.yaml.j2", header=comment, parameters=node_parameters(), peers=bridge.peers
+        "udp.yaml.j2", header=comment, parameters=node_parameters(), addresses=_address_parameters(bridge)
     )
 
 
 def _addresses(bridge: ir.Bridge) -> dict[str, str]:
     """Return the description of each launch argument that overrides a parameter, by the parameter's name."""
     described = {name: node_parameters()[name]["description"] for name in _ADDRESSES}
-    described |= {peer.parameter: f"UDP port of {peer.name}" for peer in bridge.peers}
+    described |= {name: text for name, (_, text) in _address_parameters(bridge).items()}
     return {name: f"{text} (if empty: the value in params_file)" for name, text in described.items()}
+
+
+def _address_parameters(bridge: ir.Bridge) -> dict[str, tuple[str | int, str]]:
+    """Return default and description of each parameter for the address of a peer or of a board, by its name."""
+    found: dict[str, tuple[str | int, str]] = {}
+    for peer in bridge.peers:
+        for end in peer.ends:
+            name = f"{end.name} of {peer.name}" if peer.boards else peer.name
+            if end.host:
+                found[end.host_parameter] = end.host, f"host of {name}"
+            found[end.parameter] = end.port, f"UDP port of {name}"
+    return found
 
 
 def _msg(bridge: ir.Bridge, message: ir.RosMessage) -> str:

@@ -95,6 +95,11 @@ class Page:
     enums: tuple[Enum, ...]
     helpers: tuple[Helper, ...]
 
+    @property
+    def names_hosts(self) -> bool:
+        """True if the table names the host of a peer or of a board."""
+        return any(end.host for peer in self.peers for end in peer.ends)
+
 
 def page(bridge: ir.Bridge) -> Page:
     """Return the content of docs/messages.md."""

@@ -1,7 +1,7 @@
-"""Two peers have the same port parameter, or a peer uses a parameter of the node itself.
+"""Two peers have the same parameter, or a peer uses a parameter of the node itself.
 
-The parameter is a ROS 2 parameter of the bridge's node, and sets the UDP port of a peer. A shared parameter would
-change both peers, or another setting of the node.
+The parameters are ROS 2 parameters of the bridge's node, and set the host and the UDP port of a peer or of its board. A
+shared parameter would change both, or another setting of the node.
 
 Bad::
 
@@ -23,24 +23,28 @@ from collections.abc import Iterator
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.context import Context
 from roverlink.generator.node_parameters import node_parameters
-from roverlink.generator.table import PeerSettings
+from roverlink.generator.table import EndSettings
 
 RULE = Rule("TAB104", "peer-parameter-taken", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield a diagnostic for each peer whose port parameter belongs to another peer or to the node."""
-    seen: dict[str, PeerSettings] = {}
+    """Yield a diagnostic for each parameter of a peer that belongs to another peer or to the node."""
+    seen: dict[str, tuple[str, EndSettings]] = {}
     of_the_node = {"use_sim_time", *node_parameters()}
     for peer in context.table.peers:
-        first = seen.setdefault(peer.parameter, peer)
-        if first is not peer:
-            message = (
-                f"the parameter {peer.parameter!r} of the peer {peer.name!r} already belongs to the peer {first.name!r}"
-            )
-            yield RULE.at(peer.at("parameter"), message, "give each peer its own `parameter`")
-        elif peer.parameter in of_the_node:
-            message = (
-                f"the parameter {peer.parameter!r} of the peer {peer.name!r} is already a parameter of the node itself"
-            )
-            yield RULE.at(peer.at("parameter"), message, f"write `parameter: dst_{peer.name}_port`")
+        for settings, end in peer.ends:
+            owner = f"the board {end.name!r} of {peer.name!r}" if peer.boards else f"the peer {peer.name!r}"
+            for parameter in filter(None, (end.host_parameter, end.parameter)):
+                first, place = seen.setdefault(parameter, (owner, settings))
+                if place is not settings:
+                    message = f"the parameter {parameter!r} of {owner} already belongs to {first}"
+                    help = "give each peer its own `parameter`"
+                elif parameter in of_the_node:
+                    message = f"the parameter {parameter!r} of {owner} is already a parameter of the node itself"
+                    help = f"write `parameter: dst_{peer.name}_port`"
+                else:
+                    continue
+                if peer.boards or parameter == end.host_parameter:  # the table cannot set these
+                    help = "choose another name for the peer or the board"
+                yield RULE.at(settings.at("parameter"), message, help)

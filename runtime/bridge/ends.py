@@ -1,0 +1,279 @@
+"""Addresses of the ends of the link: look-up of host names, learned addresses, and their events.
+
+An end is a peer, or a board of a peer that has ``boards`` in the table. Several threads take part:
+- A `HostWatch` for each host that is not a plain IP address looks the host up at the start and periodically, and also
+  after a failure to send.
+- The receiving thread learns the address of an end whose host is ``learn``.
+- The thread of a ROS 2 tool changes the hosts by setting parameters.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import socket
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from enum import Enum
+from functools import partial
+from typing import NamedTuple
+
+from roverlink.runtime.bridge.counters import Counters
+from roverlink.runtime.core.registry import End, EndName, Registry
+from roverlink.runtime.net import hosts
+from roverlink.runtime.net.destination import Destination, Target
+from roverlink.runtime.net.host_watch import HostWatch
+from roverlink.runtime.net.hosts import SocketAddress
+from roverlink.runtime.ros_arguments.parameters import EndAddress, Parameters
+from roverlink.runtime.text.host_names import LEARN, is_literal
+
+
+class LinkEvent(str, Enum):
+    """Event of the address of an end. The bridge counts each event, and logs it once."""
+
+    NOT_RESOLVED = "not_resolved"
+    """A host has no address, or a network interface does not exist."""
+    RESOLVED = "resolved"
+    """The host has an address."""
+    LEARNED = "learned"
+    """The first valid datagram of an end whose host is ``learn`` has arrived."""
+    ADDRESS_CHANGED = "address_changed"
+    """The host has another address than before, or the end sends from another one."""
+    UNREACHABLE = "unreachable"
+    """The network of this computer refuses datagrams to the address."""
+    REACHABLE = "reachable_again"
+    """The network accepts datagrams to the address again."""
+    ONE_WAY = "one_way"
+    """The end has an IPv6 address, but the bridge listens only on IPv4."""
+
+
+class LinkState(NamedTuple):
+    """State of the address of an end."""
+
+    addresses: tuple[str, ...]
+    """Addresses with their ports to which datagrams go now; empty if none is known."""
+    state: str
+    """``ok``, ``not_learned``, ``not_resolved`` or ``unreachable``."""
+
+
+_GOOD = frozenset({LinkEvent.RESOLVED, LinkEvent.LEARNED, LinkEvent.REACHABLE})
+
+Note = Callable[[LinkEvent, str], None]
+"""Function that counts an event of an end, and logs its text."""
+
+
+class Ends:
+    """Destinations of all ends of the link, which follow the parameters and the network."""
+
+    def __init__(self, registry: Registry, parameters: Parameters, counters: Counters, own: socket.socket) -> None:
+        """Direct the destinations to the hosts that are IP addresses; `start` looks up the others.
+
+        ``own`` is the socket on which the bridge receives. If it receives only IPv4, names get IPv4 addresses.
+        """
+        self._steered = {
+            name: _Steering(name, end, partial(_note, counters, name), own.family == socket.AF_INET)
+            for name, end in registry.ends.items()
+        }
+        self.destinations: Mapping[EndName, Destination] = {
+            name: steering.destination for name, steering in self._steered.items()
+        }
+        """Destination of each end."""
+        self._by_row = {
+            handler.route.name: self._steered[end]
+            for handler in registry.handlers
+            if handler.route.inbound and (end := registry.end_of(handler.route)) in self._steered
+        }
+        self.follow(parameters)
+
+    def of_peer(self, peer: str) -> list[Destination]:
+        """Return the destinations of a peer: one, or one for each of its boards."""
+        return [destination for name, destination in self.destinations.items() if name.peer == peer]
+
+    def start(self) -> None:
+        """Start the threads that look up hosts."""
+        for steering in self._steered.values():
+            steering.start()
+
+    def follow(self, parameters: Parameters) -> None:
+        """Direct the datagrams of each end to the hosts and the port in ``parameters`` from now on."""
+        for name, steering in self._steered.items():
+            steering.follow(parameters.addresses[name])
+
+    def learn(self, rows: Sequence[str | None], sender: SocketAddress) -> None:
+        """Learn the address of the ends whose rows have come from a sender.
+
+        ``rows`` holds the payload name of each datagram, or None if the datagram was refused.
+        """
+        for row in rows:
+            if row in self._by_row:
+                self._by_row[row].learn(sender)
+
+    def states(self) -> dict[EndName, LinkState]:
+        """Return the addresses of each end, with their state."""
+        return {
+            name: LinkState(tuple(map(hosts.text_of, steering.destination.addresses)), steering.state)
+            for name, steering in self._steered.items()
+        }
+
+    def close(self) -> None:
+        """Stop the threads, and close the sockets."""
+        for steering in self._steered.values():
+            steering.close()
+
+
+def _note(counters: Counters, name: EndName, event: LinkEvent, text: str) -> None:
+    level = logging.INFO if event in _GOOD else logging.WARNING
+    counters.count_link_event(name.peer, name.board, event.value, f"{name}: {text}", level)
+
+
+class _Steering:
+    """Steering of one end's destination: it directs the destination to the addresses of the end's hosts."""
+
+    def __init__(self, name: EndName, end: End, note: Note, ipv4_only: bool) -> None:
+        self._end, self._note, self._ipv4_only = end, note, ipv4_only
+        self.destination = Destination(name.peer, board=name.board, report=self._reachability_changed)
+        self._lock = threading.RLock()
+        self._running = False
+        self._wanted = EndAddress((), 0)
+        self._targets: dict[str, Target] = {}
+        """Target of each host that has an address; for an end that learns, the learned one."""
+        self._missing: set[str] = set()
+        """Hosts without an address."""
+        self._watches: list[HostWatch] = []
+
+    @property
+    def state(self) -> str:
+        """State of the end's address: ``ok``, ``not_learned``, ``not_resolved`` or ``unreachable``."""
+        if self._learns and not self.destination.addresses:
+            return "not_learned"
+        if self._missing or not self.destination.addresses:
+            return LinkEvent.NOT_RESOLVED.value
+        return "ok" if self.destination.is_reachable else LinkEvent.UNREACHABLE.value
+
+    @property
+    def _learns(self) -> bool:
+        return self._wanted.hosts == (LEARN,)
+
+    def start(self) -> None:
+        """Start to look up the hosts."""
+        with self._lock:
+            self._running = True
+            for watch in self._watches:
+                watch.start()
+
+    def follow(self, wanted: EndAddress) -> None:
+        """Direct the destination to other hosts, or to another port."""
+        with self._lock:
+            if wanted == self._wanted:
+                return
+            self._stop_watches()
+            self._wanted, self._targets, self._missing = wanted, {}, set()
+            for host in () if self._learns else wanted.hosts:
+                # An address of a network interface needs the interface, which may not be there yet.
+                if is_literal(host) and "%" not in host and not self._end.interface:
+                    with contextlib.suppress(OSError):  # it is noted
+                        self._look_up(wanted, host)
+                else:
+                    self._watches.append(HostWatch(partial(self._look_up, wanted, host)))
+            self._direct()
+            if self._running:
+                for watch in self._watches:
+                    watch.start()
+
+    def learn(self, sender: SocketAddress) -> None:
+        """Direct the destination to the sender of a datagram, if the end's host is ``learn``."""
+        wanted = self._wanted
+        if not self._learns:
+            return
+        before = self._targets.get(LEARN)
+        address = _with_port(sender, wanted.port or sender[1])
+        if before is not None and before.address == address:
+            return
+        with self._lock:
+            if wanted is not self._wanted:
+                return  # the parameters have just changed
+            self._targets[LEARN] = Target(address)
+            self._direct()
+        if before is None:
+            self._note(LinkEvent.LEARNED, f"learned the address {hosts.text_of(address)}")
+        else:
+            self._note(LinkEvent.ADDRESS_CHANGED, _moved(before.address, address))
+
+    def close(self) -> None:
+        """Stop the threads, and close the sockets."""
+        with self._lock:
+            self._stop_watches()
+        self.destination.close()
+
+    def _stop_watches(self) -> None:
+        for watch in self._watches:
+            watch.stop()
+        self._watches = []
+
+    def _look_up(self, wanted: EndAddress, host: str) -> None:
+        """Look up a host, and direct the destination to it. Raises `OSError` or `UnicodeError` if it is not found."""
+        try:
+            found = hosts.look_up(host, wanted.port)
+            with self._lock:
+                if wanted is not self._wanted:
+                    return  # the parameters have changed during the look-up
+                before, was_missing = self._targets.get(host), host in self._missing
+                target = self._targets[host] = self._target(before, found)
+                self._direct()
+                self._missing.discard(host)
+        except (OSError, UnicodeError) as error:
+            with self._lock:
+                is_news = wanted is self._wanted and host not in self._missing
+                self._missing.add(host)
+            if is_news:
+                self._note(LinkEvent.NOT_RESOLVED, f"{host} cannot be resolved: {_reason(error)}")
+            raise
+        text = hosts.text_of(target.address)
+        if was_missing or (before is None and not is_literal(host)):
+            self._note(LinkEvent.RESOLVED, f"{host} is {text}")
+        if before is not None and before.address != target.address:
+            self._note(LinkEvent.ADDRESS_CHANGED, f"{host}: {_moved(before.address, target.address)}")
+        is_heard = not self._ipv4_only or len(target.address) == 2 or hosts.is_multicast(target.address)
+        if not is_heard and before is None:
+            self._note(
+                LinkEvent.ONE_WAY,
+                f"{text} is an IPv6 address, but the bridge listens only on IPv4 and cannot hear it; start the bridge "
+                "with -p listen_address:=\"'::'\" to hear both",
+            )
+
+    def _target(self, before: Target | None, found: Sequence[SocketAddress]) -> Target:
+        """Return the target for a host that has the addresses ``found``, and had the target ``before``."""
+        if self._ipv4_only:
+            found = [address for address in found if len(address) == 2] or found
+        # A name with several addresses must not alternate between them.
+        address = before.address if before is not None and before.address in found else found[0]
+        if not hosts.is_multicast(address):
+            return Target(address)
+        interface = socket.if_nametoindex(self._end.interface) if self._end.interface else 0
+        return Target(address, interface, self._end.ttl)
+
+    def _direct(self) -> None:
+        """Direct the destination to the targets, in the order of the hosts."""
+        in_order = [self._targets[host] for host in self._wanted.hosts if host in self._targets]
+        self.destination.direct_to(*dict.fromkeys(in_order))
+
+    def _reachability_changed(self, address: str, why: str) -> None:
+        if why:
+            self._note(LinkEvent.UNREACHABLE, f"cannot send to {address}: {why}")
+        else:
+            self._note(LinkEvent.REACHABLE, f"{address} is reachable again")
+        # The host may have another address now, in both cases.
+        for watch in self._watches:
+            watch.again()
+
+
+def _with_port(address: SocketAddress, port: int) -> SocketAddress:
+    return (address[0], port) if len(address) == 2 else (address[0], port, address[2], address[3])
+
+
+def _moved(before: SocketAddress, after: SocketAddress) -> str:
+    return f"the address is now {hosts.text_of(after)} (it was {hosts.text_of(before)})"
+
+
+def _reason(error: OSError | UnicodeError) -> str:
+    return str(error.strerror or error) if isinstance(error, OSError) else str(error)
