@@ -57,6 +57,8 @@ class Envelope:
     members: tuple[Member, ...]
     retired: tuple[Retired, ...]
     burned: tuple[Burned, ...] = ()
+    signature: int | None = None
+    """Field number of the signature, which is outside of the oneof; None if datagrams are not signed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +75,8 @@ class Peer:
     """IP addresses and networks from which the peer may send; empty if any address is allowed."""
     source_rate: int | None = None
     """Largest number of datagrams per second that is accepted from each address of the peer; None for no limit."""
+    must_sign: bool = False
+    """True if datagrams from and to the peer must be signed."""
 
 
 @dataclass(frozen=True, slots=True)

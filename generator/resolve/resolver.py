@@ -45,6 +45,7 @@ def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) 
             for number, one in sorted(burned.items())
             if number not in table.numbers
         ),
+        signature=table.signing.number if table.signing else None,
     )
 
 
@@ -100,6 +101,7 @@ def resolve(
                 peer.prefixes,
                 peer.sources,
                 peer.source_rate,
+                peer.sign == "required",
             )
             for peer in sorted(table.peers, key=lambda peer: peer.name)
         ),

@@ -16,6 +16,7 @@ from roverlink.generator.table.keys import (
     RetiredRow,
     RosSettings,
     Row,
+    SigningSettings,
     StandardTopicSettings,
     Table,
 )
@@ -37,5 +38,6 @@ __all__ = [
     "RetiredRow",
     "RosSettings",
     "Row",
+    "SigningSettings",
     "Table",
 ]

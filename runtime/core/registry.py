@@ -39,6 +39,8 @@ class Peer:
     """IPv4 addresses and networks from which the peer may send; empty if any address may send."""
     source_rate: int | None = None
     """Largest number of datagrams a second accepted from each address of the peer; None for no limit."""
+    must_sign: bool = False
+    """True if datagrams from and to the peer must be signed."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,8 @@ class Registry:
     """Handlers of extra topics: topics with a standard ROS 2 message, which rows list under ``also``."""
     retired: Mapping[int, str] = field(default_factory=dict)
     """Payload numbers that are never used again, each with the name of its former payload."""
+    signature: int | None = None
+    """Field number of the signature in the envelope; None if the envelope has none."""
 
     @cached_property
     def by_number(self) -> dict[int, AnyHandler]:

@@ -24,13 +24,13 @@ RULE = Rule("ENV110", "burned-number-taken", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield a diagnostic for each row with a burned number: it had several meanings and must never be used again.
+    """Yield a diagnostic for each row or signature with a burned number, which must never be used again.
 
     A row is left out if its payload already had the number when the user accepted the number's history.
     """
     envelope = context.table.envelope.message
     burned = context.ledger.burned_in(envelope)
-    for row in context.table.rows:
+    for row in context.table.numbered:
         one = burned.get(row.number)
         if one is not None and (one.now is None or one.now[0] != row.proto):
             told = " and ".join(dict.fromkeys(repr(type) for type, _ in one.uses))
