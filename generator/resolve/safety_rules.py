@@ -118,11 +118,11 @@ SIGN_WITHOUT_SIGNING = Rule(
 
 Bad::
 
-    peers: {base: {sign: required}}
+    peers: {board: {sign: required}}
 
 Good::
 
+    peers: {board: {sign: required}}
     signing: {number: 22}
-    peers: {base: {sign: required}}
 """,
 )

@@ -9,6 +9,9 @@ from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.net.destination import Destination
 
+Send = Callable[[Sequence[bytes], Destination], int]
+"""Function that sends datagrams to a destination and returns how many of them the network accepted."""
+
 
 class Forwarding:
     """Forwarder of received datagrams to other peers: to the peers that the row names, or to all peers.
@@ -21,16 +24,17 @@ class Forwarding:
         registry: Registry,
         destinations: Mapping[str, Destination],
         policy: str,
-        send: Callable[[Sequence[bytes], Destination], int],
+        send: Send,
+        send_raw: Send,
         account: Account,
     ) -> None:
         """Forward to the peers' ``destinations``, given by the names of the peers.
 
         The ``policy`` is ``mapping`` (to the peers that the row names) or ``all`` (every datagram to every peer). The
-        function ``send`` sends datagrams to a destination and returns how many the network accepted; ``account`` counts
-        them.
+        function ``send`` sends datagrams of rows to a destination, signed if the peer wants it so, and ``send_raw``
+        sends any datagrams as they are; ``account`` counts them.
         """
-        self._send, self._account = send, account
+        self._send, self._send_raw, self._account = send, send_raw, account
         self._all = tuple(destinations.values())
         self._rows: defaultdict[Destination, set[str]] = defaultdict(set)
         for handler in registry.handlers:
@@ -50,11 +54,13 @@ class Forwarding:
         # One call for each peer: `Destination.send_all` sends runs of equal size with one system call.
         if self._to_all:
             for destination in self._all:
-                self._hand_on(datagrams, destination)
+                self._hand_on(datagrams, destination, self._send_raw)
             return
         for destination, rows in self._rows.items():
-            self._hand_on([datagram for datagram, name in zip(datagrams, names) if name in rows], destination)
+            self._hand_on(
+                [datagram for datagram, name in zip(datagrams, names) if name in rows], destination, self._send
+            )
 
-    def _hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> None:
-        if sent := self._send(datagrams, destination):
+    def _hand_on(self, datagrams: Sequence[bytes], destination: Destination, send: Send) -> None:
+        if sent := send(datagrams, destination):
             self._account.forwarded[destination.peer] += sent

@@ -99,12 +99,14 @@ class SigningClock:
 
 
 class Signer:
-    """Signer of datagrams with one key. Send the datagrams in the order in which they were signed."""
+    """Signer of datagrams with one key."""
 
     def __init__(self, number: int, key: Key, clock: SigningClock) -> None:
         """Prepare the key; ``number`` is the field number of the envelope's signature."""
         self._start = _field_start(number) + bytes([key.id])
         self._keyed, self._clock = _keyed(key), clock
+        self.lock = threading.Lock()
+        """Lock to hold while datagrams are signed and sent, if several threads do it: the order must not change."""
 
     def sign(self, datagram: bytes) -> bytes:
         """Return a datagram with a signature at its end. The datagram must have no stripped or appended zeros."""

@@ -38,6 +38,7 @@ _YES_NO = {"yes": True, "no": False}
 _TIME = "%Y-%m-%dT%H:%M:%SZ"
 _EARLIEST_YEAR = 2025
 _SECTION = re.compile(r"key ([0-9]{1,3})")
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _HEADER = """\
 # Keys for the signatures of roverlink, between the bridge (ros) and {end}. Both ends have a copy of this file.
 # Whoever can read it can command the rover. Only its owner may read it: chmod 600.
@@ -103,8 +104,10 @@ def read_keys(path: Path) -> tuple[FileKey, ...]:
 def make_key_file(path: Path, end: str, now: datetime) -> tuple[FileKey, ...]:
     """Make the key file of the link between the bridge and a peer or board; return its keys, one for each direction.
 
-    Raises `SetupError` if the file exists, or cannot be written, or if ``now`` cannot be right.
+    Raises `SetupError` if the file exists, or cannot be written, or if the name or ``now`` cannot be right.
     """
+    if end == BRIDGE or not _NAME.fullmatch(end):
+        raise SetupError(f"{end!r} is not the name of a peer or board, such as basestation or ArmBoard")
     keys = _new_keys(path, end, now, send_with=True)
     try:
         create_private(path, _HEADER.format(end=end) + _text(keys, now))

@@ -51,7 +51,9 @@ class SignedLinks:
         _check_ids(files, self._files.values())
         starts = {id: last for path in self._files for id, last in self._starts(path, ticks(wall())).items()}
         self.clock = SigningClock(max(starts.values(), default=0), wall, steady)
-        self._sent = [one.key.id for one in self._keys if one.key.sender == own]
+        sent = [one for one in self._keys if one.key.sender == own]
+        self._sent = [one.key.id for one in sent]
+        self._signers = {one.receiver: Signer(number, one.key, self.clock) for one in sent if one.send_with}
         self._own = own
         received = [(one.key, starts[one.key.id]) for one in self._keys if one.receiver == own]
         self.verifier = Verifier(number, received, self.clock)
@@ -67,9 +69,8 @@ class SignedLinks:
                 raise SetupError(f"{path}: cannot write the file: {error.strerror}; {cure}") from error
 
     def signer(self, ends: Iterable[str]) -> Signer | None:
-        """Return a new signer of datagrams to the first of the given peers and boards that has a key; None if none."""
-        keys = {one.receiver: one.key for one in self._keys if one.key.sender == self._own and one.send_with}
-        return next((Signer(self._number, keys[end], self.clock) for end in ends if end in keys), None)
+        """Return the signer of datagrams to the first of the given peers and boards that has a key, or None."""
+        return next((self._signers[end] for end in ends if end in self._signers), None)
 
     def hears(self, ends: Iterable[str]) -> bool:
         """Return true if one of the given peers and boards has a key to sign datagrams for this program."""
