@@ -128,6 +128,22 @@ uint64_t roverlink_clock_next(roverlink_clock * clock, uint64_t steady)
 
 /* --- signatures --- */
 
+int roverlink_key_set(roverlink_key * key, uint8_t id, const char * secret, uint64_t last)
+{
+  static const char DIGITS[] = "0123456789abcdef";
+  size_t i;
+  key->id = id;
+  key->last = last;
+  for (i = 0; i < 2 * sizeof key->secret; ++i) {
+    const char * digit = secret[i] ? strchr(DIGITS, secret[i]) : NULL;
+    if (digit == NULL) {
+      return 0;
+    }
+    key->secret[i / 2] = (uint8_t)(key->secret[i / 2] << 4 | (digit - DIGITS));
+  }
+  return secret[i] == 0;
+}
+
 /* Write the tag and the length of a signature's field; return how many bytes they have. */
 static size_t write_start(uint8_t * start, uint32_t number)
 {

@@ -47,8 +47,14 @@ uint64_t roverlink_clock_next(roverlink_clock * clock, uint64_t steady);
 typedef struct {
   uint8_t id;
   uint8_t secret[ROVERLINK_SECRET_BYTES];
-  uint64_t last; /* The latest timestamp that was accepted; 0 at first. Store it if an old recording must stay refused. */
+  uint64_t last; /* The latest timestamp that was accepted. Store it once a second, as that of the clock. */
 } roverlink_key;
+
+/* Set a key from the id and the secret in a key file; `last` is the stored timestamp, or 0.
+ *
+ * Returns 0 if the secret does not have 64 hexadecimal digits in lower case.
+ */
+int roverlink_key_set(roverlink_key * key, uint8_t id, const char * secret, uint64_t last);
 
 /* Append a signature to a serialized envelope.
  *

@@ -26,26 +26,13 @@ std::uint64_t steady_now()
   return static_cast<std::uint64_t>(now<std::chrono::steady_clock>());
 }
 
-unsigned digit(char character)
-{
-  constexpr std::string_view digits = "0123456789abcdef";
-  const auto found = digits.find(character);
-  if (found == std::string_view::npos) {
-    throw std::invalid_argument("the secret of a key has a character that is not a hexadecimal digit");
-  }
-  return static_cast<unsigned>(found);
-}
-
 }  // namespace
 
-roverlink_key signing_key(std::uint8_t id, std::string_view secret, std::uint64_t last)
+roverlink_key signing_key(std::uint8_t id, const std::string & secret, std::uint64_t last)
 {
-  roverlink_key key{id, {}, last};
-  if (secret.size() != 2 * sizeof key.secret) {
+  roverlink_key key;
+  if (!roverlink_key_set(&key, id, secret.c_str(), last)) {
     throw std::invalid_argument("the secret of a key does not have 64 hexadecimal digits");
-  }
-  for (std::size_t place = 0; place < sizeof key.secret; ++place) {
-    key.secret[place] = static_cast<std::uint8_t>(digit(secret[2 * place]) << 4 | digit(secret[2 * place + 1]));
   }
   return key;
 }

@@ -15,7 +15,7 @@ namespace roverlink
 /// Key of one sender, as `roverlink link keygen` writes it.
 ///
 /// Throws std::invalid_argument if the secret is not 64 hexadecimal digits. The message does not contain the secret.
-roverlink_key signing_key(std::uint8_t id, std::string_view secret, std::uint64_t last = 0);
+roverlink_key signing_key(std::uint8_t id, const std::string & secret, std::uint64_t last = 0);
 
 /// Clock of the timestamps of a program: the computer's clock, which never goes back. Thread-safe.
 class SigningClock
