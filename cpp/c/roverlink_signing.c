@@ -132,6 +132,7 @@ int roverlink_key_set(roverlink_key * key, uint8_t id, const char * secret, uint
 {
   static const char DIGITS[] = "0123456789abcdef";
   size_t i;
+  memset(key, 0, sizeof *key);
   key->id = id;
   key->last = last;
   for (i = 0; i < 2 * sizeof key->secret; ++i) {

@@ -168,7 +168,7 @@ def test_the_board_has_the_room_that_the_table_says(bounded: tuple[Firmware, Any
 
 
 def test_a_board_that_must_sign(tmp_path: Path) -> None:
-    """The C functions that our target writes, beside nanopb: the board takes each signed datagram once, and nothing else."""
+    """With the C functions that our target writes, a board takes each signed datagram once, and nothing else."""
     table = _NOTE_TABLE.replace("max_size: 128}", "max_size: 128, sign: required}") + "signing: {number: 23}\n"
     firmware, envelope = _of_notes(tmp_path, table, Path(__file__).with_name("nanopb_signed.c"))
     clock = SigningClock()
