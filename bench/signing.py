@@ -35,9 +35,7 @@ def measure(lab: Lab) -> SectionResult:
         "Signed datagrams",
         ("bytes", "us to sign", "us to verify"),
         [Group("", rows)],
-        [
-            f"The limit is {LIMIT_US:g} us up to 80 bytes. If a peer signs, the datagrams of others cost one lookup more."
-        ],
+        [f"The limit is {LIMIT_US:g} us up to 80 bytes."],
     )
     return SectionResult([table], data={"costs": [*map(asdict, costs)]})
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import shutil
 import socket
 import stat
 import subprocess
@@ -12,6 +11,7 @@ from typing import Any
 
 import pytest
 from polling import wait_until
+from signed_project import NUMBER, make_signed_project
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
@@ -72,18 +72,9 @@ def test_a_key_file_is_of_no_use_to_a_table_without_signing(tmp_path: Path, caps
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     """The sample rover, but its basestation must sign."""
-    folder = tmp_path / "rover"
-    folder.mkdir()
-    shutil.copytree(ROOT / "proto", folder / "proto")
-    shutil.copy(ROOT / "mapping.lock", folder)
-    table = (ROOT / "mapping.yaml").read_text(encoding="utf-8")
-    old = "basestation: {prefixes: [Basestation],"
-    assert old in table
-    table = table.replace(old, f"{old} sign: required,").replace("\npeers:", "\nsigning: {number: 22}\n\npeers:")
-    (folder / "mapping.yaml").write_text(table, encoding="utf-8")
-    assert main(["generate", "--table", str(folder / "mapping.yaml")]) == 0
-    assert "bytes signature = 22;" in (folder / "proto/components/common/envelope.proto").read_text(encoding="utf-8")
-    return folder
+    table = make_signed_project(tmp_path / "rover")
+    assert main(["generate", "--table", str(table)]) == 0
+    return table.parent
 
 
 def test_a_bridge_without_the_key_does_not_start(project: Path, done: Any) -> None:
@@ -100,7 +91,7 @@ def test_a_bridge_takes_commands_with_the_key_and_shows_it_nowhere(project: Path
     """A signed command is published, an unsigned one and its replay after a restart are counted."""
     keys = tmp_path / "basestation.keys"
     assert main(["link", "keygen", "basestation", "--out", str(keys)]) == 0
-    links = SignedLinks(22, [keys], logging.getLogger("basestation"), "basestation")
+    links = SignedLinks(NUMBER, [keys], logging.getLogger("basestation"), "basestation")
     signer = links.signer(["ros"])
     assert signer is not None
     command = REGISTRY.envelope(control_mode={"mode": 1}).SerializeToString()
