@@ -15,7 +15,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from roverlink.runtime.core.errors import SetupError, nearest
@@ -45,25 +45,28 @@ class SignedLinks:
         files: that of a peer or board, or ``ros`` for the bridge. ``wall`` and ``steady`` are clocks in nanoseconds.
         Raises `SetupError` if a file cannot be used.
         """
-        self._number, self._logger = number, logger
+        self._logger, self._own = logger, own
         self._files = {path.with_name(f"{path.name}.{own}.timestamps"): read_keys(path) for path in files}
         self._keys = [key for keys in self._files.values() for key in keys]
         _check_ids(files, self._files.values())
-        starts = {id: last for path in self._files for id, last in self._starts(path, ticks(wall())).items()}
-        self.clock = SigningClock(max(starts.values(), default=0), wall, steady)
+        self._stored = {path: self._read(path) for path in self._files}
+        self._starts = {
+            one.key.id: self._start(one, self._stored[path].get(one.key.id), ticks(wall()))
+            for path, keys in self._files.items()
+            for one in keys
+        }
+        self.clock = SigningClock(max(self._starts.values(), default=0), wall, steady)
+        received = [(one.key, self._starts[one.key.id]) for one in self._keys if one.receiver == own]
+        self.verifier = Verifier(number, received, self.clock)
         sent = [one for one in self._keys if one.key.sender == own]
         self._sent = [one.key.id for one in sent]
         self._signers = {one.receiver: Signer(number, one.key, self.clock) for one in sent if one.send_with}
-        self._own = own
-        received = [(one.key, starts[one.key.id]) for one in self._keys if one.receiver == own]
-        self.verifier = Verifier(number, received, self.clock)
-        self._stored: dict[Path, Mapping[int, int]] = {}
         self._failing = False
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="signing-timestamps", daemon=True)
-        for path in self._files:
+        for path, timestamps in self._stored.items():
             try:
-                self._store(path)
+                write_timestamps(path, timestamps)  # what cannot be stored is better known now
             except OSError as error:
                 cure = "put the key file into a folder in which this user can write"
                 raise SetupError(f"{path}: cannot write the file: {error.strerror}; {cure}") from error
@@ -111,14 +114,20 @@ class SignedLinks:
         self._failing = bool(failure)
 
     def _store(self, path: Path) -> None:
-        now = {**self.verifier.lasts(), **dict.fromkeys(self._sent, self.clock.last)}
-        of_file = {one.key.id: now[one.key.id] for one in self._files[path] if one.key.id in now}
-        if of_file != self._stored.get(path):
-            write_timestamps(path, of_file)
-            self._stored[path] = of_file
+        """Store what has changed since the last call. A key that was not used keeps its timestamp.
 
-    def _starts(self, path: Path, now: int) -> dict[int, int]:
-        """Return the timestamp after which each key in a file begins, by the key's id."""
+        Otherwise each restart would add its second, and many restarts would refuse a peer without a clock.
+        """
+        now = {**self.verifier.lasts(), **dict.fromkeys(self._sent, self.clock.last)}
+        used = {id: last for id, last in now.items() if last > self._starts[id]}
+        of_file = {one.key.id: used[one.key.id] for one in self._files[path] if one.key.id in used}
+        timestamps = {**self._stored[path], **of_file}
+        if timestamps != self._stored[path]:
+            write_timestamps(path, timestamps)
+            self._stored[path] = timestamps
+
+    def _read(self, path: Path) -> dict[int, int]:
+        """Return the stored timestamps; log a damaged file and return none."""
         stored = read_timestamps(path)
         if stored is None:
             self._logger.warning(
@@ -126,11 +135,12 @@ class SignedLinks:
                 "computer's clock",
                 path,
             )
-        return {
-            one.key.id: (stored or {}).get(one.key.id, max(one.made, now - _OLDEST_UNKNOWN) - TICKS_PER_SECOND)
-            + TICKS_PER_SECOND
-            for one in self._files[path]
-        }
+        return stored or {}
+
+    @staticmethod
+    def _start(one: FileKey, stored: int | None, now: int) -> int:
+        """Return the timestamp after which a key begins."""
+        return max(one.made, now - _OLDEST_UNKNOWN) if stored is None else stored + TICKS_PER_SECOND
 
 
 def _check_ids(files: Sequence[Path], keys: Iterable[Sequence[FileKey]]) -> None:

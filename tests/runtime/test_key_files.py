@@ -191,6 +191,18 @@ def test_a_restart_without_a_clock_locks_nobody_out(rover: Computer, basestation
             computer.wall, computer.steady = 0, 2
 
 
+def test_many_restarts_lock_nobody_out(rover: Computer, basestation: Computer) -> None:
+    """The second that a restart adds is not stored, so that it does not add up."""
+    signer, links = _signer(basestation.links(), "ros"), rover.links()
+    assert _verdict(links, signer.sign(b"\x6a\0"), "basestation") == "accepted"
+    rover.runs(links)
+    rover.wall = 0
+    for _ in range(30):
+        rover.runs(rover.links())
+    basestation.passes(1.1)
+    assert _verdict(rover.links(), signer.sign(b"\x6a\0"), "basestation") == "accepted"
+
+
 def test_a_crash_loses_at_most_the_second_that_a_restart_adds(rover: Computer, basestation: Computer) -> None:
     """The timestamps on the disk are up to a second old: what was accepted after them stays refused."""
     signer, links = _signer(basestation.links(), "ros"), rover.links()
