@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from bench import bridging, conversion, generation, history, linting, watching
+from bench import bridging, conversion, generation, history, linting, signing, watching
 from bench.contestants import FINDERS, ROOT
 from bench.errors import BenchError
 from bench.lab import Lab, prepare
@@ -19,6 +19,7 @@ SECTIONS: dict[str, Callable[[Lab], SectionResult]] = {
     "bridging": bridging.measure,
     "watching": watching.measure,
     "conversion": conversion.measure,
+    "signing": signing.measure,
     "generation": generation.measure,
     "linting": linting.measure,
     "history": history.measure,

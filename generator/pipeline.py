@@ -219,7 +219,7 @@ def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping
 
 
 def _unambiguous(envelope: ir.Envelope) -> ir.Envelope:
-    """Return a copy of the envelope without members whose number or name collides with another member.
+    """Return a copy of the envelope without members, or a signature, whose number or name collides with another member.
 
     protoc would report the collisions too, but the lint rules report them with better messages.
     """
@@ -235,7 +235,10 @@ def _unambiguous(envelope: ir.Envelope) -> ir.Envelope:
         and _is_new(member.number, numbers)
         and _is_new(ros_names.distinct(member.name), classes)
     ]
-    return dataclasses.replace(envelope, members=tuple(members), retired=tuple(retired))
+    signature = envelope.signature
+    if signature in {*numbers, *IMPLEMENTATION_NUMBERS} or "signature" in {*names, *(one.name for one in members)}:
+        signature = None
+    return dataclasses.replace(envelope, members=tuple(members), retired=tuple(retired), signature=signature)
 
 
 def _is_new(value: T, seen: set[T]) -> bool:

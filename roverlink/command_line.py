@@ -35,6 +35,7 @@ COMMANDS = (
     "info",
     "top",
     "doctor",
+    "link",
     "aruco",
     "demo",
 )

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).parents[1]
-SECTIONS = {"bridging", "watching", "conversion", "generation", "linting", "history"}
+SECTIONS = {"bridging", "watching", "conversion", "signing", "generation", "linting", "history"}
 
 
 def _contestants(tmp_path: Path, programs: str) -> set[tuple[str, str]]:

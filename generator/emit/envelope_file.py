@@ -24,4 +24,5 @@ def text(envelope: ir.Envelope, table: str) -> str:
         members=envelope.members,
         retired=envelope.retired,
         burned=envelope.burned,
+        signature=envelope.signature,
     )

@@ -59,6 +59,8 @@ class Envelope:
     members: tuple[Member, ...]
     retired: tuple[Retired, ...]
     burned: tuple[Burned, ...] = ()
+    signature: int | None = None
+    """Field number of the signature, which is outside of the oneof; None if datagrams are not signed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +96,8 @@ class Peer(End):
     """Largest number of datagrams per second that is accepted from each address of the peer; None for no limit."""
     max_size: int | None = None
     """Largest envelope in bytes that the peer can receive or send; None for no limit."""
+    must_sign: bool = False
+    """True if datagrams from and to the peer must be signed."""
     boards: tuple[End, ...] = ()
     """Boards of the peer that have addresses of their own; empty if the peer is one end."""
 

@@ -103,6 +103,8 @@ def _number_lines(bridge: ir.Bridge, published: Ledger) -> dict[tuple[int, str],
         for member in bridge.envelope.members
     }
     lines |= {(row.number, row.proto): f"{row.name} {row.proto} retired" for row in bridge.envelope.retired}
+    if bridge.envelope.signature is not None:
+        lines[bridge.envelope.signature, "bytes"] = "signature bytes"
     taken = {number for number, _ in lines}
     for entry in published.entries:
         # One branch had published the number, and the merged table gives it to another payload: the other branch lost.

@@ -15,6 +15,7 @@ from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.table import Bound, Row, Table
 
 _HAVE_A_LENGTH = ("string", "bytes")
+_SIGNATURE_BYTES = 15  # key id (1), timestamp (6) and MAC (8); runtime/core/signing.py
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +50,19 @@ def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Diagno
                         span, message, "write the same bound in both rows", [(before.span, "the other bound is here")]
                     )
                 )
+    if (signature := _of_signature(table, schema, root)) is not None:
+        found[signature.bound.message, signature.bound.field] = signature
     _report_files(list(found.values()), root, table.proto.root, findings)
     return list(found.values())
+
+
+def _of_signature(table: Table, schema: Schema, root: Path) -> TableBound | None:
+    """Return the size of the envelope's signature; None if the table declares none, or a .options file can set it."""
+    envelope, signing = schema.messages.get(table.envelope.message), table.signing
+    if signing is None or envelope is None or (root / options_file_of(envelope.file)).is_file():
+        return None
+    bound = ir.FieldBound(envelope.file, envelope.full_name, signing.name, True, _SIGNATURE_BYTES, None)
+    return TableBound(bound, signing.at("number"))
 
 
 def _resolved(row: Row, path: str, bound: Bound, schema: Schema) -> ir.FieldBound:

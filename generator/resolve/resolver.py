@@ -45,6 +45,7 @@ def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) 
             for number, one in sorted(burned.items())
             if number not in table.numbers
         ),
+        signature=table.signing.number if table.signing else None,
     )
 
 
@@ -121,6 +122,7 @@ def _peer(peer: PeerSettings) -> ir.Peer:
         sources=peer.sources,
         source_rate=peer.source_rate,
         max_size=peer.max_size,
+        must_sign=peer.sign == "required",
         boards=ends if peer.boards else (),
     )
 

@@ -13,6 +13,7 @@ from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.resolve.safety_rules import (
     MISPLACED,
     RATE_WITHOUT_SOURCES,
+    SIGN_WITHOUT_SIGNING,
     SLOWER_THAN_DEADMAN,
     STOP_VALUE,
     UNKNOWN_STOP_FIELD,
@@ -51,11 +52,15 @@ def with_safety_settings(route: ir.Route, row: Row, schema: Schema, findings: li
 
 
 def check_peers(table: Table) -> Iterator[Diagnostic]:
-    """Report each peer that has a `source_rate`, but no `sources`.
+    """Report each peer that has a `source_rate`, but no `sources`, and each that must sign without `signing`.
 
     `source_rate` is the largest number of datagrams per second from each IP address that `sources` allows.
     """
     for peer in table.peers:
+        if peer.sign and table.signing is None and "signing" not in table.spans:
+            message = f"datagrams of the peer {peer.name!r} must be signed, but the table has no `signing`"
+            help = "add `signing: {number: N}`; `roverlink next-number` prints the number"
+            yield SIGN_WITHOUT_SIGNING.at(peer.at("sign"), message, help)
         if peer.source_rate is not None and not peer.sources:
             message = f"the peer {peer.name!r} has a `source_rate`, but no `sources`"
             help = "list its `sources`; [0.0.0.0/0] allows any address"

@@ -108,3 +108,21 @@ Good::
     peers: {board: {source_rate: 100, sources: [10.0.0.7]}, base: {}}
 """,
 )
+
+SIGN_WITHOUT_SIGNING = Rule(
+    "SAF106",
+    "sign-without-signing",
+    """A peer must sign its datagrams, but the envelope has no field for a signature.
+
+`signing` gives this field its number. The number is permanent, as that of a payload.
+
+Bad::
+
+    peers: {board: {sign: required}}
+
+Good::
+
+    peers: {board: {sign: required}}
+    signing: {number: 22}
+""",
+)

@@ -18,6 +18,7 @@ from roverlink.generator.table.keys import (
     RetiredRow,
     RosSettings,
     Row,
+    SigningSettings,
     StandardTopicSettings,
     Table,
 )
@@ -41,5 +42,6 @@ __all__ = [
     "RetiredRow",
     "RosSettings",
     "Row",
+    "SigningSettings",
     "Table",
 ]

@@ -399,6 +399,16 @@ class PeerSettings(EndSettings):
         ),
     ] = None
 
+    sign: Annotated[
+        Literal["required"] | None,
+        Meaning(
+            "`required`: datagrams from and to this peer must be signed. The bridge drops and counts datagrams "
+            "without a valid signature. Needs `signing`.",
+            default="datagrams are not signed",
+            see="security.md#signed-datagrams",
+        ),
+    ] = None
+
     def prefix_of(self, proto: str) -> str:
         """Return the longest of the `prefixes` with which a message's name begins; empty if there is none.
 
@@ -700,6 +710,23 @@ class RetiredRow(Part):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SigningSettings(Part):
+    """Settings under `signing`: the envelope's field for signatures, which is outside of the oneof."""
+
+    number: Annotated[FieldNumber, Meaning("Field number of `bytes signature` in the envelope. It must never change.")]
+
+    @property
+    def name(self) -> str:
+        """Name of the field."""
+        return "signature"
+
+    @property
+    def proto(self) -> str:
+        """Type of the field."""
+        return "bytes"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EnumSettings(Part):
     """Setting under `enums`: an enum that becomes a ROS message of its own."""
 
@@ -716,7 +743,7 @@ class Table(Part):
     whole: bool
     """False if a row or another item was left out because of a mistake. Rules about missing rows must check this."""
     numbers: frozenset[int]
-    """Numbers of all rows and retired rows in the file, including rows that were left out because of a mistake."""
+    """Numbers of the signature and of all rows in the file, also retired ones and rows that were left out."""
     version: Annotated[int, Integer(FORMAT_VERSION, FORMAT_VERSION), Meaning("Version of the table's format.")]
     proto: Annotated[ProtoSettings, Meaning("The place of the `.proto` files.")]
     envelope: Annotated[EnvelopeSettings, Meaning("The message that contains every payload.")]
@@ -732,6 +759,14 @@ class Table(Part):
         tuple[RetiredRow, ...],
         Meaning("Removed payloads. Their numbers and names are reserved in the envelope and never used again."),
     ] = ()
+    signing: Annotated[
+        SigningSettings | None,
+        Meaning(
+            "The envelope's field for the signatures of datagrams. `sign` of a peer says that it must sign.",
+            default="no signatures",
+            see="security.md#signed-datagrams",
+        ),
+    ] = None
     enums: Annotated[
         tuple[EnumSettings, ...],
         Meaning(
@@ -748,6 +783,11 @@ class Table(Part):
         Meaning("Folders with your own Jinja templates, relative to the table's folder."),
     ] = ()
     lint: Annotated[tuple[Lowered, ...], Meaning("Lower severities of rules, for the whole table.")] = ()
+
+    @property
+    def numbered(self) -> tuple[Row | SigningSettings, ...]:
+        """All fields of the envelope that the table numbers: the rows, and the signature if there is one."""
+        return (*self.rows, self.signing) if self.signing else self.rows
 
     def peers_by_name(self) -> dict[str, PeerSettings]:
         """Return the settings of each peer, by the peer's name."""

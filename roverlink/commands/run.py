@@ -25,6 +25,7 @@ from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.observers import BridgeObservers
 from roverlink.runtime import NODE, Bridge, Registry
+from roverlink.runtime.bridge.signed_peers import open_links
 from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.ros_arguments import parameters, ros_args
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
@@ -74,6 +75,15 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="format of the log on standard error. ros: lines like those of other ROS 2 nodes; json: one JSON object "
         "per line (default: %(default)s)",
     )
+    parser.add_argument(
+        "--key-file",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="file with the keys of a peer or board that must sign its datagrams (table key `sign`); `roverlink link "
+        "keygen` makes it; may be repeated",
+    )
     observers.add_options(parser)
 
 
@@ -84,12 +94,15 @@ def run(arguments: argparse.Namespace) -> int:
     registry = load_project(project_folder(arguments.project))
     settings = parameters.read(registry, ros.parameters)
     live = LiveParameters(registry, settings, logger)
+    links = open_links(registry, arguments.key_file, logger)
     with ExitStack() as stack:
+        if links is not None:
+            stack.enter_context(links)
         middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, live))
         published_log = stack.enter_context(publish_log(logger, middleware, ros))
         # Before the bridge: recorder and viewers have to wrap the middleware that the bridge gets.
         attached = BridgeObservers(arguments, registry, ros, settings, live, logger, stack)
-        bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers)
+        bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers, links)
         for number in _STOPPING:
             # A handler instead of KeyboardInterrupt, which would leave the bridge in the middle of a batch: `stop` lets
             # it handle what has arrived, and send the stops.

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import hmac
 import logging
-import os
 import secrets
-import stat
 import threading
 import time
 from collections import OrderedDict, deque
@@ -17,6 +15,7 @@ from pathlib import Path
 from roverlink.runtime.bridge.account import ThrottledWarnings
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net.page_requests import Answer
+from roverlink.runtime.private_files import create_private, read_private
 
 _SHORTEST, _LONGEST = 16, 1024  # characters
 _TRIES = 5  # wrong tokens of an address
@@ -31,22 +30,12 @@ def read_or_make(path: Path, logger: logging.Logger) -> str:
     """
     try:
         try:
-            # Without O_NONBLOCK, opening a pipe would wait until something writes into it.
-            descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+            content = read_private(path, "the token of the page", _LONGEST + 2)
         except FileNotFoundError:
             return _made(path, logger)
-        try:
-            mode = os.fstat(descriptor).st_mode
-            content = os.read(descriptor, _LONGEST + 2) if stat.S_ISREG(mode) else None
-        finally:
-            os.close(descriptor)
     except OSError as error:
         cure = "name a file that this user can read and write, or that does not exist yet in a folder that does"
         raise SetupError(f"{path}: cannot use the file for the token of the page: {error.strerror}; {cure}") from error
-    if content is None:
-        raise SetupError(f"{path}: not a regular file; name another file for the token of the page")
-    if mode & 0o077:
-        raise SetupError(f"{path}: other users can read or write the token of the page; run: chmod 600 {path}")
     token = content.decode("ascii", "replace").strip()
     if not _SHORTEST <= len(token) <= _LONGEST or not all("!" <= character <= "~" for character in token):
         raise SetupError(
@@ -58,8 +47,7 @@ def read_or_make(path: Path, logger: logging.Logger) -> str:
 
 def _made(path: Path, logger: logging.Logger) -> str:
     token = secrets.token_urlsafe(24)
-    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
-        file.write(f"{token}\n")
+    create_private(path, f"{token}\n")
     logger.info("made the file %s with a random token for the page", path)
     return token
 

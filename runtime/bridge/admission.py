@@ -17,9 +17,18 @@ class Admission:
     The translator accepts only payloads of the peers to which the address belongs.
     """
 
-    def __init__(self, registry: Registry, drop: Callable[[DatagramError], None]) -> None:
-        """Prepare the access control; ``drop`` is called for every datagram that its sender may not send."""
-        self._registry, self._drop = registry, drop
+    def __init__(
+        self,
+        registry: Registry,
+        drop: Callable[[DatagramError], None],
+        translator: Callable[[frozenset[str]], Translator],
+    ) -> None:
+        """Prepare the access control.
+
+        ``drop`` is called for every datagram that its sender may not send. ``translator`` makes the translator for the
+        payloads of some peers.
+        """
+        self._make, self._drop = translator, drop
         self._gate = SourceGate(registry.peers)
         self._translators: dict[frozenset[str], Translator] = {}
 
@@ -42,5 +51,5 @@ class Admission:
     def _translator(self, peers: frozenset[str]) -> Translator:
         # Senders with the same peers share a translator, so there are at most as many as there are sets of peers.
         if peers not in self._translators:
-            self._translators[peers] = Translator(self._registry, peers)
+            self._translators[peers] = self._make(peers)
         return self._translators[peers]

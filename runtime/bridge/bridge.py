@@ -25,6 +25,7 @@ from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.ends import Ends, LinkState
 from roverlink.runtime.bridge.forwarding import Forwarding
 from roverlink.runtime.bridge.qos_watch import QosWatch
+from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
 from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch, Send
 from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
@@ -32,6 +33,7 @@ from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.core.registry import AnyHandler, EndName, Registry
 from roverlink.runtime.core.translator import Translation, Translator
 from roverlink.runtime.interfaces import Time
+from roverlink.runtime.keys.signed_links import SignedLinks
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.destination import Destination
@@ -82,14 +84,16 @@ class Bridge:
         topic: Callable[[str], str],
         logger: logging.Logger,
         observers: Sequence[Observer] = (),
+        links: SignedLinks | None = None,
     ) -> None:
         """Bind the UDP port.
 
-        ``topic`` returns the fully qualified name of a topic from its name in the table. Raises `SetupError` if the
-        port is in use.
+        ``topic`` returns the fully qualified name of a topic from its name in the table. ``links`` has the keys of the
+        peers that must sign. Raises `SetupError` if the port is in use or a key is missing.
         """
         self._registry, self._parameters, self._middleware, self._topic = registry, parameters, middleware, topic
-        self._translator = Translator(registry)
+        self._signed_peers = SignedPeers(registry, links)
+        self._translator = self._signed_peers.translator()
         self._logger = logger
         self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
         self._counters = Counters(self._socket, logger)
@@ -98,7 +102,7 @@ class Bridge:
         self._sender: Sender | None = None  # of the datagrams that are handled now, if an address is to be learned
         self._observers = observers
         self._handle_observed = self._observed(self._handle)
-        self._admission = Admission(registry, self._counters.count_dropped)
+        self._admission = Admission(registry, self._counters.count_dropped, self._signed_peers.translator)
         self._admitted: dict[Translator, Handle] = {}
         self._receiver: udp.Receiver[Any] = udp.Receiver(
             self._socket, parameters.max_datagram + 1, *self._receiving(parameters)
@@ -107,7 +111,14 @@ class Bridge:
         self._outbound_rows: list[OutboundRow] = []
         self._paced: list[PacedInboundRow] = []
         self._extra_topics = extra_topics.ExtraTopics(self.account, self._counters.warnings)
-        self._forwarding = Forwarding(registry, self._ends, parameters.forward_policy, self._send, self._counters)
+        self._forwarding = Forwarding(
+            registry,
+            self._ends,
+            parameters.forward_policy,
+            self._signed_peers.forwarding(self._send),
+            self._send,
+            self._counters,
+        )
         self._failure: BaseException | None = None
 
     @property
@@ -293,8 +304,9 @@ class Bridge:
         return len(datagrams) - len(refusals)
 
     def _outbound_row(self, handler: AnyHandler) -> OutboundRow:
-        destination = self._ends.destinations[self._registry.end_of(handler.route)]
-        send: Send = partial(self._send, destination=destination)
+        route, destination = handler.route, self._ends.destinations[self._registry.end_of(handler.route)]
+        # Observers see the datagram without its signature, which is new each time that the datagram is sent.
+        send = self._signed_peers.sending(route.peer, route.board, partial(self._send, destination=destination))
         for observer in self._observers:
             send = observer.sending(destination.peer, send)
         return OutboundRow(handler, self._translator, send, self.account, self._counters.warnings)

@@ -14,6 +14,9 @@ from roverlink.runtime.bridge.ends import Ends
 from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.net.destination import Destination
 
+Send = Callable[[Sequence[bytes], Destination], int]
+"""Function that sends datagrams to a destination and returns how many of them the network accepted."""
+
 
 class Forwarding:
     """Forwarder of received datagrams to other peers: to the peers that the row names, or to all peers.
@@ -26,16 +29,17 @@ class Forwarding:
         registry: Registry,
         ends: Ends,
         policy: str,
-        send: Callable[[Sequence[bytes], Destination], int],
+        send: Send,
+        send_raw: Send,
         counters: Counters,
     ) -> None:
         """Forward to the destinations of ``ends``.
 
         The ``policy`` is ``mapping`` (to the peers that the row names) or ``all`` (every datagram to every peer). The
-        function ``send`` sends datagrams to a destination and returns how many the network accepted; ``counters`` count
-        them.
+        function ``send`` sends datagrams of rows to a destination, signed if the peer wants it so, and returns how many
+        the network accepted; ``send_raw`` sends any datagrams as they are. ``counters`` count them.
         """
-        self._send, self._counters = send, counters
+        self._send, self._send_raw, self._counters = send, send_raw, counters
         self._all = tuple(ends.destinations.values())
         self._limits = {peer.name: peer.max_size for peer in registry.peers if peer.max_size is not None}
         self._rows: defaultdict[Destination, set[str]] = defaultdict(set)
@@ -61,14 +65,15 @@ class Forwarding:
         # One call for each end: `Destination.send_all` sends runs of equal size with one system call.
         if self._to_all:
             for destination in self._all:
-                self._hand_on(datagrams, destination)
+                self._hand_on(datagrams, destination, self._send_raw)
             return
         if restored:
             datagrams = [restored.get(datagram, datagram) for datagram in datagrams]
         for destination, rows in self._rows.items():
             own = [datagram for datagram, name in zip(datagrams, names) if name in rows]
             limit = self._limits.get(destination.peer)
-            self._hand_on(own if limit is None else self._fitting(own, limit, destination.peer), destination)
+            fitting = own if limit is None else self._fitting(own, limit, destination.peer)
+            self._hand_on(fitting, destination, self._send)
 
     def _fitting(self, datagrams: Sequence[bytes], limit: int, peer: str) -> list[bytes]:
         """Return the datagrams with at most ``limit`` bytes, and count the others."""
@@ -77,6 +82,6 @@ class Forwarding:
                 self._counters.count_unforwarded(peer, len(datagram), limit)
         return [datagram for datagram in datagrams if len(datagram) <= limit]
 
-    def _hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> None:
-        if sent := self._send(datagrams, destination):
+    def _hand_on(self, datagrams: Sequence[bytes], destination: Destination, send: Send) -> None:
+        if sent := send(datagrams, destination):
             self._counters.account.forwarded[destination.peer] += sent

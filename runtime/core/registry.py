@@ -73,6 +73,8 @@ class Peer(End):
     """Largest number of datagrams a second accepted from each address of the peer; None for no limit."""
     max_size: int | None = None
     """Largest envelope in bytes that the peer can receive; None if the table sets no limit."""
+    must_sign: bool = False
+    """True if datagrams from and to the peer must be signed."""
     boards: tuple[End, ...] = ()
     """Boards of the peer that have addresses of their own; empty if the peer is one end."""
 
@@ -95,6 +97,8 @@ class Registry:
     """Handlers of extra topics: topics with a standard ROS 2 message, which rows list under ``also``."""
     retired: Mapping[int, str] = field(default_factory=dict)
     """Payload numbers that are never used again, each with the name of its former payload."""
+    signature: int | None = None
+    """Field number of the signature in the envelope; None if the envelope has none."""
 
     @cached_property
     def by_number(self) -> dict[int, AnyHandler]:

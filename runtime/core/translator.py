@@ -13,6 +13,7 @@ from roverlink.runtime.core import envelope
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
 from roverlink.runtime.core.handler import UNSTAMPED, all_to_cdr
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, Registry
+from roverlink.runtime.core.signing import Verifier
 from roverlink.runtime.interfaces import Time
 
 if TYPE_CHECKING:
@@ -211,3 +212,26 @@ class Translator:
             f"{name!r} ({number}) is a message to a peer ({handler.route.direction}), but came from a peer",
             name,
         )
+
+
+class VerifyingTranslator(Translator):
+    """Translator that refuses a payload of a peer that must sign, unless its datagram has a valid signature.
+
+    The payloads of other peers cost one lookup more.
+    """
+
+    def __init__(self, registry: Registry, verifier: Verifier, peers: frozenset[str] | None = None) -> None:
+        """Accept only payloads of the peers named in ``peers``; None accepts the payloads of all peers."""
+        super().__init__(registry, peers)
+        self._verifier = verifier
+        must_sign = {peer.name for peer in registry.peers if peer.must_sign}
+        routes = {name: handler.route for name, handler in self._inbound.items() if handler.route.peer in must_sign}
+        self._senders = {name: frozenset((route.peer, route.board)) for name, route in routes.items()}
+
+    def _parsed(self, datagram: bytes, restored: dict[bytes, bytes]) -> tuple[str, ProtoMessage]:
+        name, payload = super()._parsed(datagram, restored)
+        senders = self._senders.get(name)
+        # After parsing, because only the payload tells whose signature is needed: no address can be trusted.
+        if senders is not None:
+            self._verifier.verify(datagram, senders, name)
+        return name, payload

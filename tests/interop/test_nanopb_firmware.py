@@ -17,6 +17,9 @@ from payloads import random_payload
 
 from generated.registry import REGISTRY
 from roverlink.generator.pipeline import compile_table
+from roverlink.runtime.core.envelope import strip_trailing_zeros
+from roverlink.runtime.core.errors import DatagramError
+from roverlink.runtime.core.signing import Key, Signer, SigningClock, Verifier
 from roverlink.runtime.core.translator import Translator
 
 ROOT = Path(__file__).parents[2]
@@ -73,7 +76,9 @@ class Firmware:
         return answers
 
 
-def _firmware(folder: Path, project: Path, protos: Iterable[str], envelope: str, message: str) -> Firmware:
+def _firmware(
+    folder: Path, project: Path, protos: Iterable[str], envelope: str, message: str, program_c: Path = _PROGRAM
+) -> Firmware:
     """The firmware of a project, compiled in a folder."""
     if shutil.which("gcc") is None or not Path("/usr/include/pb_decode.h").exists():
         pytest.skip("need nanopb's C library (apt-get install gcc libnanopb-dev)")
@@ -87,9 +92,11 @@ def _firmware(folder: Path, project: Path, protos: Iterable[str], envelope: str,
     program = folder / "board"
     header = envelope.removesuffix(".proto") + ".pb.h"
     defines = [f'-DENVELOPE_HEADER="{header}"', f"-DENVELOPE={message}", f"-DENVELOPE_FIELDS={message}_fields"]
-    sources = [str(path) for path in sorted(made.rglob("*.pb.c"))]
-    flags = ["-std=c11", "-Wall", "-Werror", "-O1", f"-I{made}"]
-    subprocess.run(["gcc", *flags, *defines, str(_PROGRAM), *sources, "-o", str(program), *_RUNTIME], check=True)
+    shipped = project / "generated" / "nanopb"
+    defines.append(f"-DSIGNATURE_TAG={message}_signature_tag")
+    sources = [str(path) for path in (*sorted(made.rglob("*.pb.c")), *sorted(shipped.glob("*.c")))]
+    flags = ["-std=c11", "-Wall", "-Werror", "-O1", f"-I{made}", f"-I{shipped}"]
+    subprocess.run(["gcc", *flags, *defines, str(program_c), *sources, "-o", str(program), *_RUNTIME], check=True)
     return Firmware(program)
 
 
@@ -118,15 +125,18 @@ def test_a_board_reads_what_we_send_and_we_read_what_it_sends(board: Firmware, n
 @pytest.fixture(scope="module")
 def bounded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Firmware, Any]:
     """Firmware of a project whose table says what the board has room for, and that project's envelope class."""
-    folder = tmp_path_factory.mktemp("bounded")
+    return _of_notes(tmp_path_factory.mktemp("bounded"), _NOTE_TABLE, _PROGRAM)
+
+
+def _of_notes(folder: Path, table: str, program_c: Path) -> tuple[Firmware, Any]:
     project = folder / "project"
     (project / "proto").mkdir(parents=True)
-    (project / "mapping.yaml").write_text(_NOTE_TABLE)
+    (project / "mapping.yaml").write_text(table)
     (project / "proto" / "note.proto").write_text(_NOTE)
     for path, text in compile_table(project / "mapping.yaml").files.items():
         (project / path).parent.mkdir(parents=True, exist_ok=True)
         (project / path).write_text(text)
-    firmware = _firmware(folder, project, ["note.proto", "envelope.proto"], "envelope.proto", "Envelope")
+    firmware = _firmware(folder, project, ["note.proto", "envelope.proto"], "envelope.proto", "Envelope", program_c)
     return firmware, _envelope_class(project / "proto", folder / "descriptors")
 
 
@@ -155,3 +165,25 @@ def test_the_board_has_the_room_that_the_table_says(bounded: tuple[Firmware, Any
     ]
     sent = [envelope(note=note).SerializeToString() for note in (*fits, *too_much)]
     assert firmware.echo(sent) == [*sent[: len(fits)], *[None] * len(too_much)]
+
+
+def test_a_board_that_must_sign(tmp_path: Path) -> None:
+    """With the C functions that our target writes, a board takes each signed datagram once, and nothing else."""
+    table = _NOTE_TABLE.replace("max_size: 128}", "max_size: 128, sign: required}") + "signing: {number: 23}\n"
+    firmware, envelope = _of_notes(tmp_path, table, Path(__file__).with_name("nanopb_signed.c"))
+    clock = SigningClock()
+    signer = Signer(23, Key(2, "ros", bytes([2] * 32)), clock)
+    verifier = Verifier(23, [(Key(1, "board", bytes([1] * 32)), clock.last)], clock)
+    notes = [envelope(note={"text": "x" * length, "samples": [length]}).SerializeToString() for length in range(20)]
+    signed = [signer.sign(note) for note in notes]
+    sent = [strip_trailing_zeros(datagram) + bytes(place % 3 * 7) for place, datagram in enumerate(signed)]
+    answers = firmware.echo([signed[0][:-1] + b"?", notes[0], *sent, sent[-1], sent[3]])
+    assert [answer is None for answer in answers] == [True, True, *[False] * len(sent), True, True]
+    for note, answer in zip(notes, answers[2:-2]):
+        assert answer is not None
+        verifier.verify(answer, {"board"})
+        read = envelope.FromString(answer)
+        assert read.note == envelope.FromString(note).note
+        assert len(read.signature) == 15
+        with pytest.raises(DatagramError, match="has come twice"):
+            verifier.verify(answer, {"board"})

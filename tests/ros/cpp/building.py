@@ -50,10 +50,8 @@ def build(bridge: Bridge, files: Mapping[str, str], protos: Path, folder: Path, 
     compiled.mkdir()
     names = sorted(bridge.modules)
     _run(["/usr/bin/protoc", f"--proto_path={protos}", f"--cpp_out={compiled}", *names])
-    options = [
-        f"-I{part}"
-        for part in (folder / "generated/cpp/include", folder / _RUNTIME / "include", compiled, generated / "include")
-    ]
+    runtime = [folder / _RUNTIME / part for part in ("include", "c")]
+    options = [f"-I{part}" for part in (folder / "generated/cpp/include", *runtime, compiled, generated / "include")]
     options += [f"-I{path}" for path in Path("/usr/include").glob("rosidl*")]
     structs = _in_one(folder / "structs.cpp", _held_first(sorted(generated.rglob("*__type_support.cpp"))))
     speaker = [
@@ -67,6 +65,7 @@ def build(bridge: Bridge, files: Mapping[str, str], protos: Path, folder: Path, 
     alone = [source for source in sources if source.parent.name == "extra_topics"]  # each has functions of its own
     alone.append(_in_one(folder / "handlers.cpp", [source for source in sources if source not in alone]))
     alone.append(_in_one(folder / "runtime.cpp", sorted((folder / _RUNTIME / "src").glob("*.cpp"))))
+    alone += sorted((folder / _RUNTIME / "c").glob("*.c"))
     jobs += [(source, [*options, *_WARNINGS]) for source in alone]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         objects = list(pool.map(lambda job: _object(folder / f"{job[0]}.o", *job[1]), enumerate(jobs)))

@@ -8,7 +8,7 @@ from roverlink.generator.emit.targets.cpp import cpp_names
 from roverlink.generator.emit.targets.cpp.cpp_files import FOLDER, CppFile
 from roverlink.generator.emit.targets.cpp.handlers import handlers_of
 
-_COPIED = ("CMakeLists.txt", "cmake/*.cmake", "include/**/*.hpp", "src/*.cpp")
+_COPIED = ("CMakeLists.txt", "c/*.[ch]", "cmake/*.cmake", "include/**/*.hpp", "src/*.cpp")
 
 
 def emit(bridge: ir.Bridge) -> Files:
@@ -47,5 +47,5 @@ def _runtime() -> Files:
     library = shipped("cpp")
     for path in sorted(found for pattern in _COPIED for found in library.glob(pattern)):
         name = path.relative_to(library).as_posix()
-        mark = header(f"roverlink's cpp/{name}", "//" if path.suffix in (".cpp", ".hpp") else "#")
+        mark = header(f"roverlink's cpp/{name}", "//" if path.suffix in (".c", ".h", ".cpp", ".hpp") else "#")
         yield f"{FOLDER}/roverlink/{name}", f"{mark}\n\n{path.read_text(encoding='utf-8')}"

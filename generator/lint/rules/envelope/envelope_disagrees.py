@@ -96,6 +96,7 @@ def _check_of_another_owner(context: Context) -> Iterator[Diagnostic]:
     envelope = schema.messages.get(name)
     if envelope is not None:
         yield from _compare(context, _compiled_members(envelope))
+        yield from _compare_signature(envelope, table)
     elif table.whole and not any(context.declared(name)):  # if its file does not compile, protoc reports that
         yield RULE.at(table.envelope.at("message"), f"{table.envelope.file} declares no message {name!r}", type=name)
 
@@ -115,6 +116,7 @@ def _check_written_file(context: Context) -> Iterator[Diagnostic]:
         return
     members = _written_members(envelope, context)
     yield from _compare(context, members)
+    yield from _compare_signature(envelope, table)
     yield from _unreserved(envelope, {member.number for member in members}, table)
 
 
@@ -208,6 +210,31 @@ def _without_row(member: _Member, context: Context, help_texts: _HelpTexts) -> I
         rests_on = [row.at("number") for row in table.rows if row.proto == member.type]
         rests_on += [entry.span for entry in context.published if entry.number == number]
         yield RULE.at(member.span, message, help_texts.no_row, type=envelope, number=number, rests_on=rests_on)
+
+
+def _compare_signature(envelope: ProtoMessage, table: Table) -> Iterator[Diagnostic]:
+    """Yield a diagnostic if the table declares a signature, and the envelope's file does not declare the same field."""
+    signing = table.signing
+    if signing is None:
+        return
+    wanted = f"{signing.proto} {signing.name} = {signing.number};"
+    fields = [field for field in envelope.fields if signing.number == field.number or signing.name == field.name]
+    facts = {(field.type, field.name, field.number, field.repeated, field.oneof) for field in fields}
+    if facts != {(signing.proto, signing.name, signing.number, False, "")}:
+        help = _GENERATE
+        if table.envelope.owner == "proto":
+            help = f"add `{wanted}` to the message outside of the oneof, in the envelope's repository"
+        message = f"the message {envelope.full_name!r} does not declare `{wanted}`"
+        also = [(field.span, f"{field.name!r} has the number {field.number}") for field in fields if field.span.line]
+        yield RULE.at(
+            signing.at("number"),
+            message,
+            help,
+            also,
+            type=envelope.full_name,
+            number=signing.number,
+            rests_on=[signing.at("number")],
+        )
 
 
 def _unreserved(envelope: ProtoMessage, used: set[int], table: Table) -> Iterator[Diagnostic]:

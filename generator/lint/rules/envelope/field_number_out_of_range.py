@@ -23,10 +23,10 @@ RULE = Rule("ENV104", "field-number-out-of-range", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield a diagnostic for each row with a number from 19000 to 19999."""
+    """Yield a diagnostic for each row or signature with a number from 19000 to 19999."""
     envelope = context.table.envelope.message
     message = f"is reserved for protobuf itself ({IMPLEMENTATION_NUMBERS.start} to {IMPLEMENTATION_NUMBERS.stop - 1})"
-    for row in context.table.rows:
+    for row in context.table.numbered:
         if row.number in IMPLEMENTATION_NUMBERS:
             yield RULE.at(
                 row.at("number"),

@@ -39,7 +39,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
             f"field {entry.number} was published as {entry.name!r} ({entry.proto}), but is missing in {table.file}"
         )
         entry_text = f"{{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
-        help = f"put the row back, or add to `retired`: - {entry_text}"
+        back = f"`signing: {{number: {entry.number}}}`" if entry.proto == "bytes" else "the row"
+        help = f"put {back} back, or add to `retired`: - {entry_text}"
         of_ledger = entry in context.ledger.entries
         span = entry.span if of_ledger else Span(table.file)  # an earlier state cannot be edited
         also = [] if of_ledger else [(entry.span, "published here")]

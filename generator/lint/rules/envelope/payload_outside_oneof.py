@@ -44,7 +44,10 @@ def check(context: Context) -> Iterator[Diagnostic]:
     if envelope is None or settings.oneof not in envelope.oneofs:
         return
     ours = settings.owner == "mapping"
+    signing = context.table.signing
     for field in envelope.fields:
+        if signing and (field.number, field.name) == (signing.number, signing.name):
+            continue
         if field.oneof != settings.oneof and (ours or _is_payload(field)):
             message = f"`{field.name} = {field.number}` ({field.wire_type}) is outside of the oneof {settings.oneof!r}"
             help = f"move {field.name!r} into the oneof {settings.oneof!r}"

@@ -2,7 +2,7 @@
 
 Members of a oneof need different names, and so do the generated handler classes: names that differ only in capitals or
 underscores would become the same class. A retired name is taken forever, like its number. The oneof's own name is taken
-too.
+too, and with `signing` the name `signature`.
 
 Bad::
 
@@ -24,21 +24,23 @@ from collections.abc import Iterator
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 from roverlink.generator.ir.ros_names import distinct
 from roverlink.generator.lint.context import Context
-from roverlink.generator.table import RetiredRow, Row
+from roverlink.generator.table import RetiredRow, Row, SigningSettings
 
 RULE = Rule("TAB101", "name-taken", __doc__)
 _HELP = "choose another name"
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield a diagnostic for each row whose name belongs to an earlier row, a retired row or the oneof.
+    """Yield a diagnostic for each row or signature whose name belongs to an earlier row, a retired row or the oneof.
 
     Retired rows are compared with each other, too.
     """
     table = context.table
     retired: dict[str, RetiredRow] = {}
 
-    def at(row: Row | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP) -> Diagnostic:
+    def at(
+        row: Row | SigningSettings | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP
+    ) -> Diagnostic:
         return RULE.at(row.at("name"), message, help, [also], type=table.envelope.message, number=row.number)
 
     for gone in table.retired:
@@ -51,12 +53,13 @@ def check(context: Context) -> Iterator[Diagnostic]:
                 (first.at("name"), "first retired here"),
                 "remove one of the two entries, or correct its name",
             )
-    seen: dict[str, Row] = {}
-    for row in table.rows:
+    seen: dict[str, Row | SigningSettings] = {}
+    for row in table.numbered:
         earlier = seen.setdefault(distinct(row.name), row)
         if earlier is not row:
             message = f"the name {row.name!r} is already taken by field {earlier.number} ({earlier.proto})"
-            yield at(row, message, (earlier.at("name"), "first used here"))
+            help = f"give field {earlier.number} another name" if row is table.signing else _HELP
+            yield at(row, message, (earlier.at("name"), "first used here"), help)
         elif row.name in retired:
             gone = retired[row.name]
             message = f"the name {row.name!r} belonged to field {gone.number} ({gone.proto}) and is retired"

@@ -1,0 +1,119 @@
+"""Signatures of the datagrams from and to peers that must sign (table key ``sign``)."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+from functools import partial
+from pathlib import Path
+
+from roverlink.runtime.bridge import forwarding, to_peer
+from roverlink.runtime.core.envelope import restore, strip_trailing_zeros
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.registry import EndName, Registry
+from roverlink.runtime.core.signing import Signer
+from roverlink.runtime.core.translator import Translator, VerifyingTranslator
+from roverlink.runtime.keys.signed_links import SignedLinks
+from roverlink.runtime.net.destination import Destination
+
+
+def open_links(registry: Registry, files: Sequence[Path], logger: logging.Logger) -> SignedLinks | None:
+    """Read the key files of a bridge; return None if the table has no signature, and no file is given.
+
+    Raises `SetupError` if a file cannot be used, or if the table has no use for it.
+    """
+    if registry.signature is None:
+        if files:
+            cure = "add `signing: {number: N}` to the table, or leave out the key file"
+            raise SetupError(f"{files[0]}: the table has no `signing`, so no datagram can be signed; {cure}")
+        return None
+    links = SignedLinks(registry.signature, files, logger)
+    boards = {handler.route.board for handler in registry.handlers if handler.route.board}
+    links.check_ends([*registry.peers_by_name, *sorted(boards)])
+    return links
+
+
+class SignedPeers:
+    """Signatures of one bridge: it verifies what peers send that must sign, and signs what goes to them."""
+
+    def __init__(self, registry: Registry, links: SignedLinks | None) -> None:
+        """Raise `SetupError` if a key is missing."""
+        self._registry, self._links = registry, links
+        self._must_sign = {peer.name for peer in registry.peers if peer.must_sign}
+        for missing in self._missing_keys():
+            raise SetupError(missing)
+
+    def translator(self, peers: frozenset[str] | None = None) -> Translator:
+        """Return a translator of the payloads of ``peers`` (None: of all) that refuses datagrams which are not signed.
+
+        If no peer must sign, its work is that of a plain `Translator`.
+        """
+        if self._links is None or not self._must_sign:
+            return Translator(self._registry, peers)
+        return VerifyingTranslator(self._registry, self._links.verifier, peers)
+
+    def sending(self, peer: str, board: str, send: to_peer.Send) -> to_peer.Send:
+        """Return a function that sends datagrams with ``send``, and signs them before if the peer must sign."""
+        sender = self._sender(peer, board)
+        return send if sender is None else partial(sender.send, send)
+
+    def forwarding(self, send: forwarding.Send) -> forwarding.Send:
+        """Return a function that signs and sends datagrams as another peer has sent them.
+
+        A signature of that peer stays in front of ours, so that the receiver can verify it, too.
+        """
+        senders = {end: sender for end in self._registry.ends if (sender := self._sender(*end))}
+
+        def forward(datagrams: Sequence[bytes], destination: Destination) -> int:
+            sender = senders.get(EndName(destination.peer, destination.board))
+            if sender is None:
+                return send(datagrams, destination)
+            return sender.restore_and_send(lambda signed: send(signed, destination), datagrams)
+
+        return forward if senders else send
+
+    def _sender(self, peer: str, board: str) -> _SignedSender | None:
+        if self._links is None or peer not in self._must_sign:
+            return None
+        signer = self._links.signer((board, peer))
+        strips_zeros = self._registry.peers_by_name[peer].strip_trailing_zeros
+        return None if signer is None else _SignedSender(signer, strips_zeros)
+
+    def _missing_keys(self) -> Iterator[str]:
+        """Yield a text for each direction of a peer that must sign, but has no key for it."""
+        for handler in (*self._registry.handlers, *self._registry.extra_topics):
+            route = handler.route
+            ends = tuple(filter(None, (route.board, route.peer)))
+            if route.peer in self._must_sign:
+                has_key = self._links and (self._links.hears(ends) if route.inbound else self._links.signer(ends))
+                if not has_key:
+                    yield _without_key(" or ".join(map(repr, ends)), ends[-1])
+            for peer, board in self._registry.ends:
+                forwarded = peer in self._must_sign and route.inbound and peer in route.forward
+                if forwarded and not (self._links and self._links.signer((board, peer))):
+                    yield _without_key(repr(board or peer), board or peer)
+
+
+class _SignedSender:
+    """Sender of signed datagrams to one peer or board. The receiver accepts only datagrams in the order of signing."""
+
+    def __init__(self, signer: Signer, strips_zeros: bool) -> None:
+        self._signer, self._strips_zeros = signer, strips_zeros
+
+    def send(self, send: to_peer.Send, datagrams: Sequence[bytes]) -> int:
+        """Sign datagrams that the bridge has made, and send them."""
+        if self._strips_zeros:  # they are stripped already, but the signature is of the whole envelope
+            return self.restore_and_send(send, datagrams)
+        with self._signer.lock:
+            return send([*map(self._signer.sign, datagrams)])
+
+    def restore_and_send(self, send: to_peer.Send, datagrams: Sequence[bytes]) -> int:
+        """Sign datagrams whose trailing zeros may be stripped, or zeros appended to them, and send them."""
+        with self._signer.lock:
+            signed = [self._signer.sign(restore(datagram)) for datagram in datagrams]
+            return send([*map(strip_trailing_zeros, signed)] if self._strips_zeros else signed)
+
+
+def _without_key(who: str, end: str) -> str:
+    cure = f"make a key file with `roverlink link keygen {end}`, and give it to the bridge with --key-file FILE"
+    return f"datagrams of {who} must be signed (table key `sign`), but there is no key; {cure}"

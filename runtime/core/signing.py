@@ -1,0 +1,217 @@
+"""Signatures of datagrams: who sent a datagram, and that it is not an old one. No I/O; clocks are passed in.
+
+The signature is a field of the envelope outside of the oneof (table key ``signing``), so a program that knows nothing
+of signatures still parses the envelope. Rules of the format:
+
+- The field is the last one of the datagram. Its value has 15 bytes: the key's id (1 byte), a timestamp (6 bytes, little
+  endian) and a MAC (8 bytes).
+- The MAC is keyed BLAKE2s (RFC 7693) with a digest of 8 bytes, over all bytes of the datagram before the MAC.
+- The timestamp counts 10 us since 2015-01-01 UTC, as in MAVLink 2. The timestamps of a key rise with each datagram, so
+  that a recorded datagram is refused.
+- Only one sender signs with a key, because two senders have two clocks. Two ends therefore need two keys.
+- A datagram that is overtaken by a newer one of its key is refused, too: an old command must not follow a newer one.
+- If a datagram has several signature fields, the last one counts. Its MAC covers the others.
+
+A timestamp may be years ahead of our clock: after a start without a clock, ours is the one that is wrong. Instead, a
+sender that is behind continues from the latest timestamp that it verified (`SigningClock.hear`), as in MAVLink 2.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import threading
+import time
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+
+from roverlink.runtime.core.envelope import restore
+from roverlink.runtime.core.errors import DatagramError, Reason
+from roverlink.runtime.core.wire_format import DELIMITED, fields
+
+FIELD = "signature"
+"""Name of the envelope's field with the signature."""
+KEY_BYTES = 32
+TICKS_PER_SECOND = 100_000
+"""Unit of timestamps: 10 us."""
+_EPOCH_NS = 1_420_070_400 * 10**9  # 2015-01-01 UTC
+_TICK_NS = 10**9 // TICKS_PER_SECOND
+_LARGEST = 2**48 - 1  # in the year 2104
+_MAC_BYTES = 8
+_SIGNATURE_BYTES = 15
+# A sender that is further ahead has a broken clock. If it were believed, all others would have to follow it for ever.
+_FURTHEST_AHEAD = 10 * 365 * 24 * 3600 * TICKS_PER_SECOND
+
+
+def ticks(nanoseconds: int) -> int:
+    """Convert nanoseconds since 1970 to a timestamp. A time before 2015 gives 0: that clock was never set."""
+    return max(0, nanoseconds - _EPOCH_NS) // _TICK_NS
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """Key that one sender signs with. Its text never contains the secret."""
+
+    id: int
+    """Number from 0 to 255, different for all keys of a receiver."""
+    sender: str
+    """Name of the peer or board that signs with the key; ``ros`` for the bridge."""
+    secret: bytes = field(repr=False)
+    """32 random bytes."""
+
+
+class SigningClock:
+    """Clock of the timestamps of a program. Each one is larger than all before. Thread-safe.
+
+    It follows the computer's clock, but never goes back: it continues from the latest time that it knows. This may be
+    the time of the last run, or that of another sender.
+    """
+
+    def __init__(
+        self,
+        earliest: int = 0,
+        wall: Callable[[], int] = time.time_ns,
+        steady: Callable[[], int] = time.monotonic_ns,
+    ) -> None:
+        """Start after the timestamp ``earliest``. ``wall`` and ``steady`` return nanoseconds."""
+        self._wall, self._steady = wall, steady
+        self._lock = threading.Lock()
+        self.last = max(earliest, ticks(wall()))
+        """The latest timestamp that was used, or heard of another sender."""
+        self._offset = self.last - steady() // _TICK_NS
+
+    def next(self) -> int:
+        """Return a timestamp that is larger than all earlier ones."""
+        with self._lock:
+            steady = self._steady() // _TICK_NS
+            # In steps of the steady clock even if the computer's clock is set back: a receiver that starts again adds a
+            # second to the timestamp that it had stored, and expects that we have reached it.
+            self._offset = max(self._offset, ticks(self._wall()) - steady)
+            self.last = min(max(self.last + 1, steady + self._offset), _LARGEST)
+            return self.last
+
+    def hear(self, timestamp: int) -> None:
+        """Continue from a verified timestamp of another sender if it is later."""
+        with self._lock:
+            if timestamp > self.last:
+                self.last = timestamp
+                self._offset = max(self._offset, timestamp - self._steady() // _TICK_NS)
+
+
+class Signer:
+    """Signer of datagrams with one key."""
+
+    def __init__(self, number: int, key: Key, clock: SigningClock) -> None:
+        """Prepare the key; ``number`` is the field number of the envelope's signature."""
+        self._start = _field_start(number) + bytes([key.id])
+        self._keyed, self._clock = _keyed(key), clock
+        self.lock = threading.Lock()
+        """Lock to hold while datagrams are signed and sent, if several threads do it: the order must not change."""
+
+    def sign(self, datagram: bytes) -> bytes:
+        """Return a datagram with a signature at its end. The datagram must have no stripped or appended zeros."""
+        signed = datagram + self._start + self._clock.next().to_bytes(6, "little")
+        mac = self._keyed.copy()
+        mac.update(signed)
+        return signed + mac.digest()
+
+
+@dataclass(slots=True)
+class _Stream:
+    """Datagrams that are signed with one key."""
+
+    sender: str
+    keyed: hashlib.blake2s
+    last: int
+    """Latest timestamp that was accepted."""
+
+
+class Verifier:
+    """Verifier of signed datagrams. To be used from one thread; `lasts` may be called from any."""
+
+    def __init__(self, number: int, keys: Iterable[tuple[Key, int]], clock: SigningClock) -> None:
+        """Accept the given keys, each only with timestamps larger than the one beside it.
+
+        ``number`` is the field number of the envelope's signature. ``clock`` hears the timestamps that are accepted.
+        """
+        self._number, self._clock = number, clock
+        self._start = _field_start(number)
+        self._size = len(self._start) + _SIGNATURE_BYTES
+        self._streams = {key.id: _Stream(key.sender, _keyed(key), last) for key, last in keys}
+
+    def lasts(self) -> Mapping[int, int]:
+        """Return the latest accepted timestamp of each key, by the key's id."""
+        return {id: stream.last for id, stream in self._streams.items()}
+
+    def verify(self, datagram: bytes, senders: Collection[str], row: str = "") -> None:
+        """Accept a datagram that one of ``senders`` has signed, and that is newer than all before.
+
+        Zeros at the end may have been stripped or appended. Raises `DatagramError` with the reason if the datagram is
+        refused; ``row`` is the name of the payload's row for the error.
+        """
+        stream = self._authentic(datagram)
+        if isinstance(stream, DatagramError):
+            # Only now, because it takes longer than the verification.
+            restored = restore(datagram)
+            if restored != datagram:
+                datagram, stream = restored, self._authentic(restored)
+        if isinstance(stream, DatagramError):
+            stream.row = row
+            raise stream
+        if stream.sender not in senders:
+            message = (
+                f"the key {datagram[-_SIGNATURE_BYTES]} of {stream.sender!r} has signed a payload that is not its own"
+            )
+            raise DatagramError(Reason.WRONG_KEY, message, row)
+        timestamp = int.from_bytes(datagram[-14:-_MAC_BYTES], "little")
+        if timestamp <= stream.last:
+            raise _not_newer(timestamp, stream, row)
+        if timestamp > self._clock.last:
+            if 0 < self._clock.last < timestamp - _FURTHEST_AHEAD:  # 0: we know no time, and believe any
+                message = f"the clock of {stream.sender!r} is more than ten years ahead; set its clock"
+                raise DatagramError(Reason.AHEAD, message, row)
+            self._clock.hear(timestamp)
+        stream.last = timestamp
+
+    def _authentic(self, datagram: bytes) -> _Stream | DatagramError:
+        """Return the stream of the key that has signed these bytes, or the error if there is none."""
+        if datagram[-self._size : -_SIGNATURE_BYTES] != self._start:
+            return self._without_signature(datagram)
+        stream = self._streams.get(datagram[-_SIGNATURE_BYTES])
+        if stream is None:
+            message = f"no key file has the key {datagram[-_SIGNATURE_BYTES]} that a datagram is signed with"
+            return DatagramError(Reason.UNKNOWN_KEY, message)
+        mac = stream.keyed.copy()
+        mac.update(datagram[:-_MAC_BYTES])
+        if hmac.compare_digest(mac.digest(), datagram[-_MAC_BYTES:]):
+            return stream
+        message = f"the signature with the key {datagram[-_SIGNATURE_BYTES]} of {stream.sender!r} is wrong"
+        return DatagramError(Reason.WRONG_SIGNATURE, message)
+
+    def _without_signature(self, datagram: bytes) -> DatagramError:
+        if all(field.number != self._number for field in fields(datagram)):
+            return DatagramError(Reason.UNSIGNED, "a datagram of a peer that must sign has no signature")
+        message = f"the signature is not a field of {_SIGNATURE_BYTES} bytes at the end of the datagram"
+        return DatagramError(Reason.MALFORMED_SIGNATURE, message)
+
+
+def _not_newer(timestamp: int, stream: _Stream, row: str) -> DatagramError:
+    if timestamp == stream.last:
+        return DatagramError(Reason.REPLAYED, f"a datagram of {stream.sender!r} has come twice", row)
+    late = (stream.last - timestamp) / TICKS_PER_SECOND
+    message = f"a datagram of {stream.sender!r} is {late:g} s older than the newest one that is known: a recording, an "
+    return DatagramError(Reason.OUTDATED, f"{message}overtaken datagram, or a sender that has lost its time", row)
+
+
+def _field_start(number: int) -> bytes:
+    """Return the bytes in front of a signature's value: tag and length."""
+    tag, start = number << 3 | DELIMITED, bytearray()
+    while tag > 0x7F:
+        start.append(tag & 0x7F | 0x80)
+        tag >>= 7
+    return bytes([*start, tag, _SIGNATURE_BYTES])
+
+
+def _keyed(key: Key) -> hashlib.blake2s:
+    # Copies of one object, because setting the key up takes as long as a short datagram.
+    return hashlib.blake2s(key=key.secret, digest_size=_MAC_BYTES)

@@ -1,0 +1,154 @@
+"""Signatures of one program: the keys of its links, its clock, and the timestamps that it stores.
+
+The timestamps are stored beside the key file, in ``FILE.NAME.timestamps`` for the program NAME. These rules hold at
+the start of a program:
+
+- A key with a stored timestamp goes on one second after it, because it is stored only once a second. So no recording is
+  accepted, whatever the computer's clock says, and a peer is refused for at most a second.
+- A key without a stored timestamp (the first start, or the file is lost or damaged) accepts nothing that is older than
+  the key, or more than a minute older than the computer's clock. This is the rule of MAVLink 2 for new streams.
+- The own datagrams go on after the latest of all these timestamps.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+from roverlink.runtime.core.errors import SetupError, nearest
+from roverlink.runtime.core.signing import TICKS_PER_SECOND, Signer, SigningClock, Verifier, ticks
+from roverlink.runtime.keys.key_file import BRIDGE, FileKey, read_keys
+from roverlink.runtime.keys.stored_timestamps import read_timestamps, write_timestamps
+
+_INTERVAL_S = 1.0
+_OLDEST_UNKNOWN = 60 * TICKS_PER_SECOND
+
+
+class SignedLinks:
+    """Signatures of a program. A context manager: inside the block, a thread stores the timestamps once a second."""
+
+    def __init__(
+        self,
+        number: int,
+        files: Sequence[Path],
+        logger: logging.Logger,
+        own: str = BRIDGE,
+        wall: Callable[[], int] = time.time_ns,
+        steady: Callable[[], int] = time.monotonic_ns,
+    ) -> None:
+        """Read the key files and the stored timestamps.
+
+        ``number`` is the field number of the envelope's signature. ``own`` is the name of this program in the key
+        files: that of a peer or board, or ``ros`` for the bridge. ``wall`` and ``steady`` are clocks in nanoseconds.
+        Raises `SetupError` if a file cannot be used.
+        """
+        self._logger, self._own = logger, own
+        self._files = {path.with_name(f"{path.name}.{own}.timestamps"): read_keys(path) for path in files}
+        self._keys = [key for keys in self._files.values() for key in keys]
+        _check_ids(files, self._files.values())
+        self._stored = {path: self._read(path) for path in self._files}
+        self._starts = {
+            one.key.id: self._start(one, self._stored[path].get(one.key.id), ticks(wall()))
+            for path, keys in self._files.items()
+            for one in keys
+        }
+        self.clock = SigningClock(max(self._starts.values(), default=0), wall, steady)
+        received = [(one.key, self._starts[one.key.id]) for one in self._keys if one.receiver == own]
+        self.verifier = Verifier(number, received, self.clock)
+        sent = [one for one in self._keys if one.key.sender == own]
+        self._sent = [one.key.id for one in sent]
+        self._signers = {one.receiver: Signer(number, one.key, self.clock) for one in sent if one.send_with}
+        self._failing = False
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="signing-timestamps", daemon=True)
+        for path, timestamps in self._stored.items():
+            try:
+                write_timestamps(path, timestamps)  # what cannot be stored is better known now
+            except OSError as error:
+                cure = "put the key file into a folder in which this user can write"
+                raise SetupError(f"{path}: cannot write the file: {error.strerror}; {cure}") from error
+
+    def signer(self, ends: Iterable[str]) -> Signer | None:
+        """Return the signer of datagrams to the first of the given peers and boards that has a key, or None."""
+        return next((self._signers[end] for end in ends if end in self._signers), None)
+
+    def hears(self, ends: Iterable[str]) -> bool:
+        """Return true if one of the given peers and boards has a key to sign datagrams for this program."""
+        return not {one.key.sender for one in self._keys if one.receiver == self._own}.isdisjoint(ends)
+
+    def check_ends(self, known: Iterable[str]) -> None:
+        """Raise `SetupError` if a key is of a peer or board that is not among the known ones."""
+        ends = [*known]
+        for one in self._keys:
+            if one.end not in ends:
+                what = f"the key {one.key.id} is of {one.end!r}, but the table has no such peer or board"
+                raise SetupError(f"{what}; {nearest(one.end, ends)}")
+
+    def __enter__(self) -> SignedLinks:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ending.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        ends = False
+        while not ends:
+            ends = self._ending.wait(_INTERVAL_S)  # then once more, for the last timestamps
+            self._store_all()
+
+    def _store_all(self) -> None:
+        """Store the timestamps; log the first failure, and go on: a full disk must not stop the rover's commands."""
+        failure = ""
+        for path in self._files:
+            try:
+                self._store(path)
+            except OSError as error:
+                failure = f"{path}: cannot store the timestamps of the keys: {error.strerror}"
+        if failure and not self._failing:
+            self._logger.warning("%s; after a restart, recordings since now may be accepted", failure)
+        self._failing = bool(failure)
+
+    def _store(self, path: Path) -> None:
+        """Store what has changed since the last call. A key that was not used keeps its timestamp.
+
+        Otherwise each restart would add its second, and many restarts would refuse a peer without a clock.
+        """
+        now = {**self.verifier.lasts(), **dict.fromkeys(self._sent, self.clock.last)}
+        used = {id: last for id, last in now.items() if last > self._starts[id]}
+        of_file = {one.key.id: used[one.key.id] for one in self._files[path] if one.key.id in used}
+        timestamps = {**self._stored[path], **of_file}
+        if timestamps != self._stored[path]:
+            write_timestamps(path, timestamps)
+            self._stored[path] = timestamps
+
+    def _read(self, path: Path) -> dict[int, int]:
+        """Return the stored timestamps; log a damaged file and return none."""
+        stored = read_timestamps(path)
+        if stored is None:
+            self._logger.warning(
+                "%s: the file is damaged; signed datagrams are refused if they are more than a minute older than this "
+                "computer's clock",
+                path,
+            )
+        return stored or {}
+
+    @staticmethod
+    def _start(one: FileKey, stored: int | None, now: int) -> int:
+        """Return the timestamp after which a key begins."""
+        return max(one.made, now - _OLDEST_UNKNOWN) if stored is None else stored + TICKS_PER_SECOND
+
+
+def _check_ids(files: Sequence[Path], keys: Iterable[Sequence[FileKey]]) -> None:
+    """Raise `SetupError` if two key files have a key with the same id: a datagram says only the id."""
+    owners: dict[int, Path] = {}
+    for path, of_file in zip(files, keys):
+        for one in of_file:
+            other = owners.setdefault(one.key.id, path)
+            if other != path:
+                cure = f"make one of them again in the folder of the other: roverlink link keygen {one.end}"
+                raise SetupError(f"{other} and {path} both have a key {one.key.id}; {cure}")
