@@ -30,7 +30,7 @@ class BlockingPeer(PeerEnd):
                 ...
 
     Repeated payloads are sent only while the program is in a method of this class. A program that hangs therefore sends
-    no commands, and the stops of the bridge (table key ``deadman``) take effect.
+    no commands.
     """
 
     def __enter__(self) -> BlockingPeer:
