@@ -45,9 +45,10 @@ class Peer(PeerEnd):
 
     def close(self) -> None:
         """Close the socket and end the repetitions; iterations end. May be repeated."""
-        self._socket = None
-        if self._timer is not None:
-            self._timer.cancel()
+        if self._socket is None:
+            return
+        self._forget_socket()
+        self._wait_for_due()
         self._transport.close()
         self._news.set()
 

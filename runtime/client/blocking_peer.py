@@ -49,7 +49,7 @@ class BlockingPeer(PeerEnd):
         if self._socket is not None:
             self._selector.close()
             self._socket.close()
-            self._socket = None
+            self._forget_socket()
 
     def direct_to(self, host: str, port: int) -> None:
         """Send to this address from now on. Raises `SetupError` if the host does not resolve."""

@@ -145,6 +145,12 @@ class PeerEnd(ABC):
             raise ClosedError(f"the peer {self._session.peer.name} is not open; use it inside its `with` block")
         return self._socket
 
+    def _forget_socket(self) -> None:
+        """End the repetitions; from now on the peer is not open."""
+        self._socket = None
+        self._schedule = Schedule()
+        self._repeated.clear()
+
     def _bind(self) -> socket.socket:
         """Bind the peer's socket."""
         self._socket = udp.bind(*self._local, _RECEIVE_BUFFER)

@@ -452,9 +452,11 @@ def test_iteration_ends_when_the_peer_is_closed(bridge: socket.socket) -> None:
 def test_a_peer_that_is_not_open_says_so(bridge: socket.socket, was_open: bool) -> None:
     """Before its block and behind it."""
     peer = _basestation(bridge)
+    peer.close()
+    _async_basestation(bridge).close()
     if was_open:
         with peer:
-            pass
+            peer.close()
     uses: list[Callable[[], object]] = [lambda: peer.send(_MODE), lambda: peer.repeat(_MODE, 1), peer.receive]
     for use in (*uses, lambda: next(iter(peer))):
         with pytest.raises(ClosedError, match="the peer basestation is not open; use it inside its `with` block"):
