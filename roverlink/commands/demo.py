@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 import contextlib
 import importlib.util
-import socket
 import time
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,13 +18,14 @@ from roverlink import topic_types
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, isolate_ros, project_folder, seconds
 from roverlink.generated_code import load_project
 from roverlink.generator.example_payloads import payload_at
-from roverlink.runtime import Registry, SetupError, Translator
+from roverlink.runtime import Registry, SetupError
+from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.registry import AnyHandler, EndName
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.text.values import message_to_values, payload_to_values
 from roverlink.simulation import crossings
-from roverlink.simulation.bridge_host import BridgeHost, bridge_with
+from roverlink.simulation.bridge_host import bridge_with
 from roverlink.simulation.crossings import Crossing
 from roverlink.simulation.peers import on_loopback
 
@@ -36,7 +36,6 @@ _RATE_HZ = 20.0
 _TICK_S = 0.01
 _REFRESH_HZ = 4
 _PLAIN_REPORT_S = 5.0
-_LARGEST = 65_536
 _SHOWN_COUNTERS = ("received", "published", "sent", "forwarded", "dropped", "kernel_drops")
 
 
@@ -78,11 +77,13 @@ def run(arguments: argparse.Namespace) -> int:
     console = Console()
     with contextlib.ExitStack() as stack:
         camera = _camera(console, project, arguments.middleware, stack)
-        sockets = {name: stack.enter_context(_peer_socket()) for name in registry.ends}
-        given = on_loopback(registry, sockets)
+        peers = {name: stack.enter_context(_peer_on_loopback(name.peer, registry)) for name in registry.ends}
+        given = on_loopback(registry, {name: peer.port for name, peer in peers.items()})
         host = stack.enter_context(bridge_with(arguments.middleware, project, registry, given))
+        for peer in peers.values():
+            peer.direct_to("127.0.0.1", host.port)
         middleware = stack.enter_context(host.middleware(topic_types.identity("demo")))
-        rig = _Rig(registry, host, middleware, sockets, camera.rows if camera else ())
+        rig = _Rig(registry, middleware, peers, camera.rows if camera else ())
         if camera and arguments.middleware == "memory":
             camera.publish_on(middleware, registry, topic_types.full_topic)
         _show(rig, console, arguments.seconds, f"roverlink over {arguments.middleware}")
@@ -112,11 +113,8 @@ def _camera(console: Console, project: Path, middleware: str, stack: contextlib.
     return stack.enter_context(DemoCamera(project, middleware))
 
 
-def _peer_socket() -> socket.socket:
-    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    sock.bind(("127.0.0.1", 0))
-    sock.setblocking(False)
-    return sock
+def _peer_on_loopback(peer: str, registry: Registry) -> BlockingPeer:
+    return BlockingPeer.open(peer, registry=registry, local_address="127.0.0.1", local_port=0)
 
 
 class _Rig:
@@ -125,24 +123,22 @@ class _Rig:
     def __init__(
         self,
         registry: Registry,
-        host: BridgeHost,
         middleware: Middleware,
-        sockets: dict[EndName, socket.socket],
+        peers: dict[EndName, BlockingPeer],
         published_elsewhere: Collection[str] = (),
     ) -> None:
         """Create the ROS 2 publishers and subscribers.
 
-        ``sockets`` holds the UDP socket of each end of the link. ``published_elsewhere`` holds the names of
-        rows on whose topics another ROS 2 node publishes, so this object does not.
+        ``peers`` holds a simulated peer for each end of the link. ``published_elsewhere`` holds the names of rows on
+        whose topics another ROS 2 node publishes, so this object does not.
         """
-        self._registry, self._host, self._sockets = registry, host, sockets
-        self._senders = {name.peer: sock for name, sock in sockets.items()}
+        self._registry, self._peers = registry, peers
+        self._senders = {name.peer: peer for name, peer in peers.items()}
         self._published_elsewhere = published_elsewhere
-        self._translator = Translator(registry)
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
         self.crossings = [Crossing(handler) for handler in registry.handlers]
         self.forwarded = 0
-        self._by_name = {crossing.handler.route.name: crossing for crossing in self.crossings}
+        self._by_number = {crossing.handler.route.number: crossing for crossing in self.crossings}
         for crossing in self.crossings:
             self._join(crossing, middleware)
 
@@ -172,30 +168,19 @@ class _Rig:
         """
         for handler in self._registry.handlers:
             if handler.route.inbound:
-                payload = payload_at(handler.payload_type, seconds)
-                envelope = self._registry.envelope(**{handler.route.name: payload})
-                self._senders[handler.route.peer].sendto(envelope.SerializeToString(), ("127.0.0.1", self._host.port))
+                self._senders[handler.route.peer].send(payload_at(handler.payload_type, seconds), handler.route.name)
         for handler, publisher in self._publishers:
             publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
 
     def receive(self) -> None:
-        """Read the datagrams that have arrived at the simulated peers, and count them by row, or as forwarded."""
-        for sock in self._sockets.values():
-            for datagram in _arrived(sock):
-                envelope = self._translator.parse(datagram)
-                name = str(envelope.WhichOneof(self._registry.oneof))
-                crossing = self._by_name[name]
+        """Read the payloads that have arrived at the simulated peers, and count them by row, or as forwarded."""
+        for peer in self._peers.values():
+            for number, payload in peer.arrived():
+                crossing = self._by_number[number]
                 if crossing.handler.route.inbound:
                     self.forwarded += 1
                 else:
-                    payload = getattr(envelope, name)
-                    crossing.add(lambda payload=payload: payload_to_values(payload))  # type: ignore[misc]  # bound now, not when called
-
-
-def _arrived(sock: socket.socket) -> Iterator[bytes]:
-    with contextlib.suppress(BlockingIOError):
-        while True:
-            yield sock.recv(_LARGEST)
+                    crossing.add(partial(payload_to_values, payload))
 
 
 def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import socket
 import time
-
-from google.protobuf.message import EncodeError
 
 from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate
 from roverlink.generated_code import load_project
-from roverlink.runtime import Registry, SetupError
+from roverlink.runtime import ConversionError, Registry, SetupError
+from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core.errors import nearest
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.net import udp
@@ -63,11 +61,13 @@ def run(arguments: argparse.Namespace) -> int:
     handler = _handler(registry, arguments.name)
     payload = payload_from_assignments(handler.payload_type, _assignments(arguments.assignments))
     try:
-        datagram = registry.envelope(**{handler.route.name: payload}).SerializeToString()
-    except EncodeError as error:
-        raise SetupError(f"cannot send {handler.route.name}: {error}") from error
-    destination = destination_of(arguments.to)
-    _send(datagram, destination, arguments.count, arguments.rate)
+        datagram = registry.datagram(handler.route.name, payload)
+    except ConversionError as error:
+        raise SetupError(f"cannot send {error}") from error
+    host, port = destination_of(arguments.to)
+    # Payloads of the other direction can be sent too, to test what the bridge does with them.
+    with BlockingPeer.open(handler.route.peer, registry=registry, host=host, port=port, local_port=0) as peer:
+        _send(datagram, peer, arguments.count, arguments.rate)
     print(f"sent {arguments.count} x {handler.route.name} ({len(datagram)} bytes) to {arguments.to}")
     return OK
 
@@ -104,15 +104,14 @@ def destination_of(text: str) -> tuple[str, int]:
     return udp.resolve(host, int(port))
 
 
-def _send(datagram: bytes, destination: tuple[str, int], count: int, rate: float) -> None:
+def _send(datagram: bytes, peer: BlockingPeer, count: int, rate: float) -> None:
     start = time.monotonic()
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        for index in range(count):
-            time.sleep(max(0.0, start + index / rate - time.monotonic()))
-            try:
-                sock.sendto(datagram, destination)
-            except OSError as error:
-                raise SetupError(f"cannot send to {destination[0]}:{destination[1]}: {error.strerror}") from error
+    for index in range(count):
+        time.sleep(max(0.0, start + index / rate - time.monotonic()))
+        try:
+            peer.send_datagram(datagram)
+        except OSError as error:
+            raise SetupError(f"cannot send to {peer.remote}: {error.strerror}") from error
 
 
 def _list(registry: Registry) -> None:

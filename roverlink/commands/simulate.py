@@ -128,7 +128,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:
     totals = RunTotals()
-    with Senders(destination_of(arguments.to)) as senders, contextlib.suppress(KeyboardInterrupt):
+    with Senders(world.registry, *destination_of(arguments.to)) as senders, contextlib.suppress(KeyboardInterrupt):
         for _ in _play(stream, arguments.seconds, senders, totals, world):
             pass
     if arguments.json:
@@ -149,7 +149,7 @@ def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) 
         # Before the bridge, so that only this process reports a package that is not installed.
         middleware = stack.enter_context(host.middleware(topic_types.identity("simulate")))
         stack.enter_context(host)
-        senders = stack.enter_context(Senders(("127.0.0.1", host.port)))
+        senders = stack.enter_context(Senders(world.registry, "127.0.0.1", host.port))
         nodes = _Nodes(world.registry, middleware)
         with contextlib.suppress(KeyboardInterrupt):
             for now in _play(stream, arguments.seconds, senders, totals, world):

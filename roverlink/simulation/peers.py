@@ -1,14 +1,15 @@
-"""Sockets of the simulated peers. They send the datagrams of a scenario, and count the datagrams that they receive."""
+"""The simulated peers. They send the datagrams of a scenario, and count the datagrams that they receive."""
 
 from __future__ import annotations
 
 import contextlib
-import socket
 import threading
 from collections.abc import Mapping
+from functools import partial
 from types import TracebackType
 
 from roverlink.runtime import Registry
+from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.net import udp
 from roverlink.simulation.scenarios import Emission
@@ -17,46 +18,39 @@ _RECEIVE_BUFFER = 8 * 1024 * 1024
 _LARGEST = 65_536
 
 
-class Senders:
-    """Sockets from which the simulated peers send datagrams to a bridge. A context manager.
+class Senders(contextlib.ExitStack):
+    """Simulated peers that send datagrams to a bridge. A context manager.
 
     A simulated peer that restarts gets a new socket, so it sends from a new port.
     """
 
-    def __init__(self, bridge: tuple[str, int]) -> None:
-        self._bridge = bridge
-        self._sockets: dict[tuple[str, int], socket.socket] = {}
+    def __init__(self, registry: Registry, host: str, port: int) -> None:
+        """Send to the bridge at ``host`` and ``port``."""
+        super().__init__()
+        self._open = partial(BlockingPeer.open, registry=registry, host=host, port=port, local_port=0)
+        self._peers: dict[tuple[str, int], BlockingPeer] = {}
 
     def send(self, emission: Emission) -> bool:
         """Send a datagram to the bridge; return false if the network of this host refuses it."""
         key = emission.peer, emission.life
-        sock = self._sockets.get(key)
-        if sock is None:
-            # Not connected: a connected socket would report that the bridge is not there yet (ICMP) as an error of the
-            # next send.
-            sock = self._sockets[key] = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        peer = self._peers.get(key)
+        if peer is None:
+            peer = self._peers[key] = self.enter_context(self._open(emission.peer))
         try:
-            sock.sendto(emission.datagram, self._bridge)
+            peer.send_datagram(emission.datagram)
         except OSError:
             return False
         return True
 
-    def __enter__(self) -> Senders:
-        return self
 
-    def __exit__(self, *_: object) -> None:
-        for sock in self._sockets.values():
-            sock.close()
-
-
-def on_loopback(registry: Registry, sockets: Mapping[EndName, socket.socket]) -> dict[str, str | int]:
-    """Return the parameters of a bridge that sends each end's datagrams to a socket on this computer.
+def on_loopback(registry: Registry, ports: Mapping[EndName, int]) -> dict[str, str | int]:
+    """Return the parameters of a bridge that sends each end's datagrams to a port of this computer.
 
     They set the host as well: the datagrams of a simulation must not reach the boards that the table names.
     """
     given: dict[str, str | int] = {}
     for name, end in registry.ends.items():
-        given |= {end.host_parameter: "127.0.0.1", end.port_parameter: int(sockets[name].getsockname()[1])}
+        given |= {end.host_parameter: "127.0.0.1", end.port_parameter: ports[name]}
     return given
 
 
@@ -71,7 +65,7 @@ class Arrivals:
         self._lock = threading.Lock()
         self._stack = contextlib.ExitStack()
         self._sockets = {name: udp.bind("127.0.0.1", 0, _RECEIVE_BUFFER) for name in registry.ends}
-        self.parameters = on_loopback(registry, self._sockets)
+        self.parameters = on_loopback(registry, {name: sock.getsockname()[1] for name, sock in self._sockets.items()})
         """Parameters that direct a bridge to these sockets."""
 
     @property

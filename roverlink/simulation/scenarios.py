@@ -53,7 +53,7 @@ class World:
         The payload has the simulated values of the time ``seconds`` after the peer's start.
         """
         payload = payload_at(self.registry.by_name[name].payload_type, seconds)
-        return bytes(self.registry.envelope(**{name: payload}).SerializeToString())
+        return self.registry.datagram(name, payload)
 
     @property
     def inbound(self) -> list[AnyHandler]:

@@ -11,9 +11,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from google.protobuf.message import EncodeError
 from google.protobuf.runtime_version import VersionError
 
-from roverlink.runtime.core.errors import RegistryError
+from roverlink.runtime.core.errors import ConversionError, RegistryError
 from roverlink.runtime.core.handler import Handler, Route
 from roverlink.runtime.core.standard_handler import StandardHandler
 
@@ -132,6 +133,16 @@ class Registry:
     def end_of(self, route: Route) -> EndName:
         """Return the name of the end to which a row belongs. A row that a board sends may belong to none in `ends`."""
         return EndName(route.peer, route.board if self.peers_by_name[route.peer].boards else "")
+
+    def datagram(self, name: str, payload: ProtoMessage) -> bytes:
+        """Return the serialized envelope that carries a payload of the row ``name``.
+
+        Raises `ConversionError` if a field that proto2 requires is not set.
+        """
+        try:
+            return self.envelope(**{name: payload}).SerializeToString()
+        except EncodeError as error:  # a `required` field of proto2 that nothing has set
+            raise ConversionError(f"{name}: {error}") from error
 
 
 def load_registry(project: str | Path | None = None, package: str = "generated") -> Registry:

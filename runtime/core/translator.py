@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from google.protobuf.message import DecodeError, EncodeError
+from google.protobuf.message import DecodeError
 
 from roverlink.runtime.core import envelope
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
@@ -155,6 +155,18 @@ class Translator:
                 Reason.MALFORMED, f"not a valid {self._name}: {len(datagram)} bytes that start with {start}"
             ) from error
 
+    def payload(self, datagram: bytes) -> tuple[int, ProtoMessage]:
+        """Return number and payload of a datagram, for programs other than the bridge.
+
+        Every payload that the envelope declares is accepted, whatever its direction, and without a row as well. Raises
+        `DatagramError` if the datagram is malformed, or has no payload or an unknown one.
+        """
+        message = self.parse(datagram)
+        name = self._which(message, self._oneof)
+        if name is None:
+            raise self._refusal(None, datagram)
+        return message.DESCRIPTOR.fields_by_name[name].number, getattr(message, name)
+
     def send(self, handler: AnyHandler, cdr: bytes) -> bytes:
         """Return the datagram for the peer that carries a serialized ROS 2 message; the caller sends the datagram.
 
@@ -167,10 +179,7 @@ class Translator:
 
         Raises `ConversionError` if a field that proto2 requires is not set.
         """
-        try:
-            datagram = self._registry.envelope(**{handler.route.name: payload}).SerializeToString()
-        except EncodeError as error:  # a `required` field of proto2 that nothing has set
-            raise ConversionError(f"{handler.route.name}: {error}") from error
+        datagram = self._registry.datagram(handler.route.name, payload)
         if self._registry.peers_by_name[handler.route.peer].strip_trailing_zeros:
             return envelope.strip_trailing_zeros(datagram)
         return datagram

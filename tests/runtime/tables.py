@@ -9,7 +9,7 @@ from roverlink.runtime import Registry
 from roverlink.runtime.core.registry import AnyHandler
 
 
-def changed(registry: Registry, name: str, **changes: Any) -> Registry:
+def changed(registry: Registry, name: str, /, **changes: Any) -> Registry:
     """A registry whose row of a name says something else."""
     return dataclasses.replace(
         registry,

@@ -1,0 +1,157 @@
+"""Common part of `Peer` and `BlockingPeer`: opening, sending and repeating."""
+
+from __future__ import annotations
+
+import socket
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TypeVar
+
+from roverlink.runtime.client.repeating import Repetition, Schedule
+from roverlink.runtime.client.session import ClosedError, Hook, Session, Traffic
+from roverlink.runtime.core.registry import Registry, load_registry
+from roverlink.runtime.net import udp
+from roverlink.runtime.ros_arguments import parameters
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
+
+_RECEIVE_BUFFER = 1024 * 1024
+_EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # the bridge is another machine, so loopback is not enough
+
+E = TypeVar("E", bound="PeerEnd")
+
+
+class PeerEnd(ABC):
+    """Peer that a program of yours is. Not safe to use from several threads."""
+
+    def __init__(self, session: Session, remote: tuple[str, int], local: tuple[str, int]) -> None:
+        """Prepare the peer; it opens when its block is entered. Programs call `open` instead.
+
+        ``remote`` is the host and the port of the bridge; ``local`` is an address of this computer and a port.
+        """
+        self._session, self._remote, self._local = session, remote, local
+        self._schedule = Schedule()
+        self._repeated: dict[str, Repetition] = {}
+        self._socket: socket.socket | None = None
+
+    @classmethod
+    def open(
+        cls: type[E],
+        peer: str,
+        *,
+        registry: Registry | None = None,
+        host: str = "127.0.0.1",
+        port: int = int(parameters.LISTEN_PORT),
+        local_address: str = _EVERY_ADDRESS,
+        local_port: int | None = None,
+        hooks: Sequence[Hook] = (),
+        queue: int = 1000,
+    ) -> E:
+        """Return the peer ``peer`` of the table as a context manager; its socket is open inside the block.
+
+        - ``registry``: the result of `load_registry`; by default that of the package ``generated`` on the import path.
+        - ``host``, ``port``: the bridge.
+        - ``local_address``, ``local_port``: where datagrams of the bridge arrive. The default port is that of the peer
+          in the table; 0 takes any free port.
+        - ``hooks``: steps that each datagram passes.
+        - ``queue``: the largest number of payloads that wait for the program. More drop the oldest ones.
+
+        Raises `SetupError` for an unknown peer, and `RegistryError` if there is no generated code. Entering the block
+        raises `SetupError` if the host does not resolve or the port is in use.
+        """
+        session = Session(registry or load_registry(), peer, hooks, queue)
+        local = session.peer.port if local_port is None else local_port
+        return cls(session, (host, port), (local_address, local))
+
+    @property
+    def port(self) -> int:
+        """UDP port on which the peer receives."""
+        port: int = self._opened().getsockname()[1]
+        return port
+
+    @property
+    def remote(self) -> str:
+        """Address to which the peer sends, as ``HOST:PORT``."""
+        return f"{self._remote[0]}:{self._remote[1]}"
+
+    @property
+    def traffic(self) -> Traffic:
+        """Counters of sent, received and dropped datagrams."""
+        return self._session.traffic
+
+    def send(self, payload: ProtoMessage, row: str | None = None) -> None:
+        """Send a payload to the bridge. If its row is repeated, this payload is repeated from now on.
+
+        ``row`` is the name of the row; it is needed only if several rows of the peer have this type of payload.
+
+        Raises `SetupError` if no row carries this payload from this peer, `ConversionError` if a field that proto2
+        requires is not set, `ClosedError` if the peer is not open, and `OSError` if the network refuses the datagram.
+        """
+        name = self._session.row_of(payload, row).route.name
+        datagram = self._session.wrap(payload, name)
+        if repetition := self._repeated.get(name):
+            repetition.make = lambda: datagram
+        self.send_datagram(datagram)
+
+    def send_datagram(self, datagram: bytes) -> None:
+        """Send bytes to the bridge, whatever they contain; the hooks apply. For tools that test a bridge.
+
+        Raises `ClosedError` if the peer is not open, and `OSError` if the network refuses the datagram.
+        """
+        self._opened().sendto(self._session.outgoing(datagram), self._remote)
+        self._session.traffic.sent += 1
+
+    def repeat(self, payload: ProtoMessage, rate: float, row: str | None = None) -> Repetition:
+        """Send a payload now and then ``rate`` times a second, until it is stopped, replaced, or the peer is closed.
+
+        The next `send` or `repeat` of the same row replaces the payload. Refused datagrams are counted, because a later
+        one may get through. Raises the errors of `send`, but no `OSError`.
+        """
+        name = self._session.row_of(payload, row).route.name
+        datagram = self._session.wrap(payload, name)
+        if before := self._repeated.get(name):
+            before.stop()
+        self._repeated[name] = self.send_every(1 / rate, lambda: datagram)
+        return self._repeated[name]
+
+    def send_every(self, interval: float, make: Callable[[], bytes]) -> Repetition:
+        """Send the datagram that ``make`` returns now and then every ``interval`` seconds; the hooks apply."""
+        self._opened()
+        repetition = Repetition(make, interval, time.monotonic())
+        self._schedule.add(repetition)
+        self._send_due()
+        return repetition
+
+    def _send_due(self) -> None:
+        """Send the repeated datagrams that are due."""
+        try:
+            for datagram in self._schedule.take_due(time.monotonic()):
+                try:
+                    self.send_datagram(datagram)
+                except OSError:
+                    self._session.traffic.unsent += 1
+        finally:
+            self._wait_for_due()
+
+    @abstractmethod
+    def _wait_for_due(self) -> None:
+        """Arrange that `_send_due` is called when the next repeated datagram is due."""
+
+    def _opened(self) -> socket.socket:
+        """Return the socket. Raises `ClosedError` if the peer is not open."""
+        if self._socket is None:
+            raise ClosedError(f"the peer {self._session.peer.name} is not open; use it inside its `with` block")
+        return self._socket
+
+    def _forget_socket(self) -> None:
+        """End the repetitions; from now on the peer is not open."""
+        self._socket = None
+        self._schedule = Schedule()
+        self._repeated.clear()
+
+    def _bind(self) -> socket.socket:
+        """Bind the peer's socket."""
+        self._socket = udp.bind(*self._local, _RECEIVE_BUFFER)
+        return self._socket

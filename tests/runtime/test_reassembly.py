@@ -1,0 +1,158 @@
+"""Frames that arrive in parts: lost, late, doubled and in another order, from a sender that may start again."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from generated.pb2.components.basestation.detected_object_pb2 import BasestationDetectedObject
+from roverlink.runtime.client import Frame, Reassembler
+
+_PERIOD_S = 0.1
+_LONGEST_DELAY_S = 0.3
+_PAUSE_S = 2.0
+
+
+@dataclass(frozen=True)
+class _Part:
+    frame_id: int
+    index: int
+    total_count: int
+    run: int = 0
+
+
+def _parts(frame_id: int, count: int, run: int = 0) -> list[_Part]:
+    """What a sender sends for a frame; a frame without objects is one part as well."""
+    return [_Part(frame_id, index, count, run) for index in range(max(count, 1))]
+
+
+def _added(reassembler: Reassembler[_Part], arrivals: list[tuple[float, _Part]]) -> list[Frame[_Part]]:
+    frames = (reassembler.add(part, at) for at, part in arrivals)
+    return [frame for frame in frames if frame is not None]
+
+
+def test_the_parts_of_a_frame_come_out_in_the_order_of_their_index() -> None:
+    """Whatever the order in which they came; as payloads of the table, with this computer's clock."""
+    reassembler = Reassembler[BasestationDetectedObject]()
+    objects = [BasestationDetectedObject(frame_id=7, total_count=3, index=index, id=index) for index in range(3)]
+    assert reassembler.add(objects[2]) is None
+    assert reassembler.add(objects[0]) is None
+    assert reassembler.add(objects[1]) == Frame(7, tuple(objects))
+
+
+def test_a_frame_without_objects_is_complete_at_once() -> None:
+    """One payload with total_count 0 says that the camera saw nothing."""
+    reassembler = Reassembler[BasestationDetectedObject]()
+    assert reassembler.add(BasestationDetectedObject(frame_id=7)) == Frame(7, ())
+
+
+def test_a_frame_that_a_later_one_overtakes_is_given_up() -> None:
+    """It counts as lost, and its last part as late."""
+    reassembler = Reassembler[_Part]()
+    first, last = _parts(1, 2)
+    assert _added(reassembler, [(0.0, first), (0.1, _parts(2, 1)[0]), (0.2, last)]) == [Frame(2, tuple(_parts(2, 1)))]
+    assert (reassembler.lost, reassembler.late, reassembler.complete) == (1, 1, 1)
+
+
+def test_parts_that_are_a_second_apart_do_not_belong_together() -> None:
+    """The sender may have started again between them."""
+    reassembler = Reassembler[_Part]()
+    first, last = _parts(1, 2)
+    assert _added(reassembler, [(0.0, first), (1.0, last)]) == []
+    assert reassembler.lost == 1
+
+
+def test_parts_that_disagree_about_their_number_do_not_belong_together() -> None:
+    """The newer one is right."""
+    reassembler = Reassembler[_Part]()
+    assert _added(reassembler, [(0.0, _Part(1, 0, 2)), (0.1, _Part(1, 1, 3))]) == []
+    assert _added(reassembler, [(0.2, _Part(1, 0, 3)), (0.3, _Part(1, 2, 3))]) == [Frame(1, tuple(_parts(1, 3)))]
+    assert reassembler.lost == 1
+
+
+def test_an_index_beyond_the_frame_is_counted_and_ignored() -> None:
+    """Neither a frame nor a restart follows from it."""
+    reassembler = Reassembler[_Part]()
+    assert _added(reassembler, [(0.0, _Part(1, 2, 2)), (0.0, _Part(1, 1, 0))]) == []
+    assert reassembler.invalid == 2
+
+
+def test_a_number_that_was_damaged_on_the_way_blocks_nothing_for_long() -> None:
+    """A frame of the far future hides the present for a second only."""
+    reassembler = Reassembler[_Part]()
+    future = (0.0, _Part(2**32 - 1, 0, 1))
+    present = [(number * _PERIOD_S, *_parts(number, 1)) for number in range(1, 20)]
+    frames = _added(reassembler, [future, *present])
+    assert [frame.frame_id for frame in frames] == [2**32 - 1, *range(10, 20)]
+    assert reassembler.restarts == 1
+
+
+_FRAMES = st.lists(st.integers(0, 4), min_size=1, max_size=12)
+"""Number of objects in each frame of a run."""
+_FATES = st.lists(st.floats(0, _LONGEST_DELAY_S), max_size=2)
+"""Delay in seconds of each copy of a part that arrives; none if the part is lost."""
+
+
+@given(runs=st.lists(_FRAMES, min_size=1, max_size=3), data=st.data(), orderly=st.booleans())
+def test_what_comes_out_is_what_was_sent(runs: list[list[int]], data: st.DataObject, orderly: bool) -> None:
+    """Whole frames of one run, each at most once, in rising order, and none is missing without a reason.
+
+    Without faults on the way, that is every frame, also after restarts.
+    """
+    reassembler = Reassembler[_Part]()
+    start, newest = 0.0, -1
+    for run, counts in enumerate(runs):
+        sent = {number: _parts(number, count, run) for number, count in enumerate(counts)}
+        arrivals: dict[_Part, list[float]] = {}
+        for part in itertools.chain.from_iterable(sent.values()):
+            delays = [0.0] if orderly else data.draw(_FATES)
+            arrivals[part] = [start + part.frame_id * _PERIOD_S + 0.001 * part.index + delay for delay in delays]
+        in_order = sorted(((at, part) for part, times in arrivals.items() for at in times), key=lambda one: one[0])
+        frames = _added(reassembler, in_order)
+
+        # A frame is complete with the first copy of its last part, and has to come out unless a later one was first.
+        complete = {
+            number: max(min(arrivals[part]) for part in parts)
+            for number, parts in sent.items()
+            if all(arrivals[part] for part in parts)
+        }
+        due = [n for n, at in complete.items() if all(at < other for m, other in complete.items() if m > n)]
+        came = [frame.frame_id for frame in frames]
+        assert came == sorted(set(came))
+        assert all(frame.parts == tuple(part for part in sent[frame.frame_id] if part.total_count) for frame in frames)
+        assert set(came) <= complete.keys()
+        # Where a restart and a changed order meet, the first frames may be taken for late ones of the run before.
+        assert [n for n in came if n > newest or orderly] == [n for n in due if n > newest or orderly]
+        newest = max(came, default=newest)
+        start += len(counts) * _PERIOD_S + _PAUSE_S
+    if orderly:
+        assert reassembler.restarts == len(runs) - 1
+        assert reassembler.lost == reassembler.late == reassembler.duplicates == 0
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 2**32 - 1) | st.integers(0, 30), st.integers(0, 3), st.integers(0, 3))),
+    st.sampled_from([0.0, 0.01, 0.4]),
+)
+def test_nonsense_fills_no_memory(parts: list[tuple[int, int, int]], period: float) -> None:
+    """Whatever comes, few frames wait, and each part has a consequence that is counted."""
+    reassembler = Reassembler[_Part]()
+    for number, part in enumerate(parts):
+        before = reassembler.late + reassembler.invalid
+        frame = reassembler.add(_Part(*part), number * period)
+        assert frame is None or len(frame.parts) == part[2]
+        assert reassembler.late + reassembler.invalid - before in (0, 1)
+        assert len(reassembler._pending) <= 16
+
+
+@pytest.mark.parametrize("timeout", [0.2, 5.0])
+def test_the_time_for_a_frame_can_be_set(timeout: float) -> None:
+    """Slow links need more, fast cameras less."""
+    reassembler = Reassembler[_Part](timeout)
+    first, last = _parts(1, 2)
+    frames = _added(reassembler, [(0.0, first), (1.0, last)])
+    assert bool(frames) == (timeout > 1.0)
