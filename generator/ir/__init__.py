@@ -1,9 +1,11 @@
 """Intermediate representation (IR) of mapping.yaml: the compiled table as data, from which all files are generated.
 
-`model` has routes, messages and conversions. `interfaces` has the standard messages of ROS 2, such as
-``sensor_msgs/msg/Imu``, and the expressions that compute their fields from a payload.
+`model` has routes, messages and conversions. `link_message` has the fields of the link message. `interfaces` has the
+standard messages of ROS 2, such as ``sensor_msgs/msg/Imu``, and the expressions that compute their fields from a
+payload.
 """
 
+from roverlink.generator.ir.link_message import LINK_FIELDS, LINK_MEMBER, LINK_MESSAGE, LINK_ROWS, largest_link_size
 from roverlink.generator.ir.model import (
     AnyConversion,
     AnyMember,
@@ -16,6 +18,7 @@ from roverlink.generator.ir.model import (
     Envelope,
     FieldBound,
     FieldConversion,
+    Link,
     MapEntry,
     Member,
     Peer,
@@ -36,6 +39,10 @@ from roverlink.generator.ir.model import (
 )
 
 __all__ = [
+    "LINK_FIELDS",
+    "LINK_MEMBER",
+    "LINK_MESSAGE",
+    "LINK_ROWS",
     "AnyConversion",
     "AnyMember",
     "Bridge",
@@ -48,6 +55,7 @@ __all__ = [
     "StandardTopic",
     "FieldBound",
     "FieldConversion",
+    "Link",
     "MapEntry",
     "Member",
     "Peer",
@@ -64,4 +72,5 @@ __all__ = [
     "WireSize",
     "WireValue",
     "Wrapping",
+    "largest_link_size",
 ]

@@ -204,7 +204,7 @@ class Context:
         taken |= {entry.number: f"was published for {entry.name!r} ({entry.proto})" for entry in self.published}
         taken |= dict.fromkeys(table.numbers, f"is used in {table.file}")
         taken |= {row.number: f"is retired: it was {row.name!r} ({row.proto})" for row in table.retired}
-        return taken | {row.number: f"is {row.name!r} ({row.proto})" for row in table.rows}
+        return taken | {row.number: f"is {row.name!r} ({row.proto})" for row in table.members}
 
     def _closed(self) -> Iterator[tuple[int, int, str]]:
         """Yield ranges of numbers that the envelope must not use: first number, last number, and the reason."""

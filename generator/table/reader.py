@@ -46,10 +46,10 @@ def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
 
 
 def _numbers(table: Form) -> Iterator[int]:
-    """Yield the numbers of all rows and retired rows, including rows that lack a required key."""
+    """Yield the numbers of all rows, retired rows and the link message, including rows that lack a required key."""
     entries = table.entries or {}
-    for key in ("messages", "retired"):
-        for row in entries[key].items or () if key in entries else ():
+    for key in ("messages", "retired", "link"):
+        for row in entries[key].items or (entries[key],) if key in entries else ():
             if row.entries and "number" in row.entries and isinstance(number := row.entries["number"].value, int):
                 yield number
 

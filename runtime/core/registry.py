@@ -41,6 +41,18 @@ class Peer:
     """Largest number of datagrams a second accepted from each address of the peer; None for no limit."""
 
 
+@dataclass(frozen=True, slots=True)
+class Link:
+    """Link message: a member of the envelope by which two ends compare their schemas and measure the link."""
+
+    number: int
+    """Field number of the link message in the envelope."""
+    on_mismatch: str
+    """Default of the parameter ``link_policy``: ``warn`` or ``refuse``."""
+    hashes: Mapping[int, int]
+    """Hash (32 bits) of the wire schema of each row's payload, by the payload's number."""
+
+
 @dataclass(frozen=True)
 class Registry:
     """All handlers of a table, with the class of the envelope that carries their payloads."""
@@ -59,6 +71,8 @@ class Registry:
     """Handlers of extra topics: topics with a standard ROS 2 message, which rows list under ``also``."""
     retired: Mapping[int, str] = field(default_factory=dict)
     """Payload numbers that are never used again, each with the name of its former payload."""
+    link: Link | None = None
+    """Link message; None if the table has none."""
 
     @cached_property
     def by_number(self) -> dict[int, AnyHandler]:

@@ -29,7 +29,7 @@ RULE = Rule("ENV110", "burned-number-taken", __doc__)
 def check(context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each row with a burned number that its payload must not have."""
     envelope = context.table.envelope.message
-    for row in context.table.rows:
+    for row in context.table.members:
         burned = context.ledger.must_not_be(envelope, row.number, PastUse(row.proto, row.name))
         # The type says what a payload means, so the payload may have another name.
         if burned and not (burned.now and burned.now.type == row.proto):

@@ -26,7 +26,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each row with a number from 19000 to 19999."""
     envelope = context.table.envelope.message
     message = f"is reserved for protobuf itself ({IMPLEMENTATION_NUMBERS.start} to {IMPLEMENTATION_NUMBERS.stop - 1})"
-    for row in context.table.rows:
+    for row in context.table.members:
         if row.number in IMPLEMENTATION_NUMBERS:
             yield RULE.at(
                 row.at("number"),

@@ -32,7 +32,7 @@ from roverlink.generator.lint.comparison.judged_changes import judge_payload
 from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, least
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lock import Entry, PastUse
-from roverlink.generator.table import RetiredRow, Row
+from roverlink.generator.table import LinkSettings, RetiredRow, Row
 
 RULE = Rule("ENV102", "field-number-reuse", __doc__)
 
@@ -42,7 +42,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     # The ledger and the baseline may list the same payload. The ledger comes first, so its entry is kept.
     published = {(entry.number, entry.proto): entry for entry in reversed(context.published)}
     envelope = context.table.envelope.message
-    for row in context.table.rows:
+    for row in context.table.members:
         for entry in _others(row, published.values()):
             help = f"give {row.name!r} the number {context.next_number()}"
             help = f"{help}; keep the row of {entry.name!r}, or move that row to `retired`"
@@ -53,7 +53,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
             yield _finding(retired, entry, help, envelope)
 
 
-def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry]:
+def _others(row: Row | LinkSettings | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry]:
     """Yield the published payloads that had the number of a row, and are not the row's payload."""
     entries = [entry for entry in published if entry.number == row.number]
     for_this = any(entry.proto == row.proto for entry in entries)
@@ -65,7 +65,7 @@ def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry
             yield entry
 
 
-def _judged(context: Context, row: Row, entry: Entry, finding: Diagnostic) -> Iterator[Diagnostic]:
+def _judged(context: Context, row: Row | LinkSettings, entry: Entry, finding: Diagnostic) -> Iterator[Diagnostic]:
     """Yield the diagnostic, as a warning if in doubt.
 
     Yield nothing if the row's message is the published one, renamed, or if the user has accepted the change.
@@ -82,7 +82,7 @@ def _judged(context: Context, row: Row, entry: Entry, finding: Diagnostic) -> It
         yield dataclasses.replace(finding, severity=Severity.WARNING, message=message)
 
 
-def _finding(row: Row | RetiredRow, entry: Entry, help: str, envelope: str) -> Diagnostic:
+def _finding(row: Row | LinkSettings | RetiredRow, entry: Entry, help: str, envelope: str) -> Diagnostic:
     message = f"field {row.number} was published for {entry.name!r} ({entry.proto}), but is given to {row.proto} here"
     also = [(entry.span, "published here")]
     rests_on = [row.at("number"), row.at("proto")]

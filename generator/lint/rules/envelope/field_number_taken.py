@@ -22,7 +22,7 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 from roverlink.generator.lint.context import Context
-from roverlink.generator.table import RetiredRow, Row
+from roverlink.generator.table import LinkSettings, RetiredRow, Row
 
 RULE = Rule("ENV101", "field-number-taken", __doc__)
 
@@ -32,7 +32,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     table = context.table
     holders: dict[int, RetiredRow] = {}
 
-    def at(row: Row | RetiredRow, message: str, help: str, also: tuple[Span, str]) -> Diagnostic:
+    def at(row: Row | LinkSettings | RetiredRow, message: str, help: str, also: tuple[Span, str]) -> Diagnostic:
         return RULE.at(row.at("number"), message, help, [also], type=table.envelope.message, number=row.number)
 
     for retired in table.retired:
@@ -43,7 +43,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     rows = _owners(context)
     published = {(entry.proto, entry.name): entry.number for entry in context.published}
     next_number = context.next_number()
-    for row in table.rows:
+    for row in table.members:
         old = published.get((row.proto, row.name))
         help = f"use {next_number}, the next number that was never used"
         if old is not None and old not in table.numbers:
@@ -58,11 +58,11 @@ def check(context: Context) -> Iterator[Diagnostic]:
             yield at(row, message, help, (taken.at("number"), "first used here"))
 
 
-def _owners(context: Context) -> dict[int, Row]:
-    """Return the owner of each number: the row for which it was published, or else the first row that has it."""
-    owners: dict[int, Row] = {}
+def _owners(context: Context) -> dict[int, Row | LinkSettings]:
+    """Return the owner of each number: the member for which it was published, or else the first one that has it."""
+    owners: dict[int, Row | LinkSettings] = {}
     published = {(entry.number, entry.proto) for entry in context.published}
     # The row that had the number first is right, even if the other one stands above it in the file.
-    for row in sorted(context.table.rows, key=lambda row: (row.number, row.proto) not in published):
+    for row in sorted(context.table.members, key=lambda row: (row.number, row.proto) not in published):
         owners.setdefault(row.number, row)
     return owners

@@ -25,7 +25,7 @@ from collections.abc import Iterator
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.schema import ProtoField
-from roverlink.generator.table import Row
+from roverlink.generator.table import LinkSettings, Row
 
 RULE = Rule("ENV108", "number-claimed", __doc__, Severity.WARNING)
 
@@ -34,7 +34,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each row whose number a comment in the envelope gives to another payload."""
     envelope = context.table.envelope.message
     claims = list(context.envelope_claims())
-    for row in context.table.rows:
+    for row in context.table.members:
         for claim, span in claims:
             if claim.number == row.number and not _is_same_payload(claim, row):
                 message = (
@@ -45,5 +45,5 @@ def check(context: Context) -> Iterator[Diagnostic]:
                 yield RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number)
 
 
-def _is_same_payload(claim: ProtoField, row: Row) -> bool:
+def _is_same_payload(claim: ProtoField, row: Row | LinkSettings) -> bool:
     return claim.name == row.name or claim.type.rpartition(".")[2] == row.proto.rpartition(".")[2]

@@ -24,7 +24,7 @@ from collections.abc import Iterator
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 from roverlink.generator.ir.ros_names import distinct
 from roverlink.generator.lint.context import Context
-from roverlink.generator.table import RetiredRow, Row
+from roverlink.generator.table import LinkSettings, RetiredRow, Row
 
 RULE = Rule("TAB101", "name-taken", __doc__)
 _HELP = "choose another name"
@@ -38,7 +38,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     table = context.table
     retired: dict[str, RetiredRow] = {}
 
-    def at(row: Row | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP) -> Diagnostic:
+    def at(row: Row | LinkSettings | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP) -> Diagnostic:
         return RULE.at(row.at("name"), message, help, [also], type=table.envelope.message, number=row.number)
 
     for gone in table.retired:
@@ -51,8 +51,9 @@ def check(context: Context) -> Iterator[Diagnostic]:
                 (first.at("name"), "first retired here"),
                 "remove one of the two entries, or correct its name",
             )
-    seen: dict[str, Row] = {}
-    for row in table.rows:
+    seen: dict[str, Row | LinkSettings] = {}
+    # The link message comes first, because nobody can choose another name for it.
+    for row in sorted(table.members, key=lambda member: member is not table.link):
         earlier = seen.setdefault(distinct(row.name), row)
         if earlier is not row:
             message = f"the name {row.name!r} is already taken by field {earlier.number} ({earlier.proto})"
