@@ -1,11 +1,11 @@
 """Intermediate representation (IR) of mapping.yaml: the compiled table as data, from which all files are generated.
 
-`model` has routes, messages and conversions. `link_message` has the fields of the link message. `interfaces` has the
+`model` has routes, messages and conversions. `link_fields` has the fields of the link message. `interfaces` has the
 standard messages of ROS 2, such as ``sensor_msgs/msg/Imu``, and the expressions that compute their fields from a
 payload.
 """
 
-from roverlink.generator.ir.link_message import LINK_FIELDS, LINK_MEMBER, LINK_MESSAGE, LINK_ROWS, largest_link_size
+from roverlink.generator.ir.link_fields import LINK_FIELDS, LINK_MEMBER, LINK_MESSAGE, LINK_ROWS, largest_link_size
 from roverlink.generator.ir.model import (
     AnyConversion,
     AnyMember,

@@ -40,6 +40,12 @@ class Account:
     """Dropped datagrams whose payload is known, by payload and reason."""
     unsent: Counter[str] = field(default_factory=Counter)
     """Datagrams that the network refused to send, by peer."""
+    unforwarded: Counter[str] = field(default_factory=Counter)
+    """Datagrams not forwarded to a peer because it has another schema of the payload, by this peer."""
+    links_received: int = 0
+    """Link messages received from peers."""
+    links_sent: Counter[str] = field(default_factory=Counter)
+    """Link messages sent, by peer."""
     taken: Counter[str] = field(default_factory=Counter)
     """Messages received from topics, by payload."""
     refused: Counter[str] = field(default_factory=Counter)
@@ -69,6 +75,9 @@ class Account:
             "failed": dict(sorted(self.failed.items())),
             "stops": dict(sorted(self.stops.items())),
             "unsent": dict(sorted(self.unsent.items())),
+            "unforwarded": dict(sorted(self.unforwarded.items())),
+            "links_received": self.links_received,
+            "links_sent": dict(sorted(self.links_sent.items())),
             "extra_published": dict(sorted(self.extra_published.items())),
             "extra_unpublished": dict(sorted(self.extra_unpublished.items())),
             "qos_mismatches": {topic: len(texts) for topic, texts in sorted(self.qos_mismatches.items())},
@@ -100,13 +109,19 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
     """Return a text for each pair of sums of counters that should be equal but are not; an empty list if all agree.
 
     A text is ``10 datagrams received, but 9 published and dropped``. ``account`` is a result of `Account.as_dict`.
-    Every datagram received must have been published, or dropped for a reason. Every message of a topic must have been
-    sent, refused, superseded, or failed in the network.
+    Every datagram received must have been published, dropped for a reason, or a link message. Every message of a topic
+    must have been sent, refused, superseded, or failed in the network.
     """
     dropped = sum(account["dropped"].values())
+    links = account["links_received"]
     ends = [sum(account[name].values()) for name in ("refused", "superseded", "failed")]
     sums = [
-        ("datagrams received", account["received"], "published and dropped", account["published"] + dropped),
+        (
+            "datagrams received",
+            account["received"],
+            "published, dropped and link messages" if links else "published and dropped",
+            account["published"] + dropped + links,
+        ),
         ("messages taken", account["taken"], "sent, refused, superseded and failed", account["sent"] + sum(ends)),
     ]
     return [f"{one} {what}, but {other} {ends}" for what, one, ends, other in sums if one != other]

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Protocol
 
@@ -22,12 +22,13 @@ from roverlink.runtime.bridge import extra_topics
 from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.forwarding import Forwarding
+from roverlink.runtime.bridge.link_exchange import EndReport, LinkExchange
 from roverlink.runtime.bridge.qos_watch import QosWatch
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
 from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch, Send
 from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
 from roverlink.runtime.core.errors import DatagramError, Reason
-from roverlink.runtime.core.registry import AnyHandler, Registry
+from roverlink.runtime.core.registry import AnyHandler, EndName, Registry
 from roverlink.runtime.core.translator import Translation, Translator
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.middleware import Middleware, Publisher
@@ -91,6 +92,7 @@ class Bridge:
         self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
         self._counters = Counters(self._socket, logger)
         self.account = self._counters.account
+        self._sending = self._send if registry.link is None else self._send_counted
         self._destinations = {name: Destination(name, address) for name, address in addresses.items()}
         self._observers = observers
         self._handle_observed = self._observed(self._handle)
@@ -103,8 +105,11 @@ class Bridge:
         self._outbound_rows: list[OutboundRow] = []
         self._paced: list[PacedInboundRow] = []
         self._extra_topics = extra_topics.ExtraTopics(self.account, self._counters.warnings)
-        self._forwarding = Forwarding(registry, self._destinations, parameters.forward_policy, self._send, self.account)
+        self._forwarding = Forwarding(
+            registry, self._destinations, parameters.forward_policy, self._sending, self.account
+        )
         self._failure: BaseException | None = None
+        self._link = self._exchange(parameters.link_policy)
 
     @property
     def port(self) -> int:
@@ -129,7 +134,11 @@ class Bridge:
         outbound = [handler for handler in handlers if not handler.route.inbound]
         self._outbound_rows = [self._outbound_row(handler) for handler in outbound]
         tasks: list[TimedTask] = [*self._paced, *(row for row in self._outbound_rows if row.is_timed)]
+        if self._link is not None:
+            tasks.append(self._link)
         self._timekeeper = Timekeeper("timekeeper", tasks, self._fail)
+        if self._link is not None:
+            self._link.wake = self._timekeeper.wake
         for paced in self._paced:
             paced.wake = self._timekeeper.wake
         watches = [self._subscribe(handler, row) for handler, row in zip(outbound, self._outbound_rows)]
@@ -184,11 +193,39 @@ class Bridge:
         for name, address in addresses.items():
             self._destinations[name].direct_to(address)
         self._forwarding.follow(parameters.forward_policy)
+        if self._link is not None:
+            self._link.follow(parameters.link_policy)
         if parameters.source_policy != before.source_policy:
             self._receiver.pass_to(*self._receiving(parameters.source_policy))
         if parameters.receive_buffer != before.receive_buffer:
             udp.size_receive_buffer(self._socket, parameters.receive_buffer)
             self._warn_of_small_buffer()
+
+    # --- the link messages ---
+
+    def link_reports(self) -> list[EndReport]:
+        """Return what the link messages of each end tell; empty for a table without the link message."""
+        return self._link.reports() if self._link is not None else []
+
+    def _exchange(self, policy: str) -> LinkExchange | None:
+        link = self._registry.link
+        if link is None:
+            return None
+        sends = {
+            EndName(name): partial(self._send, destination=destination)
+            for name, destination in self._destinations.items()
+        }
+        return LinkExchange(
+            self._registry, link.hashes, sends, self._refuse_rows, policy, self.account, self._counters.warnings
+        )
+
+    def _refuse_rows(self, rows: frozenset[str], forwards: Mapping[EndName, frozenset[str]]) -> None:
+        """Refuse the messages of rows in both directions, and forward some rows no longer to some ends."""
+        self._translator.refuse(rows)
+        self._admission.refuse(rows)
+        for row in self._outbound_rows:
+            row.refused = row.name in rows
+        self._forwarding.refuse({end.peer: names for end, names in forwards.items()})
 
     # --- peers to topics ---
 
@@ -227,6 +264,8 @@ class Bridge:
         for refusal in translation.refusals:
             self._counters.count_dropped(refusal)
         self._publish(translation, stamp)
+        if self._link is not None:
+            self._link.take(translation)
         # Forward after publishing: topics have priority, and the policy `mapping` needs the names.
         self._forwarding.forward(fitting, translation.names)
 
@@ -265,9 +304,16 @@ class Bridge:
             self._counters.count_unsent(destination, error)
         return len(datagrams) - len(refusals)
 
+    def _send_counted(self, datagrams: Sequence[bytes], destination: Destination) -> int:
+        """Send datagrams to a peer, and count them for its link messages."""
+        sent = self._send(datagrams, destination)
+        if self._link is not None:  # a link message counts itself
+            self._link.count_sent(EndName(destination.peer), sent)
+        return sent
+
     def _outbound_row(self, handler: AnyHandler) -> OutboundRow:
         destination = self._destinations[handler.route.peer]
-        send: Send = partial(self._send, destination=destination)
+        send: Send = partial(self._sending, destination=destination)
         for observer in self._observers:
             send = observer.sending(destination.peer, send)
         return OutboundRow(handler, self._translator, send, self.account, self._counters.warnings)

@@ -36,7 +36,16 @@ class Forwarding:
         for handler in registry.handlers:
             for peer in handler.route.forward if handler.route.inbound else ():
                 self._rows[destinations[peer]].add(handler.route.name)
+        self._refused: Mapping[str, frozenset[str]] = {}
         self.follow(policy)
+
+    def refuse(self, rows: Mapping[str, frozenset[str]]) -> None:
+        """Forward some rows no longer to some peers, which have another schema of them.
+
+        ``rows`` has the names of all these rows by peer. Safe to call from any thread. The policy ``all`` forwards them
+        all the same.
+        """
+        self._refused = rows
 
     def follow(self, policy: str) -> None:
         """Use a policy from now on: ``mapping`` forwards to the peers that the row names, ``all`` to every peer.
@@ -53,6 +62,9 @@ class Forwarding:
                 self._hand_on(datagrams, destination)
             return
         for destination, rows in self._rows.items():
+            if refused := self._refused.get(destination.peer):
+                self._account.unforwarded[destination.peer] += sum(name in rows & refused for name in names)
+                rows = rows - refused
             self._hand_on([datagram for datagram, name in zip(datagrams, names) if name in rows], destination)
 
     def _hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> None:

@@ -65,6 +65,8 @@ class Reason(str, Enum):
     """The payload belongs to another peer than the sender's address."""
     OVER_RATE = "over_rate"
     """The sender sends more datagrams a second than the table allows (table key ``source_rate``)."""
+    OTHER_SCHEMA = "other_schema"
+    """The peer has another schema of the payload than the bridge (parameter ``link_policy``)."""
     STOPPED = "stopped"
     """The bridge stopped before it could handle the datagram."""
 

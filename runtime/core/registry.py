@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from google.protobuf.runtime_version import VersionError
 
@@ -22,6 +22,17 @@ if TYPE_CHECKING:
 
 AnyHandler = Handler[Any, Any]
 AnyStandardHandler = StandardHandler[Any, Any]
+
+
+class EndName(NamedTuple):
+    """Name of an end of the link: a peer, or a board of a peer."""
+
+    peer: str
+    board: str = ""
+    """Empty if the end is the whole peer."""
+
+    def __str__(self) -> str:
+        return f"{self.board} of {self.peer}" if self.board else self.peer
 
 
 @dataclass(frozen=True, slots=True)

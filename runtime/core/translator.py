@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from google.protobuf.message import DecodeError, EncodeError
 
-from roverlink.runtime.core import envelope
+from roverlink.runtime.core import envelope, link_message
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
 from roverlink.runtime.core.handler import UNSTAMPED, all_to_cdr
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, Registry
@@ -34,6 +34,8 @@ class Translation:
     """
     refusals: list[DatagramError] = field(default_factory=list)
     """Error of each refused datagram."""
+    links: Sequence[ProtoMessage] = ()
+    """Link messages in the batch, in order. Each has the name ``link`` in `names`."""
 
 
 class Translator:
@@ -53,6 +55,16 @@ class Translator:
         self._extra_topics = {
             name: tuple(f for f in registry.extra_topics if f.route.name == name) for name in self._inbound
         }
+        self._link = "" if registry.link is None else link_message.NAME
+        self.refuse(frozenset())
+
+    def refuse(self, rows: frozenset[str]) -> None:
+        """Refuse the payloads of some rows from now on, because the peer has another schema of them.
+
+        ``rows`` are the names of all rows to refuse. Safe to call from any thread.
+        """
+        self._refused = rows
+        self._accepted = frozenset(filter(None, [*self._inbound, self._link])) - rows
 
     def receive(self, datagram: bytes, stamp: Time = UNSTAMPED) -> tuple[str, bytes]:
         """Return the payload name of a peer's datagram, and its serialized ROS 2 message.
@@ -63,6 +75,8 @@ class Translator:
         translation = self.receive_all([datagram], stamp)
         for refusal in translation.refusals:
             raise refusal
+        for _ in translation.links:
+            raise DatagramError(Reason.UNKNOWN_PAYLOAD, "a link message, which has no topic")
         ((name, (message,)),) = translation.messages.items()
         return name, message
 
@@ -74,6 +88,8 @@ class Translator:
         """
         translation = Translation([])
         payloads = self._sort(datagrams, translation)
+        if self._link in payloads:
+            translation.links = payloads.pop(self._link)
         # Datagrams keep their order within a row, which is all that a topic promises. Between rows nobody can rely on
         # it: each topic has its own writer.
         for name, run in payloads.items():
@@ -108,7 +124,7 @@ class Translator:
         """Return name and payload of a datagram. Raises `DatagramError` if the table does not bridge the payload."""
         message = self.parse(datagram)
         name = self._which(message, self._oneof)  # the class's method: a field could have the same name
-        if name not in self._inbound:
+        if name not in self._accepted:
             raise self._refusal(name, datagram)
         return name, getattr(message, name)
 
@@ -189,6 +205,10 @@ class Translator:
             return DatagramError(
                 Reason.UNKNOWN_PAYLOAD,
                 f"no handler for payload {number} ({name!r}): the table does not bridge this payload",
+            )
+        if name in self._refused and name in self._inbound:
+            return DatagramError(
+                Reason.OTHER_SCHEMA, f"{name!r} ({number}): {handler.route.peer} has another schema of it", name
             )
         # Known and inbound, yet not accepted: this sender has other peers.
         if handler.route.inbound:

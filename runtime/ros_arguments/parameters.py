@@ -30,6 +30,8 @@ class Declaration:
     """Allowed texts; empty if any text is allowed."""
     read_only: bool = False
     """True if the parameter cannot change while the node runs."""
+    of_link: bool = False
+    """True if only the nodes of tables with a link message have the parameter."""
 
     def check(self, name: str, value: int | str) -> None:
         """Raise `SetupError` if a value is not allowed for the parameter; ``name`` is the parameter's name."""
@@ -60,6 +62,7 @@ class Parameters:
     source_policy: str
     max_datagram: int
     receive_buffer: int
+    link_policy: str
     peer_ports: Mapping[str, int]
     """UDP port of each peer, by the peer's name."""
     values: Mapping[str, Any]
@@ -76,7 +79,10 @@ def declarations(registry: Registry) -> dict[str, Declaration]:
         peer.port_parameter: replace(port, default=peer.port, description=f"UDP port of the peer {peer.name}")
         for peer in registry.peers
     }
-    return {**DECLARED, **ports}
+    own = {name: declared for name, declared in DECLARED.items() if registry.link is not None or not declared.of_link}
+    if registry.link is not None:
+        own["link_policy"] = replace(own["link_policy"], default=registry.link.on_mismatch)
+    return {**own, **ports}
 
 
 def defaults(registry: Registry) -> dict[str, Any]:
@@ -114,4 +120,8 @@ def _checked(registry: Registry, given: Mapping[str, Any]) -> Parameters:
         declared[name].check(name, value)
     values = {**defaults(registry), **given}
     ports = {peer.name: values[peer.port_parameter] for peer in registry.peers}
-    return Parameters(peer_ports=ports, values=values, **{name: values[name] for name in DECLARED})
+    return Parameters(
+        peer_ports=ports,
+        values=values,
+        **{name: values.get(name, declared.default) for name, declared in DECLARED.items()},
+    )
