@@ -17,6 +17,7 @@ from roverlink.heard_bridges import HeardBridges
 from roverlink.link_page.followed_bridges import FollowedBridges
 from roverlink.link_page.live_page import LivePage
 from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.bridge.link_exchange import EndReport
 from roverlink.runtime.core import cdr
 from roverlink.runtime.monitoring import diagnostic_array
 from roverlink.runtime.monitoring.histogram import LatencyProbe
@@ -36,6 +37,10 @@ class _Bridge:
     def socket_state(self) -> SocketState:
         """Return the state of an empty socket."""
         return SocketState(0, 4096, 0)
+
+    def link_reports(self) -> list[EndReport]:
+        """Return no report: the table has no link message."""
+        return []
 
 
 class FollowedPage:

@@ -22,8 +22,12 @@ QUIET_S = 3.0
 _GONE_S = 60.0
 """Time in seconds without a message after which a bridge can make room for another one."""
 
-_TEXTS = ("full_name", "host", "instance", "fingerprint", "topic", "direction", "board", "recording")
+_TEXTS = (
+    *("full_name", "host", "instance", "fingerprint", "topic", "direction", "board", "recording"),
+    *("schema", "differing", "untold"),
+)
 _NODE_VALUES = frozenset(("received", "received_rate", "kernel_drops", "socket_waiting_bytes", "socket_size_bytes"))
+_LINK_VALUES = frozenset(("schema", "senders", "restarts"))
 _ROW_VALUES = frozenset(("number", "topic", "direction", "count", "rate"))
 
 
@@ -142,22 +146,28 @@ def instance(page: dict[str, Any]) -> str:
 def page_of(array: DiagnosticArray) -> dict[str, Any] | None:
     """Convert a message of ``/diagnostics`` to the state of the bridge that published it; None for another node.
 
-    The state is a dictionary for JSON: ``stamp`` (seconds since 1970), ``node`` (the bridge as a whole) and ``rows`` (a
-    list). Texts that spell numbers are converted to numbers.
+    The state is a dictionary for JSON: ``stamp`` (seconds since 1970), ``node`` (the bridge as a whole), ``rows`` (a
+    list) and ``links`` (a list of what the link messages of each end tell). Texts that spell numbers are converted to
+    numbers.
     """
     own = next((status for status in array.status if any(pair.key == "fingerprint" for pair in status.values)), None)
     if own is None:
         return None
-    prefix = f"{own.name}: "
     node = _entry(own, own.name, _NODE_VALUES)
-    rows = [
-        _entry(status, status.name.removeprefix(prefix), _ROW_VALUES)
+    rows = _entries(array, f"{own.name}: ", _ROW_VALUES)
+    links = _entries(array, f"{own.name} link: ", _LINK_VALUES)
+    if node is None or None in rows or None in links:
+        return None
+    stamp = array.header.stamp.sec + array.header.stamp.nanosec / 1e9
+    return {"stamp": stamp, "node": node, "rows": rows, "links": links}
+
+
+def _entries(array: DiagnosticArray, prefix: str, needed: frozenset[str]) -> list[dict[str, Any] | None]:
+    return [
+        _entry(status, status.name.removeprefix(prefix), needed)
         for status in array.status
         if status.name.startswith(prefix)
     ]
-    if node is None or None in rows:
-        return None
-    return {"stamp": array.header.stamp.sec + array.header.stamp.nanosec / 1e9, "node": node, "rows": rows}
 
 
 def _entry(status: DiagnosticStatus, name: str, needed: frozenset[str]) -> dict[str, Any] | None:
@@ -184,5 +194,5 @@ def _number(text: str) -> float | None:
 
 
 def has_problems(page: dict[str, Any]) -> bool:
-    """Return true if the state shows the bridge, or one of its rows, at another level than OK."""
-    return any(entry["level"] != "OK" for entry in (page["node"], *page["rows"]))
+    """Return true if the state shows the bridge, one of its rows, or an end of the link at another level than OK."""
+    return any(entry["level"] != "OK" for entry in (page["node"], *page["rows"], *page["links"]))

@@ -46,6 +46,8 @@ class Account:
     """Link messages received from peers."""
     links_sent: Counter[str] = field(default_factory=Counter)
     """Link messages sent, by peer."""
+    other_schemas: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    """Names of the rows whose schema differs now at an end, by the end's name."""
     taken: Counter[str] = field(default_factory=Counter)
     """Messages received from topics, by payload."""
     refused: Counter[str] = field(default_factory=Counter)
@@ -78,6 +80,7 @@ class Account:
             "unforwarded": dict(sorted(self.unforwarded.items())),
             "links_received": self.links_received,
             "links_sent": dict(sorted(self.links_sent.items())),
+            "other_schemas": {end: list(rows) for end, rows in sorted(self.other_schemas.items())},
             "extra_published": dict(sorted(self.extra_published.items())),
             "extra_unpublished": dict(sorted(self.extra_unpublished.items())),
             "qos_mismatches": {topic: len(texts) for topic, texts in sorted(self.qos_mismatches.items())},

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -58,7 +58,7 @@ class EndReport:
     """`SAME`, `DIFFERS` or `UNKNOWN`."""
     differing: tuple[str, ...]
     """Names of the rows whose schema differs at any sender of the end."""
-    unsaid: tuple[str, ...]
+    untold: tuple[str, ...]
     """Names of the end's own rows whose hash no sender has told."""
     senders: int = 0
     restarts: int = 0
@@ -75,6 +75,26 @@ class EndReport:
     loss_out: float | None = None
     clock_offset_us: int | None = None
     """Clock of the end minus the system's clock of this computer, in microseconds; None if it is unknown."""
+
+    def measured(self) -> dict[str, float]:
+        """Return the measurements that are known, by name. Times are in seconds, and shares from 0 to 1."""
+        values: dict[str, float | None] = {
+            "age": self.age,
+            "lost_in": self.lost_in,
+            "loss_in": self.loss_in,
+            "lost_out": self.lost_out,
+            "loss_out": self.loss_out,
+        }
+        if statistics := self.statistics:
+            values |= {
+                "messages": statistics.messages,
+                "reordered": statistics.reordered,
+                "duplicates": statistics.duplicates,
+                "jitter": _seconds(statistics.jitter_us),
+                "round_trip": _seconds(statistics.round_trip_us),
+                "clock_offset": _seconds(self.clock_offset_us),
+            }
+        return {name: value for name, value in values.items() if value is not None}
 
 
 class LinkExchange:
@@ -249,6 +269,13 @@ class LinkExchange:
     def _differing(self, sender: _Sender) -> set[int]:
         return {number for number, hash in sender.hashes.items() if hash != self._hashes[number]}
 
+    def _all_differing(self) -> dict[str, list[str]]:
+        numbers: defaultdict[str, set[int]] = defaultdict(set)
+        for sender in self._senders.values():
+            if differing := self._differing(sender):
+                numbers[str(sender.end)] |= differing
+        return {end: [self._registry.by_number[n].route.name for n in sorted(found)] for end, found in numbers.items()}
+
     def _warn(self, sender: _Sender, end: EndName) -> None:
         """Log a warning about the rows that differ, once for each row and start of the sender."""
         new = sorted(self._differing(sender) - sender.warned)
@@ -261,6 +288,7 @@ class LinkExchange:
 
     def _apply(self) -> None:
         """Refuse the rows that differ, if the policy says so."""
+        self._account.other_schemas = self._all_differing()
         rows: set[str] = set()
         forwards: dict[EndName, frozenset[str]] = {}
         for sender in self._senders.values() if self._policy == "refuse" else ():
@@ -299,9 +327,9 @@ class LinkExchange:
         rows = {self._registry.by_name[name].route.number: name for name in sorted(self._spoken[end])}
         said = {number for sender in senders for number in sender.hashes}
         differing = {number for sender in senders for number in self._differing(sender)}
-        unsaid = [name for number, name in rows.items() if number not in said and name in self._own[end]]
+        untold = [name for number, name in rows.items() if number not in said and name in self._own[end]]
         schema = DIFFERS if differing else SAME if said else UNKNOWN
-        report = EndReport(end, schema, tuple(rows[number] for number in sorted(differing)), tuple(unsaid))
+        report = EndReport(end, schema, tuple(rows[number] for number in sorted(differing)), tuple(untold))
         if not senders:
             return report
         statistics = senders[0].statistics
@@ -311,7 +339,7 @@ class LinkExchange:
             end,
             report.schema,
             report.differing,
-            report.unsaid,
+            report.untold,
             senders=len(senders),
             restarts=self._restarts[end],
             age=now - senders[0].heard,
@@ -322,6 +350,10 @@ class LinkExchange:
             loss_out=statistics.outbound.recent,
             clock_offset_us=None if offset is None else offset + ahead_us,
         )
+
+
+def _seconds(microseconds: float | None) -> float | None:
+    return None if microseconds is None else microseconds / 1e6
 
 
 def _own_rows(registry: Registry) -> dict[EndName, set[str]]:

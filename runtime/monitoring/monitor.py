@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.bridge.link_exchange import EndReport
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.monitoring.histogram import LatencyProbe
@@ -38,6 +39,9 @@ class Watched(Protocol):
 
     def socket_state(self) -> SocketState:
         """Return the fill level of the socket's receive buffer, and how many datagrams the kernel has dropped."""
+
+    def link_reports(self) -> list[EndReport]:
+        """Return what the link messages of each end tell; empty for a table without the link message."""
 
 
 class _Sample(NamedTuple):
@@ -147,6 +151,7 @@ class Monitor:
             message=message,
             latencies=self._probe.latencies,
             recording=recording,
+            links=tuple(self._bridge.link_reports()),
         )
 
     def _overall(self, recording: Recording | None) -> tuple[Level, str]:

@@ -115,6 +115,7 @@ def test_the_account_as_plain_values() -> None:
         "unforwarded": {},
         "links_received": 0,
         "links_sent": {},
+        "other_schemas": {},
         "extra_published": {"imu/mag": 4},
         "extra_unpublished": {"gps/fix": 1},
         "qos_mismatches": {"imu_data": 1},

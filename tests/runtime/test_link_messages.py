@@ -203,7 +203,8 @@ def test_rows_that_differ_are_refused_in_both_directions_if_the_policy_says_so(r
 def test_a_row_that_differs_at_the_receiver_of_forwarded_datagrams_is_only_not_forwarded(registry: Registry) -> None:
     """The topic still gets a row that the basestation would misread, but the basestation does not."""
     with _Rig(registry, link_policy="refuse") as rig:
-        rig.send(_board(registry, _BASE_ROWS, {1: 99}).write(1), _payload(registry, "arm_state"))
+        rig.send(_board(registry, _BASE_ROWS, {1: 99}).write(1))
+        rig.send(_payload(registry, "arm_state"))
         assert rig.report(_BASE).differing == ("arm_state",)
         assert rig.bridge.account.published["arm_state"] == 1
         wait_until(lambda: rig.bridge.account.unforwarded["base"] == 1, "the datagram")
@@ -214,7 +215,8 @@ def test_a_board_that_was_flashed_again_is_trusted_again(registry: Registry, mon
     """A new session of the same board takes the place of the silent old one, and counts as a restart."""
     monkeypatch.setattr("roverlink.runtime.bridge.link_exchange._SILENT_S", 0.0)
     with _Rig(registry, link_policy="refuse") as rig:
-        rig.send(_board(registry, _DRIVE_ROWS, {2: 99}).write(1), _payload(registry, "drive_state"))
+        rig.send(_board(registry, _DRIVE_ROWS, {2: 99}).write(1))
+        rig.send(_payload(registry, "drive_state"))
         assert rig.bridge.account.dropped["other_schema"] == 1
         rig.send(_board(registry, _DRIVE_ROWS).write(1))
         rig.send(_payload(registry, "drive_state"))
