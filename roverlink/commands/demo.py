@@ -182,7 +182,9 @@ class _Rig:
             for datagram in _arrived(sock):
                 envelope = self._translator.parse(datagram)
                 name = str(envelope.WhichOneof(self._registry.oneof))
-                crossing = self._by_name[name]
+                crossing = self._by_name.get(name)
+                if crossing is None:
+                    continue  # a link message of the bridge
                 if crossing.handler.route.inbound:
                     self.forwarded += 1
                 else:

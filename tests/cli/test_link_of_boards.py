@@ -61,3 +61,11 @@ def test_doctor_names_the_board_with_another_schema(done: Start, tmp_path: Path)
         "schema of Arm of hardware": ("ok", "not known: no link message came within 2.5 s"),
         "schema of base": ("ok", "not known: no link message came within 2.5 s"),
     }
+
+
+def test_the_demo_passes_over_link_messages(done: Start, tmp_path: Path) -> None:
+    """The simulated peers of the demo count the rows; the bridge's link messages are none of them."""
+    project = write_project(tmp_path / "rover")
+    code, output, errors = done("demo", "--middleware", "memory", "--seconds", 2.5, "--project", project)
+    assert code == 0, errors
+    assert "5 of 5 messages were bridged" in output
