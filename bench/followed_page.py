@@ -18,6 +18,7 @@ from roverlink.link_page.followed_bridges import FollowedBridges
 from roverlink.link_page.live_page import LivePage
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.ends import LinkState
+from roverlink.runtime.bridge.link_exchange import EndReport
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.monitoring import diagnostic_array
@@ -42,6 +43,10 @@ class _Bridge:
     def socket_state(self) -> SocketState:
         """Return the state of an empty socket."""
         return SocketState(0, 4096, 0)
+
+    def link_reports(self) -> list[EndReport]:
+        """Return no report: the table has no link message."""
+        return []
 
 
 class FollowedPage:

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from roverlink.generator import ir, lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order
-from roverlink.generator.emit import emitter, envelope_file
+from roverlink.generator.emit import emitter, envelope_file, link_file
 from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.ir import ros_names
 from roverlink.generator.lint.context import Context, since_last_generate
@@ -203,7 +203,11 @@ def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping
     """
     root = project / table.proto.root
     wanted = sorted({*(member.file for member in envelope.members), envelope.file, *listed.values()})
-    overlay = {envelope.file: envelope_file.text(_unambiguous(envelope), table.file)} if envelope.ours else {}
+    overlay: dict[str, str] = {}
+    if envelope.ours:
+        overlay[envelope.file] = envelope_file.text(_unambiguous(envelope), table.file)
+        if table.link is not None:
+            overlay[table.envelope.link_file] = link_file.text(table.file)
     if not envelope.ours and not (root / envelope.file).is_file():
         message = f"the file {envelope.file!r} does not exist below the proto root {table.proto.root!r}"
         raise DiagnosticsError(

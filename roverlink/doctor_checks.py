@@ -19,6 +19,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from roverlink import doctor_link
 from roverlink.console import project_folder
 from roverlink.generated_code import load_project
 from roverlink.installed_packages import installed_version
@@ -85,6 +86,7 @@ def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
         found.append(Diagnosis("warning", "not checked", says, "correct the error above, and run the command again"))
     else:
         found += [*_network(registry, settings), *_firewall(settings)]
+        found += [Diagnosis(*verdict) for verdict in doctor_link.verdicts(registry, settings)]
     return [*found, *_multicast(), *_ros(registry)]
 
 

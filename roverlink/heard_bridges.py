@@ -23,19 +23,12 @@ _GONE_S = 60.0
 """Time in seconds without a message after which a bridge can make room for another one."""
 
 _TEXTS = (
-    "full_name",
-    "host",
-    "instance",
-    "fingerprint",
-    "topic",
-    "direction",
-    "board",
-    "recording",
-    "address",
-    "link",
-    "state",
+    *("full_name", "host", "instance", "fingerprint", "topic", "direction", "board", "recording"),
+    *("address", "link", "state"),
+    *("schema", "differing", "untold"),
 )
 _NODE_VALUES = frozenset(("received", "received_rate", "kernel_drops", "socket_waiting_bytes", "socket_size_bytes"))
+_LINK_VALUES = frozenset(("schema", "senders", "restarts"))
 _ROW_VALUES = frozenset(("number", "topic", "direction", "count", "rate"))
 
 
@@ -155,23 +148,31 @@ def page_of(array: DiagnosticArray) -> dict[str, Any] | None:
     """Convert a message of ``/diagnostics`` to the state of the bridge that published it; None for another node.
 
     The state is a dictionary for JSON: ``stamp`` (seconds since 1970), ``node`` (the bridge as a whole), ``rows`` (a
-    list) and ``ends`` (a list: peers and boards with their addresses). Texts that spell numbers become numbers.
+    list), ``ends`` (a list: peers and boards with their addresses) and ``links`` (a list of what the link messages of
+    each end tell). Texts that spell numbers become numbers.
     """
     own = next((status for status in array.status if any(pair.key == "fingerprint" for pair in status.values)), None)
     if own is None:
         return None
-    prefix = f"{own.name}: "
     node = _entry(own, own.name, _NODE_VALUES)
+    prefix = f"{own.name}: "
     parts = [status for status in array.status if status.name.startswith(prefix)]
     ends = [status for status in parts if any(pair.key == "link" for pair in status.values)]
     rows = [_entry(status, status.name.removeprefix(prefix), _ROW_VALUES) for status in parts if status not in ends]
-    if node is None or None in rows:
+    of_links = f"{own.name} link: "
+    links = [
+        _entry(status, status.name.removeprefix(of_links), _LINK_VALUES)
+        for status in array.status
+        if status.name.startswith(of_links)
+    ]
+    if node is None or None in rows or None in links:
         return None
     return {
         "stamp": array.header.stamp.sec + array.header.stamp.nanosec / 1e9,
         "node": node,
         "rows": rows,
         "ends": [_entry(status, status.name.removeprefix(prefix), frozenset()) for status in ends],
+        "links": links,
     }
 
 
@@ -199,5 +200,5 @@ def _number(text: str) -> float | None:
 
 
 def has_problems(page: dict[str, Any]) -> bool:
-    """Return true if the state shows the bridge, or one of its rows, at another level than OK."""
-    return any(entry["level"] != "OK" for entry in (page["node"], *page["rows"]))
+    """Return true if the state shows the bridge, one of its rows, or an end of the link at another level than OK."""
+    return any(entry["level"] != "OK" for entry in (page["node"], *page["rows"], *page["links"]))

@@ -12,7 +12,7 @@ from rich.cells import cell_len
 from rich.console import RenderableType
 from rich.text import Text
 
-from roverlink.heard_bridges import DROPPED, LEVELS, HeardBridge, HeardBridges, full_name, instance, place
+from roverlink.heard_bridges import DROPPED, LEVELS, QUIET_S, HeardBridge, HeardBridges, full_name, instance, place
 
 _STYLES = {"OK": "green", "WARN": "yellow", "ERROR": "bold red", "STALE": "magenta"}
 _BADNESS = {"WARN": 1, "STALE": 2, "ERROR": 3}
@@ -236,6 +236,8 @@ def _header(page: dict[str, Any], label: str, quiet: bool = False) -> list[Text]
         lines.append(Text(_plain(f"publishers and subscriptions of other nodes without matching QoS: {mismatches}")))
     if ends := [text for end in page["ends"] if (text := _end_text(end))]:
         lines.append(Text(_plain(f"peers and boards: {', '.join(ends)}"), "yellow"))
+    links = sorted(page["links"], key=lambda link: link["level"] == "OK")
+    lines += [Text(_plain(_link_line(link)), "yellow" if link["level"] != "OK" else "") for link in links]
     if "recording" in node:
         size, waiting, lost = (node.get(f"recording_{name}", 0) for name in ("bytes", "waiting", "lost"))
         recording = f"recording: {lost} messages lost, {waiting} waiting for the disk, {size / 1e6:.1f} MB in "
@@ -256,6 +258,21 @@ def _end_text(end: Mapping[str, Any]) -> str:
     problems += ["silent"] if end["state"] == "silent" else []
     name = end["name"].removeprefix("link to ")
     return f"{name} {' and '.join(problems)}{' at ' if end['address'] else ''}{end['address']}" if problems else ""
+
+
+def _link_line(link: dict[str, Any]) -> str:
+    """Return what the link messages of an end tell, as one line."""
+    facts = [f"{link['name']}: {link['message']}"]
+    losses = [f"{way} {100 * link[key]:.1f}%" for way, key in (("in", "loss_in"), ("out", "loss_out")) if key in link]
+    facts += [f"loss {', '.join(losses)}"] if losses else []
+    facts += [f"{name} {1000 * link[key]:.1f} ms" for name, key in _LINK_TIMES if key in link]
+    facts += [f"{link[key]} {key}" for key in ("reordered", "duplicates", "restarts") if link.get(key)]
+    facts += [f"{link['senders']} senders"] if link["senders"] > 1 else []
+    facts += [f"silent for {link['age']:.0f} s"] if link.get("age", 0) > QUIET_S else []
+    return "; ".join(facts)
+
+
+_LINK_TIMES = (("round trip", "round_trip"), ("jitter", "jitter"), ("clock", "clock_offset"))
 
 
 def _levels(entries: Sequence[dict[str, Any]]) -> str:

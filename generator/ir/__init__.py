@@ -1,9 +1,11 @@
 """Intermediate representation (IR) of mapping.yaml: the compiled table as data, from which all files are generated.
 
-`model` has routes, messages and conversions. `interfaces` has the standard messages of ROS 2, such as
-``sensor_msgs/msg/Imu``, and the expressions that compute their fields from a payload.
+`model` has routes, messages and conversions. `link_fields` has the fields of the link message. `interfaces` has the
+standard messages of ROS 2, such as ``sensor_msgs/msg/Imu``, and the expressions that compute their fields from a
+payload.
 """
 
+from roverlink.generator.ir.link_fields import LINK_FIELDS, LINK_MEMBER, LINK_MESSAGE, LINK_ROWS, largest_link_size
 from roverlink.generator.ir.model import (
     AnyConversion,
     AnyMember,
@@ -17,6 +19,7 @@ from roverlink.generator.ir.model import (
     Envelope,
     FieldBound,
     FieldConversion,
+    Link,
     MapEntry,
     Member,
     Peer,
@@ -37,6 +40,10 @@ from roverlink.generator.ir.model import (
 )
 
 __all__ = [
+    "LINK_FIELDS",
+    "LINK_MEMBER",
+    "LINK_MESSAGE",
+    "LINK_ROWS",
     "AnyConversion",
     "AnyMember",
     "Bridge",
@@ -50,6 +57,7 @@ __all__ = [
     "StandardTopic",
     "FieldBound",
     "FieldConversion",
+    "Link",
     "MapEntry",
     "Member",
     "Peer",
@@ -66,4 +74,5 @@ __all__ = [
     "WireSize",
     "WireValue",
     "Wrapping",
+    "largest_link_size",
 ]

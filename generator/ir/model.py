@@ -64,6 +64,16 @@ class Envelope:
 
 
 @dataclass(frozen=True, slots=True)
+class Link:
+    """Link message: member of the envelope by which two ends compare their schemas and measure the link."""
+
+    number: int
+    file: str
+    """.proto file of the message, relative to the proto root."""
+    on_mismatch: Literal["warn", "refuse"]
+
+
+@dataclass(frozen=True, slots=True)
 class End:
     """End of the link, to which datagrams are sent: a peer, or a board of a peer that has boards with addresses."""
 
@@ -369,6 +379,8 @@ class Route:
     """Extra topics of the row, which the table lists under `also`."""
     board: str = ""
     """Board of the peer that sends or receives the payload: a prefix of a peer that has several; else empty."""
+    schema_hash: int = 0
+    """Hash of the payload's wire schema, 32 bits."""
 
     @property
     def peer(self) -> str:
@@ -488,6 +500,8 @@ class Bridge:
     """Python module and stub that protoc generated of each .proto file: the file, then path and text of both."""
     descriptors: bytes
     """Serialized FileDescriptorSet of the envelope and its imports, without comments."""
+    link: Link | None = None
+    """Link message; None if the table has none."""
 
     @property
     def folder(self) -> str:

@@ -97,9 +97,9 @@ def _use(use: PastUse) -> str:
 
 def _number_lines(bridge: ir.Bridge, published: Ledger) -> dict[tuple[int, str], str]:
     """Return what mapping.lock says about each published payload, by number and message, in the order of the file."""
-    topics = {route.number: route.topic for route in bridge.routes}
+    topics = {route.number: f" on {route.topic}" for route in bridge.routes}  # the link message has no topic
     lines = {
-        (member.number, member.proto): f"{member.name} {member.proto} on {topics[member.number]}"
+        (member.number, member.proto): f"{member.name} {member.proto}{topics.get(member.number, '')}"
         for member in bridge.envelope.members
     }
     lines |= {(row.number, row.proto): f"{row.name} {row.proto} retired" for row in bridge.envelope.retired}

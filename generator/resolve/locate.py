@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic, Span, nearest
 from roverlink.generator.protos.files import DeclarationIndex
 from roverlink.generator.protos.proto_rules import (
@@ -19,19 +20,32 @@ def locate(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) ->
     """Return the .proto file of each row's message, by the message's full name.
 
     A message is reported and left out if no file or several files declare it. The same is true for the envelope, and
-    for a message in the envelope's file if that file is generated.
+    for a message in a file that is generated: the envelope's, and that of the link message.
+
+    The link message is included. In an envelope of another repository, LNK101 reports it if no file declares it.
     """
     files: dict[str, str] = {}
+    generated = []
+    if table.envelope.owner == "mapping":
+        generated.append(table.envelope.file)
+        if table.link is not None:
+            generated.append(table.envelope.link_file)
+            files[ir.LINK_MESSAGE] = table.envelope.link_file
+    elif table.link is not None and len(declared := index.files.get(ir.LINK_MESSAGE, [])) == 1:
+        (files[ir.LINK_MESSAGE],) = declared
     for row in table.rows:
         declared = index.files.get(row.proto, [])
-        if row.proto == table.envelope.message:
+        if row.proto == ir.LINK_MESSAGE and row.proto in files:
+            message = f"{row.proto!r} is the link message, which `link` makes a member of the envelope"
+            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "remove the row"))
+        elif row.proto == table.envelope.message:
             message = f"{row.proto!r} is the envelope, which cannot be a payload of itself"
             findings.append(
                 PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "write the name of the payload's message")
             )
         elif len(declared) != 1:
             findings.append(_not_located(row.at("proto"), row.proto, declared, index))
-        elif declared[0] == table.envelope.file and table.envelope.owner == "mapping":
+        elif declared[0] in generated:
             message = f"{row.proto!r} is declared in {declared[0]}, which is generated from {table.file}"
             findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "move the message to another file"))
         else:

@@ -15,6 +15,7 @@ from roverlink.generator.ir import StandardTopic
 from roverlink.generator.lock import Ledger
 from roverlink.generator.protos.proto_rules import EXCLUDED_PROTO
 from roverlink.generator.protos.protoc import Compilation
+from roverlink.generator.protos.row_hash import row_hash
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.messages import RosMessages
 from roverlink.generator.resolve.safety import check_peers, with_safety_settings
@@ -25,12 +26,16 @@ from roverlink.generator.table import PeerSettings, Table
 def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) -> ir.Envelope:
     """Return the envelope, which is the message around every payload, with one member of its oneof for each row.
 
-    ``files`` has the .proto file of each proto message, by the message's full name. A row whose message is not in
-    ``files`` is left out. ``published`` is the ledger (mapping.lock). It gives the burned numbers: numbers that had
-    several meanings in the past and must never be used again.
+    The link message is a member, too. ``files`` has the .proto file of each proto message, by the message's full name.
+    A row whose message is not in ``files`` is left out. ``published`` is the ledger (mapping.lock). It gives the burned
+    numbers: numbers that had several meanings in the past and must never be used again.
     """
     burned = published.burned_in(table.envelope.message)
-    members = [ir.Member(row.number, row.name, row.proto, files[row.proto]) for row in table.rows if row.proto in files]
+    members = [
+        ir.Member(member.number, member.name, member.proto, files[member.proto])
+        for member in table.members
+        if member.proto in files
+    ]
     return ir.Envelope(
         file=table.envelope.file,
         message=table.envelope.message,
@@ -70,7 +75,9 @@ def resolve(
     routes = tuple(
         with_safety_settings(
             dataclasses.replace(
-                _completed(messages.route(row), standard_topics.of(row), sizes.get(row.name)), board=table.board_of(row)
+                _completed(messages.route(row), standard_topics.of(row), sizes.get(row.name)),
+                board=table.board_of(row),
+                schema_hash=row_hash(schema, row.proto),
             ),
             row,
             schema,
@@ -103,6 +110,7 @@ def resolve(
         interfaces=standard_topics.interfaces,
         modules=compilation.modules,
         descriptors=schema.descriptors_without_comments(),
+        link=_link(table, schema),
     )
 
 
@@ -125,6 +133,14 @@ def _peer(peer: PeerSettings) -> ir.Peer:
         must_sign=peer.sign == "required",
         boards=ends if peer.boards else (),
     )
+
+
+def _link(table: Table, schema: Schema) -> ir.Link | None:
+    """Return the link message; None if the table has none, or if no compiled file declares it, which LNK101 reports."""
+    message = schema.messages.get(ir.LINK_MESSAGE)
+    if table.link is None or message is None:
+        return None
+    return ir.Link(table.link.number, message.file, table.link.on_mismatch)
 
 
 def _completed(

@@ -9,14 +9,16 @@ The reader, the JSON Schema, the reference in docs/mapping.md and the defaults a
 from __future__ import annotations
 
 import keyword
+import posixpath
 import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from ipaddress import IPv6Network, ip_address, ip_network
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from roverlink.generator.diagnostics import Span
+from roverlink.generator.ir import LINK_MEMBER, LINK_MESSAGE
 from roverlink.generator.ir.model import End, Qos
 from roverlink.generator.ir.ros_names import snake_case
 from roverlink.generator.table.parts import NAME, NOT_EMPTY, Form, Part
@@ -243,6 +245,11 @@ class EnvelopeSettings(Part):
         ),
     ] = "mapping"
 
+    @property
+    def link_file(self) -> str:
+        """Path of the .proto file that generate writes for the link message: beside the envelope's file."""
+        return posixpath.join(posixpath.dirname(self.file), f"{LINK_MEMBER}.proto")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RosSettings(Part):
@@ -449,6 +456,26 @@ def _longest_prefix(prefixes: tuple[str, ...], proto: str) -> str:
     names = (proto, proto.rpartition(".")[2])
     fitting = (prefix for prefix in prefixes if any(name.startswith(prefix) for name in names))
     return max(fitting, key=len, default="")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkSettings(Part):
+    """Settings under `link`: the link message, by which both ends of a link compare their schemas and measure the link.
+
+    The link message is a member of the envelope's oneof, like the payload of a row.
+    """
+
+    number: Annotated[FieldNumber, Meaning("Field number of the link message in the envelope's oneof.")]
+    on_mismatch: Annotated[
+        Literal["warn", "refuse"],
+        Meaning(
+            "What the bridge does with a row whose schema differs at the two ends: `warn` passes its messages on and "
+            "logs a warning, `refuse` drops them in both directions. It is the default of the parameter `link_policy`."
+        ),
+    ] = "warn"
+
+    name: ClassVar[str] = LINK_MEMBER
+    proto: ClassVar[str] = LINK_MESSAGE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -735,6 +762,10 @@ class EnumSettings(Part):
     field: Annotated[str, Text("field name"), Meaning("The field of that ROS message for the value of the enum.")]
 
 
+Numbered: TypeAlias = Row | LinkSettings | SigningSettings
+"""What has a field number in the envelope: a row's payload, the link message, or the signature."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table(Part):
     """Content of mapping.yaml. Rows and other items with mistakes are left out."""
@@ -755,6 +786,14 @@ class Table(Part):
     rows: Annotated[
         tuple[Row, ...], NOT_EMPTY, Meaning("The rows: one for each message, in any order.", key="messages")
     ]
+    link: Annotated[
+        LinkSettings | None,
+        Meaning(
+            "The link message, by which the bridge and its peers compare their schemas and measure the link.",
+            default="no link message",
+            see="operations.md#the-link-message",
+        ),
+    ] = None
     retired: Annotated[
         tuple[RetiredRow, ...],
         Meaning("Removed payloads. Their numbers and names are reserved in the envelope and never used again."),
@@ -785,9 +824,14 @@ class Table(Part):
     lint: Annotated[tuple[Lowered, ...], Meaning("Lower severities of rules, for the whole table.")] = ()
 
     @property
-    def numbered(self) -> tuple[Row | SigningSettings, ...]:
-        """All fields of the envelope that the table numbers: the rows, and the signature if there is one."""
-        return (*self.rows, self.signing) if self.signing else self.rows
+    def numbered(self) -> tuple[Numbered, ...]:
+        """All fields of the envelope that the table numbers: the `members`, and the signature if there is one."""
+        return (*self.members, self.signing) if self.signing else self.members
+
+    @property
+    def members(self) -> tuple[Row | LinkSettings, ...]:
+        """Members of the envelope's oneof: the rows, and the link message if the table has one."""
+        return (*self.rows, self.link) if self.link else self.rows
 
     def peers_by_name(self) -> dict[str, PeerSettings]:
         """Return the settings of each peer, by the peer's name."""

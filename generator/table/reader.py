@@ -46,13 +46,13 @@ def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
 
 
 def _numbers(table: Form) -> Iterator[int]:
-    """Yield the numbers of the signature and of all rows and retired rows, including rows that lack a required key."""
+    """Yield the numbers of all rows, retired rows, the link message and the signature.
+
+    Rows that lack a required key are included.
+    """
     entries = table.entries or {}
-    signing = entries["signing"].entries if "signing" in entries else None
-    if signing and "number" in signing and isinstance(number := signing["number"].value, int):
-        yield number
-    for key in ("messages", "retired"):
-        for row in entries[key].items or () if key in entries else ():
+    for key in ("messages", "retired", "link", "signing"):
+        for row in entries[key].items or (entries[key],) if key in entries else ():
             if row.entries and "number" in row.entries and isinstance(number := row.entries["number"].value, int):
                 yield number
 

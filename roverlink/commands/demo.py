@@ -176,7 +176,9 @@ class _Rig:
         """Read the payloads that have arrived at the simulated peers, and count them by row, or as forwarded."""
         for peer in self._peers.values():
             for number, payload in peer.arrived():
-                crossing = self._by_number[number]
+                crossing = self._by_number.get(number)
+                if crossing is None:
+                    continue  # a link message of the bridge
                 if crossing.handler.route.inbound:
                     self.forwarded += 1
                 else:

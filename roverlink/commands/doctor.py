@@ -27,6 +27,8 @@ def add(commands: Subparsers) -> None:
         "bridge's UDP port and receive buffer, the peers' address, firewall, multicast and ROS 2. Use it before the\n"
         "first `roverlink run`, or if no messages arrive. Stop the bridge before, so that its UDP port is free. Write\n"
         "the same --ros-args as for `roverlink run`, so that the port and the addresses of that bridge are checked.\n\n"
+        "If the table has the link message, the command exchanges link messages with the peers for a moment, and\n"
+        "names the boards that have another schema.\n\n"
         "The output has one line for each check: ok, warning or error, the name of the check, and the result. A line\n"
         "`help` below it says how to solve a problem. The command changes nothing. Exit code 0: no check has the\n"
         "result error; 1: at least one has.",

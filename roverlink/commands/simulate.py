@@ -33,7 +33,7 @@ from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.simulation.bridge_host import BridgeHost, bridge_with
 from roverlink.simulation.peers import Arrivals, Senders
-from roverlink.simulation.run_account import RunTotals, predict, resident_bytes
+from roverlink.simulation.run_account import RunTotals, predict, resident_bytes, sent_to_peers
 from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions
 
 _LOG_LEVEL = "error"  # its warnings repeat the counters of the final report
@@ -194,7 +194,8 @@ def _repeated(stream: Stream, count: int) -> Stream:
 
     These datagrams are made before the first is sent, because making a datagram takes longer than sending it.
     """
-    prepared = list(itertools.islice(stream, count))
+    # A link message must not come twice: its receiver would count a duplicate.
+    prepared = [emission for emission in itertools.islice(stream, count) if emission.end is None]
     # One interval behind the last datagram, so that the seam of two repetitions is not a burst.
     length = prepared[-1].at + prepared[-1].at / count
     for start in itertools.count():
@@ -238,7 +239,7 @@ def _watch_memory(host: BridgeHost, now: float, totals: RunTotals) -> None:
 def _wait_for(arrivals: Arrivals, totals: RunTotals) -> None:
     """Wait, at most 20 seconds, until the peers have received all datagrams of the bridge. Store their number."""
     account = totals.account
-    out = account["sent"] + account["forwarded"] + sum(account["stops"].values())
+    out = sent_to_peers(account)
     deadline = time.monotonic() + _TIMEOUT_S
     while arrivals.count + arrivals.lost < out and time.monotonic() < deadline:
         time.sleep(_TICK_S)

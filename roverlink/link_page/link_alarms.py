@@ -101,6 +101,9 @@ def conditions_of(state: Mapping[str, Any]) -> dict[str, Condition]:
             if board["state"] == "silent" and board["age"] - peer["age"] > board["silent_after"]:
                 subject = f"board {board['name']} of {peer['name']}"
                 found[subject] = Condition("ERROR", f"no message for {board['age']:.0f} s")
+    for link in state["links"]:
+        if link["level"] != "OK":
+            found[f"link of {link['name']}"] = Condition(link["level"], link["message"])
     for row in state["rows"]:
         # A row that has never spoken is at rest: the bridge sends the stop from its start on.
         if row.get("stopping") and row["count"]:

@@ -357,6 +357,47 @@ function showPeers() {
       setText(stop, `■ told to stop: ${peer.stopping.join(", ")}`);
     }
   );
+  showLinks();
+}
+
+// What the link messages of each peer and board tell.
+function showLinks() {
+  const list = byId("links");
+  list.hidden = !state.links.length;
+  syncChildren(
+    list,
+    state.links,
+    (link) => link.name,
+    () => {
+      const made = element("li");
+      made.append(element("span"), element("span"), element("span"));
+      return made;
+    },
+    (made, link) => {
+      const [name, shown, facts] = made.children;
+      setText(name, link.name);
+      setClass(shown, `level ${link.level}`);
+      setText(shown, link.message);
+      setText(facts, linkText(link));
+    }
+  );
+}
+
+function linkText(link) {
+  const percent = (share) => `${(100 * share).toFixed(1)} %`;
+  const milliseconds = (seconds) => `${(1000 * seconds).toFixed(1)} ms`;
+  const facts = [
+    ["loss in", link.loss_in, percent],
+    ["loss out", link.loss_out, percent],
+    ["round trip", link.round_trip, milliseconds],
+    ["jitter", link.jitter, milliseconds],
+    ["clock", link.clock_offset, milliseconds],
+    ["reordered", link.reordered || undefined, String],
+    ["duplicates", link.duplicates || undefined, String],
+    ["restarts", link.restarts || undefined, String],
+    ["silent for", link.age > 3 ? link.age : undefined, ageText],
+  ];
+  return facts.filter(([, value]) => value !== undefined).map(([name, value, text]) => `${name} ${text(value)}`).join("; ");
 }
 
 const LINK_FAULTS = {

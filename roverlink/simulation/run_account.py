@@ -9,16 +9,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from roverlink.runtime import DatagramError, Reason, Translator
+from roverlink.runtime import Reason, Translator
 from roverlink.runtime.bridge.account import discrepancies
+from roverlink.runtime.core.handler import UNSTAMPED
 
 PUBLISHED = "published"
+LINK_MESSAGE = "link message"
 _OF_THE_BRIDGE = (
     Reason.NOT_PUBLISHED,
     Reason.SUPERSEDED,
     Reason.UNKNOWN_SOURCE,
     Reason.WRONG_SOURCE,
     Reason.OVER_RATE,
+    Reason.OTHER_SCHEMA,
     Reason.STOPPED,
 )
 """Reasons for drops that depend on the state of the bridge, so they cannot be predicted from the datagram alone."""
@@ -29,16 +32,17 @@ _MOST_GROWTH = 8 * 1024 * 1024
 def predict(datagram: bytes, translator: Translator, longest: int) -> str:
     """Predict the result of a datagram in a bridge: ``published``, or the reason for its drop, such as ``malformed``.
 
+    The result of a link message, which has no topic, is ``link message``.
+
     ``longest`` is the length in bytes of the longest datagram that the bridge accepts. An overloaded bridge may drop
     the datagram for another reason.
     """
     if len(datagram) > longest:
         return Reason.OVERSIZED.value
-    try:
-        translator.receive(datagram)
-    except DatagramError as error:
-        return error.reason.value
-    return PUBLISHED
+    translation = translator.receive_all([datagram], UNSTAMPED)
+    for refusal in translation.refusals:
+        return refusal.reason.value
+    return LINK_MESSAGE if translation.links else PUBLISHED
 
 
 @dataclass
@@ -82,6 +86,7 @@ class RunTotals:
         yield f"{self.sent.total()} datagrams were sent to the bridge, {hertz:.0f} a second; it counted them as:"
         ends = {PUBLISHED: account["published"]}
         ends |= {f"dropped: {reason}": count for reason, count in account["dropped"].items()}
+        ends |= {"link messages": account["links_received"]} if account["links_received"] else {}
         ends["dropped by the kernel"] = account["kernel_drops"]
         for end, count in ends.items():
             yield f"  {count:>12} {end}"
@@ -96,6 +101,10 @@ class RunTotals:
         yield f"  {account['sent']:>12} made from messages of topics"
         yield f"  {account['forwarded']:>12} forwarded from other peers"
         yield f"  {sum(account['stops'].values()):>12} stop datagrams, because a topic was silent (deadman)"
+        if links := sum(account["links_sent"].values()):
+            yield f"  {links:>12} link messages"
+        for end, rows in account["other_schemas"].items():
+            yield f"{end} has another schema of {', '.join(rows)}"
         if self.memory:
             first, last = _mebibytes(self.memory[0]), _mebibytes(self.memory[-1])
             yield f"memory of the bridge: {first} after 1 s, {last} at the end"
@@ -133,7 +142,7 @@ class RunTotals:
                 yield f"{expected} datagrams should be dropped as {reason.value}, but {counted} were"
 
     def _lost_behind_bridge(self) -> Iterator[str]:
-        out = self.account["sent"] + self.account["forwarded"] + sum(self.account["stops"].values())
+        out = sent_to_peers(self.account)
         found = self.arrived + self.lost_at_peers
         if out != found:
             yield f"the bridge sent {out} datagrams to the peers, but {found} arrived or were dropped by the kernel"
@@ -145,6 +154,12 @@ class RunTotals:
         warm = self.memory[int(len(self.memory) * _WARMED_UP) :]
         if warm and warm[-1] - warm[0] > _MOST_GROWTH:
             yield f"the bridge's memory grew from {_mebibytes(warm[0])} to {_mebibytes(warm[-1])}"
+
+
+def sent_to_peers(account: dict[str, Any]) -> int:
+    """Return how many datagrams the bridge has sent to peers, by its account."""
+    alone = sum(account["stops"].values()) + sum(account["links_sent"].values())
+    return int(account["sent"] + account["forwarded"] + alone)
 
 
 _ENDS_OF_COMMANDS = {

@@ -13,11 +13,13 @@ import itertools
 import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry
 from roverlink.runtime.core.envelope import strip_trailing_zeros
-from roverlink.runtime.core.registry import AnyHandler
+from roverlink.runtime.core.link_message import NAME, PERIOD_S, LinkWriter
+from roverlink.runtime.core.registry import AnyHandler, EndName
 from roverlink.runtime.core.wire_format import DELIMITED, VARINT
 
 
@@ -33,6 +35,8 @@ class Emission:
     datagram: bytes
     life: int = 0
     """Number of times that the peer has restarted; after each restart it sends from a new port."""
+    end: EndName | None = None
+    """End that sends the datagram, if it is a link message; else None."""
 
 
 Stream = Iterator[Emission]
@@ -46,6 +50,17 @@ class World:
     rng: random.Random
     longest: int
     """Length in bytes of the longest datagram that the bridge accepts."""
+    writers: dict[tuple[EndName, int], LinkWriter] = dataclasses.field(default_factory=dict)
+    """Writers of the link messages of each end, from one start of the end to the next."""
+
+    def writer(self, end: EndName, life: int = 0) -> LinkWriter:
+        """Return the writer of an end's link messages; ``life`` is the number of times that the end has restarted."""
+        if (end, life) not in self.writers:
+            hashes = self.registry.link.hashes if self.registry.link else {}
+            own = [handler.route for handler in self.registry.handlers if end_of(handler) == end]
+            told = {route.number: hashes[route.number] for route in own}
+            self.writers[end, life] = LinkWriter(self.registry.envelope, self.rng.getrandbits(32), told)
+        return self.writers[end, life]
 
     def datagram(self, name: str, seconds: float) -> bytes:
         """Return a serialized envelope with the payload of the row ``name``.
@@ -62,20 +77,38 @@ class World:
 
     def unused_number(self) -> int:
         """Return an envelope number that no row has; a retired number if there is one."""
+        used = {*self.registry.by_number, *([self.registry.link.number] if self.registry.link else [])}
         candidates = itertools.chain(self.registry.retired, itertools.count(1))
-        return next(number for number in candidates if number not in self.registry.by_number)
+        return next(number for number in candidates if number not in used)
+
+
+def end_of(handler: AnyHandler) -> EndName:
+    """Return the end to which a row belongs: a board, or a peer that has no boards."""
+    return EndName(handler.route.peer, handler.route.board)
 
 
 def steady(world: World, rate: float) -> Stream:
     """Yield datagrams without faults and without end: one of each row whose payload comes from a peer, in turn.
 
-    ``rate`` is the number of datagrams a second, of all rows together.
+    ``rate`` is the number of datagrams a second, of all rows together. If the table has the link message, each board
+    and each peer sends one a second, too.
     """
     rows = world.inbound
+    ends = [] if world.registry.link is None else sorted({end_of(handler) for handler in world.registry.handlers})
+    told = 0.0
     for index in itertools.count():
-        route = rows[index % len(rows)].route
-        at = index / rate
-        yield Emission(at, route.peer, route.name, world.datagram(route.name, at))
+        handler = rows[index % len(rows)]
+        name, at = handler.route.name, index / rate
+        for end in ends if at >= told else ():
+            yield Emission(at, end.peer, NAME, world.writer(end).write(_microseconds(at)), end=end)
+        told += PERIOD_S if at >= told else 0.0
+        if ends:
+            world.writer(end_of(handler)).count_sent(1)
+        yield Emission(at, handler.route.peer, name, world.datagram(name, at))
+
+
+def _microseconds(seconds: float) -> int:
+    return round(seconds * 1e6)
 
 
 # --- scenarios --------------------------------------------------------------------------------------------------
@@ -107,6 +140,9 @@ def stale(stream: Stream, world: World) -> Stream:
     """Simulate a stuck program on a board: it repeats the same values for seconds."""
     held: dict[str, Emission] = {}
     for emission in stream:
+        if emission.end is not None:
+            yield emission
+            continue
         before = held.get(emission.name)
         if before is None or emission.at - before.at > world.rng.uniform(1, 5):
             held[emission.name] = before = emission
@@ -116,6 +152,9 @@ def stale(stream: Stream, world: World) -> Stream:
 def old_schema(stream: Stream, world: World) -> Stream:
     """Simulate boards with other .proto files: unknown fields, missing fields, payloads without a row."""
     for emission in stream:
+        if emission.end is not None:
+            yield dataclasses.replace(emission, datagram=_with_other_hashes(emission.datagram, world))
+            continue
         chance = world.rng.random()
         if chance < _OF_NO_ROW:
             content = b"\x08" + bytes([world.rng.randrange(128)])
@@ -139,6 +178,15 @@ def _of_other_protos(emission: Emission, world: World) -> bytes:
         payload.ClearField(fields[-1].name)
     newer = _tag(_NEWER_FIELD, VARINT) + b"\x2a"
     return _delimited(handler.route.number, payload.SerializeToString() + newer)
+
+
+def _with_other_hashes(datagram: bytes, world: World) -> bytes:
+    """Return a link message with other hashes of the rows that come from peers."""
+    envelope: Any = world.registry.envelope.FromString(datagram)
+    for index, number in enumerate(envelope.link.numbers):
+        if world.registry.by_number[number].route.inbound:
+            envelope.link.hashes[index] ^= 1
+    return bytes(envelope.SerializeToString())
 
 
 def _tag(number: int, wire_type: int) -> bytes:
@@ -228,8 +276,15 @@ def reboot(stream: Stream, world: World) -> Stream:
             life, born, dies = life + 1, dies + _OUTAGE_S, dies + world.rng.uniform(3, 8)
         lives[emission.peer] = life, born, dies
         if emission.at >= born:
-            datagram = world.datagram(emission.name, emission.at - born) if life else emission.datagram
+            datagram = _of_life(emission, life, born, world) if life else emission.datagram
             yield dataclasses.replace(emission, life=life, datagram=datagram)
+
+
+def _of_life(emission: Emission, life: int, born: float, world: World) -> bytes:
+    """Return the datagram that a peer sends after ``life`` restarts, the last one at the time ``born``."""
+    if emission.end is not None:
+        return world.writer(emission.end, life).write(_microseconds(emission.at - born))
+    return world.datagram(emission.name, emission.at - born)
 
 
 _OUTAGE_S = 1.0

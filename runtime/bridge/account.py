@@ -41,9 +41,15 @@ class Account:
     unsent: Counter[str] = field(default_factory=Counter)
     """Datagrams that the network refused to send, by peer."""
     unforwarded: Counter[str] = field(default_factory=Counter)
-    """Datagrams not forwarded to a peer because they are longer than its ``max_size``, by this peer."""
+    """Datagrams not forwarded to a peer, by this peer: longer than its ``max_size``, or of another schema."""
     link_events: Counter[tuple[str, str, str]] = field(default_factory=Counter)
     """Events of the addresses of peers, by peer, board (empty for a whole peer) and event (`LinkEvent`)."""
+    links_received: int = 0
+    """Link messages received from peers."""
+    links_sent: Counter[str] = field(default_factory=Counter)
+    """Link messages sent, by peer."""
+    other_schemas: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    """Names of the rows whose schema differs now at an end, by the end's name."""
     taken: Counter[str] = field(default_factory=Counter)
     """Messages received from topics, by payload."""
     refused: Counter[str] = field(default_factory=Counter)
@@ -77,6 +83,9 @@ class Account:
             "link_events": {
                 " ".join(filter(None, key)): count for key, count in sorted(self.link_events.items()) if count
             },
+            "links_received": self.links_received,
+            "links_sent": dict(sorted(self.links_sent.items())),
+            "other_schemas": {end: list(rows) for end, rows in sorted(self.other_schemas.items())},
             "extra_published": dict(sorted(self.extra_published.items())),
             "extra_unpublished": dict(sorted(self.extra_unpublished.items())),
             "qos_mismatches": {topic: len(texts) for topic, texts in sorted(self.qos_mismatches.items())},
@@ -108,13 +117,19 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
     """Return a text for each pair of sums of counters that should be equal but are not; an empty list if all agree.
 
     A text is ``10 datagrams received, but 9 published and dropped``. ``account`` is a result of `Account.as_dict`.
-    Every datagram received must have been published, or dropped for a reason. Every message of a topic must have been
-    sent, refused, superseded, or failed in the network.
+    Every datagram received must have been published, dropped for a reason, or a link message. Every message of a topic
+    must have been sent, refused, superseded, or failed in the network.
     """
     dropped = sum(account["dropped"].values())
+    links = account["links_received"]
     ends = [sum(account[name].values()) for name in ("refused", "superseded", "failed")]
     sums = [
-        ("datagrams received", account["received"], "published and dropped", account["published"] + dropped),
+        (
+            "datagrams received",
+            account["received"],
+            "published, dropped and link messages" if links else "published and dropped",
+            account["published"] + dropped + links,
+        ),
         ("messages taken", account["taken"], "sent, refused, superseded and failed", account["sent"] + sum(ends)),
     ]
     return [f"{one} {what}, but {other} {ends}" for what, one, ends, other in sums if one != other]

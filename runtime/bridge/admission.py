@@ -31,6 +31,13 @@ class Admission:
         self._make, self._drop = translator, drop
         self._gate = SourceGate(registry.peers)
         self._translators: dict[frozenset[str], Translator] = {}
+        self._refused: frozenset[str] = frozenset()
+
+    def refuse(self, rows: frozenset[str]) -> None:
+        """Refuse the payloads of some rows from now on, as `Translator.refuse` does."""
+        self._refused = rows
+        for translator in tuple(self._translators.values()):
+            translator.refuse(rows)
 
     def sort(self, batch: Iterable[tuple[bytes, Address]], now: float) -> Mapping[Translator, list[bytes]]:
         """Group the admitted datagrams of a batch by translator.
@@ -52,4 +59,5 @@ class Admission:
         # Senders with the same peers share a translator, so there are at most as many as there are sets of peers.
         if peers not in self._translators:
             self._translators[peers] = self._make(peers)
+            self._translators[peers].refuse(self._refused)
         return self._translators[peers]

@@ -15,7 +15,7 @@ from __future__ import annotations
 import logging
 import time
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Protocol
 
@@ -24,6 +24,7 @@ from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.ends import Ends, LinkState
 from roverlink.runtime.bridge.forwarding import Forwarding
+from roverlink.runtime.bridge.link_exchange import EndReport, LinkExchange
 from roverlink.runtime.bridge.qos_watch import QosWatch
 from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
@@ -98,6 +99,7 @@ class Bridge:
         self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
         self._counters = Counters(self._socket, logger)
         self.account = self._counters.account
+        self._sending = self._send if registry.link is None else self._send_counted
         self._ends = Ends(registry, parameters, self._counters, self._socket)
         self._sender: Sender | None = None  # of the datagrams that are handled now, if an address is to be learned
         self._observers = observers
@@ -115,11 +117,12 @@ class Bridge:
             registry,
             self._ends,
             parameters.forward_policy,
-            self._signed_peers.forwarding(self._send),
-            self._send,
+            self._signed_peers.forwarding(self._sending),
+            self._sending,
             self._counters,
         )
         self._failure: BaseException | None = None
+        self._link = self._exchange(parameters.link_policy)
 
     @property
     def port(self) -> int:
@@ -148,7 +151,11 @@ class Bridge:
         outbound = [handler for handler in handlers if not handler.route.inbound]
         self._outbound_rows = [self._outbound_row(handler) for handler in outbound]
         tasks: list[TimedTask] = [*self._paced, *(row for row in self._outbound_rows if row.is_timed)]
+        if self._link is not None:
+            tasks.append(self._link)
         self._timekeeper = Timekeeper("timekeeper", tasks, self._fail)
+        if self._link is not None:
+            self._link.wake = self._timekeeper.wake
         for paced in self._paced:
             paced.wake = self._timekeeper.wake
         watches = [self._subscribe(handler, row) for handler, row in zip(outbound, self._outbound_rows)]
@@ -201,11 +208,39 @@ class Bridge:
         before, self._parameters = self._parameters, parameters
         self._ends.follow(parameters)
         self._forwarding.follow(parameters.forward_policy)
+        if self._link is not None:
+            self._link.follow(parameters.link_policy)
         if _reading(parameters) != _reading(before):
             self._receiver.pass_to(*self._receiving(parameters))
         if parameters.receive_buffer != before.receive_buffer:
             udp.size_receive_buffer(self._socket, parameters.receive_buffer)
             self._warn_of_small_buffer()
+
+    # --- the link messages ---
+
+    def link_reports(self) -> list[EndReport]:
+        """Return what the link messages of each end tell; empty for a table without the link message."""
+        return self._link.reports() if self._link is not None else []
+
+    def _exchange(self, policy: str) -> LinkExchange | None:
+        link = self._registry.link
+        if link is None:
+            return None
+        sends = {
+            end: self._signed_peers.sending(end.peer, end.board, partial(self._send, destination=destination))
+            for end, destination in self._ends.destinations.items()
+        }
+        return LinkExchange(
+            self._registry, link.hashes, sends, self._refuse_rows, policy, self.account, self._counters.warnings
+        )
+
+    def _refuse_rows(self, rows: frozenset[str], forwards: Mapping[EndName, frozenset[str]]) -> None:
+        """Refuse the messages of rows in both directions, and forward some rows no longer to some ends."""
+        self._translator.refuse(rows)
+        self._admission.refuse(rows)
+        for row in self._outbound_rows:
+            row.refused = row.name in rows
+        self._forwarding.refuse(forwards)
 
     # --- peers to topics ---
 
@@ -263,6 +298,8 @@ class Bridge:
         for refusal in translation.refusals:
             self._counters.count_dropped(refusal)
         self._publish(translation, stamp)
+        if self._link is not None:
+            self._link.take(translation)
         # Forward after publishing: topics have priority, and the policy `mapping` needs the names.
         self._forwarding.forward(fitting, translation.names, translation.restored)
         if self._sender is not None:
@@ -303,10 +340,17 @@ class Bridge:
             self._counters.count_unsent(destination, error)
         return len(datagrams) - len(refusals)
 
+    def _send_counted(self, datagrams: Sequence[bytes], destination: Destination) -> int:
+        """Send datagrams to a peer, and count them for its link messages."""
+        sent = self._send(datagrams, destination)
+        if self._link is not None:  # a link message counts itself
+            self._link.count_sent(EndName(destination.peer, destination.board), sent)
+        return sent
+
     def _outbound_row(self, handler: AnyHandler) -> OutboundRow:
         route, destination = handler.route, self._ends.destinations[self._registry.end_of(handler.route)]
         # Observers see the datagram without its signature, which is new each time that the datagram is sent.
-        send = self._signed_peers.sending(route.peer, route.board, partial(self._send, destination=destination))
+        send = self._signed_peers.sending(route.peer, route.board, partial(self._sending, destination=destination))
         for observer in self._observers:
             send = observer.sending(destination.peer, send)
         return OutboundRow(handler, self._translator, send, self.account, self._counters.warnings)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.ends import Ends
-from roverlink.runtime.core.registry import Registry
+from roverlink.runtime.core.registry import EndName, Registry
 from roverlink.runtime.net.destination import Destination
 
 Send = Callable[[Sequence[bytes], Destination], int]
@@ -47,7 +47,16 @@ class Forwarding:
             for peer in handler.route.forward if handler.route.inbound else ():
                 for destination in ends.of_peer(peer):
                     self._rows[destination].add(handler.route.name)
+        self._refused: Mapping[EndName, frozenset[str]] = {}
         self.follow(policy)
+
+    def refuse(self, rows: Mapping[EndName, frozenset[str]]) -> None:
+        """Forward some rows no longer to some ends, which have another schema of them.
+
+        ``rows`` has the names of all these rows by end. Safe to call from any thread. The policy ``all`` forwards them
+        all the same.
+        """
+        self._refused = rows
 
     def follow(self, policy: str) -> None:
         """Use a policy from now on: ``mapping`` forwards to the peers that the row names, ``all`` to every peer.
@@ -70,6 +79,10 @@ class Forwarding:
         if restored:
             datagrams = [restored.get(datagram, datagram) for datagram in datagrams]
         for destination, rows in self._rows.items():
+            end = EndName(destination.peer, destination.board)
+            if refused := self._refused.get(end):
+                self._counters.account.unforwarded[destination.peer] += sum(name in rows & refused for name in names)
+                rows = rows - refused
             own = [datagram for datagram, name in zip(datagrams, names) if name in rows]
             limit = self._limits.get(destination.peer)
             fitting = own if limit is None else self._fitting(own, limit, destination.peer)

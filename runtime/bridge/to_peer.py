@@ -43,7 +43,7 @@ class OutboundRow:
     ) -> None:
         self._handler, self._translator, self._send = handler, translator, send
         self._account, self._warnings = account, warnings
-        self._name = handler.route.name
+        self.name = handler.route.name
         self._lock = threading.Lock()
         rate, deadman = handler.route.max_rate, handler.route.deadman
         self._pacer: Pacer[bytes] | None = Pacer(rate) if rate else None
@@ -51,6 +51,12 @@ class OutboundRow:
             _Guard(deadman, _stop_of(handler, deadman, translator), self._warn_of_silence) if deadman else None
         )
         self._wake: Callable[[], None] = lambda: None
+        self.refused = False
+        """True if no message is sent, because the peer has another schema of the row's payload.
+
+        The stop is sent all the same: it is safer than silence, and most stops are empty, which means the same in every
+        schema.
+        """
 
     @property
     def is_timed(self) -> bool:
@@ -72,7 +78,7 @@ class OutboundRow:
         The middleware calls this with the messages that have arrived.
         """
         with self._lock:
-            self._account.taken[self._name] += len(messages)
+            self._account.taken[self.name] += len(messages)
             if self._pacer is not None:
                 messages = self._newest(messages, self._pacer)
             if messages:
@@ -107,9 +113,9 @@ class OutboundRow:
                 self._pass_on([message])
             return
         # A command that waits must not go out: the stop has to be the last word.
-        self._account.superseded[self._name] += message is not None
+        self._account.superseded[self.name] += message is not None
         for _ in range(_STOP_COPIES):
-            self._account.stops[self._name] += self._send([self._guard.stop])
+            self._account.stops[self.name] += self._send([self._guard.stop])
             time.sleep(_STOP_PAUSE_S)
 
     def _newest(self, messages: Sequence[bytes], pacer: Pacer[bytes]) -> Sequence[bytes]:
@@ -119,40 +125,44 @@ class OutboundRow:
         """
         before = pacer.superseded
         passes = pacer.offer(messages[-1], time.monotonic())
-        self._account.superseded[self._name] += len(messages) - 1 + pacer.superseded - before
+        self._account.superseded[self.name] += len(messages) - 1 + pacer.superseded - before
         if passes:
             return messages[-1:]
         self._wake()
         return ()
 
     def _pass_on(self, messages: Sequence[bytes]) -> None:
+        if self.refused:
+            self._account.refused[self.name] += len(messages)
+            self._warnings.warn(self.name, f"not sent: {self.name}: {self._handler.route.peer} has another schema")
+            return
         datagrams = []
         for message in messages:
             try:
                 datagrams.append(self._translator.send(self._handler, message))
             except ConversionError as error:
-                self._account.refused[self._name] += 1
-                self._warnings.warn(self._name, f"not sent: {error}")
+                self._account.refused[self.name] += 1
+                self._warnings.warn(self.name, f"not sent: {error}")
         sent = self._send(datagrams)
         # The watchdog is about commands that leave the bridge, so a message that could not be sent does not count.
         if sent:
-            self._account.sent[self._name] += sent
+            self._account.sent[self.name] += sent
             if self._guard:
                 self._guard.watchdog.message_passed(time.monotonic())
         if failed := len(datagrams) - sent:
-            self._account.failed[self._name] += failed
+            self._account.failed[self.name] += failed
 
     def _tell_to_stop(self, stop: bytes) -> None:
         """Send the stop and discard the waiting message, so that no older command follows the stop."""
         if self._pacer is not None and self._lock.acquire(blocking=False):
-            self._account.superseded[self._name] += self._pacer.withdraw() is not None
+            self._account.superseded[self.name] += self._pacer.withdraw() is not None
             self._lock.release()
-        self._account.stops[self._name] += self._send([stop])
+        self._account.stops[self.name] += self._send([stop])
 
     def _warn_of_silence(self) -> None:
         self._warnings.warn(
-            f"silent {self._name}",
-            f"{self._name}: the topic is silent, so the bridge sends the stop payload (table key deadman) to the peer",
+            f"silent {self.name}",
+            f"{self.name}: the topic is silent, so the bridge sends the stop payload (table key deadman) to the peer",
         )
 
 

@@ -81,6 +81,8 @@ class Reason(str, Enum):
     """A newer signed datagram of the same sender was accepted before."""
     AHEAD = "ahead"
     """The timestamp of the signature is more than ten years ahead."""
+    OTHER_SCHEMA = "other_schema"
+    """The peer has another schema of the payload than the bridge (parameter ``link_policy``)."""
     STOPPED = "stopped"
     """The bridge stopped before it could handle the datagram."""
 

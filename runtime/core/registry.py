@@ -80,6 +80,18 @@ class Peer(End):
     """Boards of the peer that have addresses of their own; empty if the peer is one end."""
 
 
+@dataclass(frozen=True, slots=True)
+class Link:
+    """Link message: a member of the envelope by which two ends compare their schemas and measure the link."""
+
+    number: int
+    """Field number of the link message in the envelope."""
+    on_mismatch: str
+    """Default of the parameter ``link_policy``: ``warn`` or ``refuse``."""
+    hashes: Mapping[int, int]
+    """Hash (32 bits) of the wire schema of each row's payload, by the payload's number."""
+
+
 @dataclass(frozen=True)
 class Registry:
     """All handlers of a table, with the class of the envelope that carries their payloads."""
@@ -100,6 +112,8 @@ class Registry:
     """Payload numbers that are never used again, each with the name of its former payload."""
     signature: int | None = None
     """Field number of the signature in the envelope; None if the envelope has none."""
+    link: Link | None = None
+    """Link message; None if the table has none."""
 
     @cached_property
     def by_number(self) -> dict[int, AnyHandler]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from google.protobuf.message import DecodeError
 
-from roverlink.runtime.core import envelope
+from roverlink.runtime.core import envelope, link_message
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
 from roverlink.runtime.core.handler import UNSTAMPED, all_to_cdr
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, Registry
@@ -37,6 +37,8 @@ class Translation:
     """Error of each refused datagram."""
     restored: dict[bytes, bytes] = field(default_factory=dict)
     """Envelope in each datagram that had appended or stripped zeros, by the datagram."""
+    links: Sequence[ProtoMessage] = ()
+    """Link messages in the batch, in order. Each has the name ``link`` in `names`."""
 
 
 class Translator:
@@ -56,6 +58,16 @@ class Translator:
         self._extra_topics = {
             name: tuple(f for f in registry.extra_topics if f.route.name == name) for name in self._inbound
         }
+        self._link = "" if registry.link is None else link_message.NAME
+        self.refuse(frozenset())
+
+    def refuse(self, rows: frozenset[str]) -> None:
+        """Refuse the payloads of some rows from now on, because the peer has another schema of them.
+
+        ``rows`` are the names of all rows to refuse. Safe to call from any thread.
+        """
+        self._refused = rows
+        self._accepted = frozenset(filter(None, [*self._inbound, self._link])) - rows
 
     def receive(self, datagram: bytes, stamp: Time = UNSTAMPED) -> tuple[str, bytes]:
         """Return the payload name of a peer's datagram, and its serialized ROS 2 message.
@@ -66,6 +78,8 @@ class Translator:
         translation = self.receive_all([datagram], stamp)
         for refusal in translation.refusals:
             raise refusal
+        for _ in translation.links:
+            raise DatagramError(Reason.UNKNOWN_PAYLOAD, "a link message, which has no topic")
         ((name, (message,)),) = translation.messages.items()
         return name, message
 
@@ -77,6 +91,8 @@ class Translator:
         """
         translation = Translation([])
         payloads = self._sort(datagrams, translation)
+        if self._link in payloads:
+            translation.links = payloads.pop(self._link)
         # Datagrams keep their order within a row, which is all that a topic promises. Between rows nobody can rely on
         # it: each topic has its own writer.
         for name, run in payloads.items():
@@ -118,7 +134,7 @@ class Translator:
             restored[datagram] = envelope.restore(datagram)
             message = self._parse_restored(datagram, restored[datagram])
         name = self._which(message, self._oneof)  # the class's method: a field could have the same name
-        if name not in self._inbound:
+        if name not in self._accepted:
             raise self._refusal(name, datagram)
         return name, getattr(message, name)
 
@@ -209,6 +225,10 @@ class Translator:
                 Reason.UNKNOWN_PAYLOAD,
                 f"no handler for payload {number} ({name!r}): the table does not bridge this payload",
             )
+        if name in self._refused and name in self._inbound:
+            return DatagramError(
+                Reason.OTHER_SCHEMA, f"{name!r} ({number}): {handler.route.peer} has another schema of it", name
+            )
         # Known and inbound, yet not accepted: this sender has other peers.
         if handler.route.inbound:
             speakers = ", ".join(sorted(self._peers or ()))
@@ -236,11 +256,25 @@ class VerifyingTranslator(Translator):
         must_sign = {peer.name for peer in registry.peers if peer.must_sign}
         routes = {name: handler.route for name, handler in self._inbound.items() if handler.route.peer in must_sign}
         self._senders = {name: frozenset((route.peer, route.board)) for name, route in routes.items()}
+        all_routes = [handler.route for handler in registry.handlers if handler.route.peer in must_sign]
+        self._ends_of = {route.name: frozenset((route.peer, route.board)) for route in all_routes}
+        self._some_need_not_sign = len(must_sign) < len(registry.peers)
 
     def _parsed(self, datagram: bytes, restored: dict[bytes, bytes]) -> tuple[str, ProtoMessage]:
         name, payload = super()._parsed(datagram, restored)
-        senders = self._senders.get(name)
+        senders = self._speakers(payload) if name == self._link else self._senders.get(name)
         # After parsing, because only the payload tells whose signature is needed: no address can be trusted.
         if senders is not None:
             self._verifier.verify(datagram, senders, name)
         return name, payload
+
+    def _speakers(self, link: Any) -> frozenset[str] | None:
+        """Return whose signature a link message must have: that of a peer that must sign, if it lists rows of it.
+
+        A link message without rows must be signed if all peers must sign.
+        """
+        listed = [handler.route.name for number in link.numbers if (handler := self._registry.by_number.get(number))]
+        names = self._ends_of.keys() & listed if listed else self._ends_of.keys()
+        if not names or (not listed and self._some_need_not_sign):
+            return None
+        return frozenset().union(*(self._ends_of[name] for name in names))

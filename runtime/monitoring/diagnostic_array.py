@@ -1,4 +1,7 @@
-"""Conversion of a bridge's state to a diagnostic_msgs/DiagnosticArray: a status for the node, and one for each row."""
+"""Conversion of a bridge's state to a diagnostic_msgs/DiagnosticArray: a status for the node, each row and each end.
+
+An end is a peer or a board. Ends have a status only if the table has the link message.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +12,14 @@ from socket import gethostname
 from typing import Any
 from uuid import uuid4
 
+from roverlink.runtime.bridge.link_exchange import DIFFERS, SAME, UNKNOWN, EndReport
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
 from roverlink.runtime.interfaces.std_msgs import Header
 from roverlink.runtime.middleware import Middleware
-from roverlink.runtime.monitoring.state import EndState, RowState, State
+from roverlink.runtime.monitoring.state import EndState, Level, RowState, State
 
 TOPIC = "/diagnostics"
 QOS = Qos(depth=10)
@@ -48,7 +52,8 @@ def array_of(state: State, now: int, origin: Mapping[str, Any]) -> DiagnosticArr
     header = Header(Time.since_1970(now))
     rows = (_row_status(state.node, row) for row in state.rows)
     ends = (_end_status(state.node, end) for end in state.ends)
-    return DiagnosticArray(header, [_node_status(state, origin), *rows, *ends])
+    links = (_link_status(state.node, report) for report in state.links)
+    return DiagnosticArray(header, [_node_status(state, origin), *rows, *ends, *links])
 
 
 def _node_status(state: State, origin: Mapping[str, Any]) -> DiagnosticStatus:
@@ -111,6 +116,24 @@ def _end_status(node: str, end: EndState) -> DiagnosticStatus:
     name = f"{end.board} of {end.peer}" if end.board else end.peer
     message = "; ".join(filter(None, [end.message, *end.addresses]))
     return _status(end.level, f"{node}: link to {name}", message, end.peer, values)
+
+
+def _link_status(node: str, report: EndReport) -> DiagnosticStatus:
+    values: dict[str, Any] = {
+        **({"board": report.end.board} if report.end.board else {}),
+        "schema": report.schema,
+        **({"differing": ", ".join(report.differing)} if report.differing else {}),
+        **({"untold": ", ".join(report.untold)} if report.untold else {}),
+        "senders": report.senders,
+        "restarts": report.restarts,
+        **{name: f"{value:.6g}" for name, value in report.measured().items()},
+    }
+    differs = report.schema == DIFFERS
+    message = f"another schema of {', '.join(report.differing)}" if differs else _SCHEMA_TEXTS[report.schema]
+    return _status(Level.WARN if differs else Level.OK, f"{node} link: {report.end}", message, report.end.peer, values)
+
+
+_SCHEMA_TEXTS = {SAME: "the same schema", UNKNOWN: "no link message yet"}
 
 
 def _status(level: int, name: str, message: str, hardware: str, values: Mapping[str, Any]) -> DiagnosticStatus:

@@ -15,6 +15,7 @@ from typing import NamedTuple, Protocol
 
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.ends import LinkState
+from roverlink.runtime.bridge.link_exchange import EndReport
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.registry import EndName, Registry
 from roverlink.runtime.monitoring.histogram import LatencyProbe
@@ -43,6 +44,9 @@ class Watched(Protocol):
 
     def link_states(self) -> Mapping[EndName, LinkState]:
         """Return the addresses of each end of the link, with their state."""
+
+    def link_reports(self) -> list[EndReport]:
+        """Return what the link messages of each end tell; empty for a table without the link message."""
 
 
 class _Sample(NamedTuple):
@@ -156,6 +160,7 @@ class Monitor:
             message=message,
             latencies=self._probe.latencies,
             recording=recording,
+            links=tuple(self._bridge.link_reports()),
         )
 
     def _overall(self, recording: Recording | None) -> tuple[Level, str]:

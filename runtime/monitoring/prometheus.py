@@ -7,6 +7,7 @@ from http.server import BaseHTTPRequestHandler
 from itertools import accumulate
 from typing import Any
 
+from roverlink.runtime.bridge.link_exchange import UNKNOWN
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.monitoring.histogram import BOUNDS_S, Latencies
 from roverlink.runtime.monitoring.state import State
@@ -102,11 +103,45 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     yield "stopping", "1 if a stop was sent after the row's last message, else 0.", [
         (labels, row.stopping) for labels, row in guarded
     ]
+    yield from _link_families(state)
     if recording := state.recording:
         yield "recording_bytes_total", "Bytes of the recording written to disk.", [({}, recording.bytes)]
         yield "recording_waiting", "Messages waiting to be written to the recording.", [({}, recording.waiting)]
         yield "recording_lost_total", "Messages that were not recorded.", [({}, recording.lost)]
         yield "recording_failed", "1 if the recording failed, else 0.", [({}, recording.failure is not None)]
+
+
+_LINK_HELP = {
+    "messages_total": "Link messages received from the end.",
+    "reordered_total": "Link messages that arrived after a later one.",
+    "duplicates_total": "Link messages that arrived before.",
+    "lost_in_total": "Datagrams from the end that were lost.",
+    "loss_in": "Share of the end's datagrams that was lost, in the last 16 link messages.",
+    "lost_out_total": "Datagrams to the end that were lost.",
+    "loss_out": "Share of the datagrams to the end that was lost, in the last 16 link messages.",
+    "jitter_seconds": "Jitter of the link messages (RFC 3550).",
+    "round_trip_seconds": "Time of the way to the end and back.",
+    "clock_offset_seconds": "Clock of the end minus the clock of this computer.",
+    "age_seconds": "Seconds since the end's last link message.",
+}
+
+
+def _link_families(state: State) -> Iterator[tuple[str, str, Samples]]:
+    """Yield the metrics of the link messages. Their names begin with ``link_``."""
+    if not state.links:
+        return
+    ends = [({"peer": report.end.peer, "board": report.end.board}, report) for report in state.links]
+    yield "link_schema_differs", "Rows whose schema differs at the end.", [
+        (labels, len(report.differing)) for labels, report in ends if report.schema != UNKNOWN
+    ]
+    yield "link_restarts_total", "Starts of the end's program after the first one.", [
+        (labels, report.restarts) for labels, report in ends
+    ]
+    for name, help in _LINK_HELP.items():
+        key = name.removesuffix("_total").removesuffix("_seconds")
+        yield f"link_{name}", help, [
+            (labels, measured[key]) for labels, report in ends if key in (measured := report.measured())
+        ]
 
 
 def _by(label: str, counts: Mapping[str, int]) -> Samples:

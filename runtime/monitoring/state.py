@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
+from roverlink.runtime.bridge.link_exchange import EndReport
 from roverlink.runtime.monitoring.histogram import Latencies
 from roverlink.runtime.monitoring.liveness import Liveness
 
@@ -123,3 +124,5 @@ class State:
     """Events of the addresses of peers, by peer, board and event."""
     latencies: Latencies = field(default=Latencies((), 0.0))
     recording: Recording | None = None
+    links: tuple[EndReport, ...] = ()
+    """What the link messages of each end tell; empty for a table without the link message."""

@@ -33,6 +33,8 @@ class Declaration:
     """True if the parameter cannot change while the node runs."""
     hosts: bool = False
     """True if the text is a host, several hosts with commas between them, or ``learn``."""
+    of_link: bool = False
+    """True if only the nodes of tables with a link message have the parameter."""
 
     def check(self, name: str, value: int | str) -> None:
         """Raise `SetupError` if a value is not allowed for the parameter; ``name`` is the parameter's name."""
@@ -77,6 +79,7 @@ class Parameters:
     source_policy: str
     max_datagram: int
     receive_buffer: int
+    link_policy: str
     addresses: Mapping[EndName, EndAddress]
     """Hosts and UDP port of each end of the link."""
     values: Mapping[str, Any]
@@ -89,7 +92,9 @@ def declarations(registry: Registry) -> dict[str, Declaration]:
     These are the parameters in `DECLARED`, and parameters for the host and the UDP port of each end of the link, which
     the table names.
     """
-    declared = dict(DECLARED)
+    declared = {name: one for name, one in DECLARED.items() if registry.link is not None or not one.of_link}
+    if registry.link is not None:
+        declared["link_policy"] = replace(declared["link_policy"], default=registry.link.on_mismatch)
     for name, end in registry.ends.items():
         declared |= _declarations_of(name, end)
     return declared
@@ -155,4 +160,5 @@ def _checked(registry: Registry, given: Mapping[str, Any]) -> Parameters:
         if not addresses[name].port and addresses[name].hosts != (LEARN,):
             message = f"the parameter {end.port_parameter!r} is 0, but {end.host_parameter!r} is not {LEARN!r}"
             raise SetupError(f"{message}; set the UDP port of {name}")
-    return Parameters(addresses=addresses, values=values, **{one: values[one] for one in DECLARED})
+    own = {name: values.get(name, one.default) for name, one in DECLARED.items()}
+    return Parameters(addresses=addresses, values=values, **own)

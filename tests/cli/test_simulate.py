@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from linked import linked_registry, write_project
 
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
@@ -179,6 +180,7 @@ def _arrived(sock: socket.socket) -> bytes:
 def _account(**changed: Any) -> dict[str, Any]:
     account: dict[str, Any] = {"received": 10, "published": 8, "dropped": {"malformed": 2}, "kernel_drops": 0}
     account |= {"taken": 3, "sent": 3, "refused": {}, "superseded": {}, "failed": {}, "stops": {}, "forwarded": 0}
+    account |= {"links_received": 0, "links_sent": {}, "other_schemas": {}}
     return account | changed
 
 
@@ -210,3 +212,38 @@ def test_memory_that_grows_is_told() -> None:
     assert totals.faults() == []
     totals.memory = [*flat, 70 * mebibyte]
     assert totals.faults() == ["the bridge's memory grew from 60.0 MiB to 70.0 MiB"]
+
+
+# --- a table with the link message ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("names", [[], ["old-schema"], ["reboot"], ["lossy", "padded"], ["stale", "flood"]], ids=str)
+def test_peers_of_a_table_with_the_link_message_send_it(names: list[str]) -> None:
+    """Each board and the basestation tell their rows once a second; with old-schema, other hashes of what they send."""
+    registry = linked_registry()
+    world = World(registry, random.Random(1), _LONGEST)  # noqa: S311  # repeatable, not secret
+    stream = list(itertools.takewhile(lambda emission: emission.at < 3.5, emissions(world, 30, names)))
+    told: dict[int, set[int]] = defaultdict(set)
+    ends = set()
+    for emission in stream:
+        if emission.end is not None:
+            ends.add(str(emission.end))
+            link = registry.envelope.FromString(restore(emission.datagram)).link  # type: ignore[attr-defined]
+            for number, hash in zip(link.numbers, link.hashes):
+                told[number].add(hash)
+    assert ends == {"Arm of hardware", "Drive of hardware", "base"}
+    assert registry.link is not None
+    same = {number for number, hashes in told.items() if hashes == {registry.link.hashes[number]}}
+    assert same == ({3, 5} if "old-schema" in names else {1, 2, 3, 4, 5})
+
+
+def test_a_simulated_board_with_old_protos_is_named(done: Start, tmp_path: Path) -> None:
+    """The report names each board whose schema differs, with its rows, and all sums agree."""
+    project = write_project(tmp_path / "rover")
+    options = ("--project", project, "--bridge", "memory", "--seconds", 1.5, "--scenario", "old-schema")
+    code, output, errors = done("simulate", *options)
+    assert code == 0, errors
+    assert "Arm of hardware has another schema of arm_state\n" in output
+    assert "Drive of hardware has another schema of drive_state\n" in output
+    assert "base has another schema of mode\n" in output
+    assert "link messages" in output

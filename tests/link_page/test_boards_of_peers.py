@@ -23,7 +23,9 @@ def _states(*rows: dict[str, Any]) -> tuple[str, dict[str, str]]:
 
 def _subjects(*rows: dict[str, Any]) -> list[str]:
     node = {"level": "OK", "message": ""}
-    found = conditions_of({"quiet": False, "node": node, "peers": peers_of(node, list(rows)), "rows": list(rows)})
+    found = conditions_of(
+        {"quiet": False, "node": node, "peers": peers_of(node, list(rows)), "rows": list(rows), "links": []}
+    )
     return list(found)
 
 

@@ -24,7 +24,10 @@ from roverlink.link_page.link_alarms import peers_of
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.bridge.ends import LinkState
+from roverlink.runtime.bridge.link_exchange import DIFFERS, UNKNOWN, EndReport
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.link_message import LinkMessage
+from roverlink.runtime.core.link_statistics import LinkStatistics
 from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, KeyValue
@@ -57,6 +60,7 @@ class _Bridge:
         self.now, self.kernel_drops = 1000.0, 0
         self.probe = LatencyProbe()
         self.recording: Recording | None = None
+        self.links: list[EndReport] = []
         self.monitor = Monitor(
             "udp_forwarder", _expecting(**rates), self, self.probe, lambda: self.recording, lambda: self.now
         )
@@ -66,6 +70,9 @@ class _Bridge:
 
     def socket_state(self) -> SocketState:
         return SocketState(4096, 8192, self.kernel_drops)
+
+    def link_reports(self) -> list[EndReport]:
+        return self.links
 
     def let(self, seconds: float, **a_second: int) -> None:
         """Let time pass, with so many messages of a row a second."""
@@ -186,6 +193,83 @@ def test_a_node_whose_qos_does_not_match_is_a_warning() -> None:
     assert (row.level, row.message, row.qos_mismatches) == (Level.WARN, "a subscription of /viz gets no messages", 1)
     state = bridge.monitor.state()
     assert (state.level, state.message) == (Level.WARN, "the QoS of other nodes does not match on imu_data, imu/mag")
+
+
+def _reports() -> list[EndReport]:
+    """One board with another schema, with measurements; and the basestation, which sends no link messages."""
+    statistics = LinkStatistics()
+    for index in range(3):
+        echo = {"received": 10 * index, "echo_us": 1000 + index, "echo_age_us": 0}
+        message = LinkMessage(1, index + 1, sent=10 * index, time_us=index * 1_000_000, hashes={}, **echo)
+        statistics.take(message, index * 1_000_000 + 21_000, 9 * index, 10 * index)
+    board = EndReport(
+        EndName("hardware", "Drive"),
+        DIFFERS,
+        ("drive_motor", "drive_diag"),
+        (),
+        senders=1,
+        restarts=2,
+        age=0.5,
+        statistics=statistics,
+        lost_in=2,
+        loss_in=0.1,
+        clock_offset_us=-4000,
+    )
+    return [board, EndReport(EndName("basestation"), UNKNOWN, (), ("map",))]
+
+
+def test_what_the_link_messages_tell_is_in_the_diagnostics_and_on_the_screen_of_top() -> None:
+    """A board with another schema is a warning that names its rows; what was measured is told in plain units."""
+    bridge = _Bridge()
+    bridge.links = _reports()
+    array = diagnostic_array.array_of(bridge.monitor.state(), _STAMP, {})
+    page = page_of(array)
+    assert page is not None
+    assert has_problems(page)
+    assert len(page["rows"]) == len(REGISTRY.handlers)
+    board, base = page["links"]
+    assert (board["name"], board["level"], board["message"], board["peer"], board["board"]) == (
+        "Drive of hardware",
+        "WARN",
+        "another schema of drive_motor, drive_diag",
+        "hardware",
+        "Drive",
+    )
+    assert (board["lost_in"], board["loss_in"], board["restarts"], board["round_trip"]) == (2, 0.1, 2, 0.02)
+    assert (base["level"], base["message"], base["schema"], "loss_in" in base) == (
+        "OK",
+        "no link message yet",
+        "unknown",
+        False,
+    )
+    console = Console(width=200, record=True, file=io.StringIO())
+    console.print(top_screen.printed([HeardBridge(page, 0, 0)], 200))
+    shown = console.export_text()
+    assert (
+        "Drive of hardware: another schema of drive_motor, drive_diag; loss in 10.0%; round trip 20.0 ms; "
+        "jitter 0.0 ms; clock -4.0 ms; 2 restarts\n" in shown
+    )
+    assert "basestation: no link message yet\n" in shown
+
+
+def test_what_the_link_messages_tell_is_in_the_metrics() -> None:
+    """Each measurement is a metric with the labels peer and board, in seconds and shares; unknown ones are missing."""
+    bridge = _Bridge()
+    bridge.links = _reports()
+    text = prometheus.text_of(bridge.monitor.state())
+    samples = {
+        (sample.name, sample.labels["board"]): sample.value
+        for family in text_string_to_metric_families(text)
+        for sample in family.samples
+        if sample.name.startswith("roverlink_link_")
+    }
+    assert samples["roverlink_link_schema_differs", "Drive"] == 2
+    assert ("roverlink_link_schema_differs", "") not in samples
+    assert samples["roverlink_link_lost_in_total", "Drive"] == 2
+    assert samples["roverlink_link_clock_offset_seconds", "Drive"] == pytest.approx(-0.004)
+    assert samples["roverlink_link_restarts_total", "Drive"] == 2
+    bridge.links = []
+    assert "roverlink_link" not in prometheus.text_of(bridge.monitor.state())
 
 
 def test_a_recording_that_has_ended_is_an_error() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import Any
 
 from roverlink.generator import ir
 from roverlink.generator.emit.render import Files, header, render
@@ -68,8 +69,16 @@ def emit(bridge: ir.Bridge) -> Files:
         "node.py.j2", header=comment, registry=f"{bridge.folder}/registry.py"
     )
     yield f"{folder}/config/udp.yaml", render(
-        "udp.yaml.j2", header=comment, parameters=node_parameters(), addresses=_address_parameters(bridge)
+        "udp.yaml.j2", header=comment, parameters=_parameters(bridge), addresses=_address_parameters(bridge)
     )
+
+
+def _parameters(bridge: ir.Bridge) -> dict[str, dict[str, Any]]:
+    """Return the declarations of the parameters that the node of a table has, without those of the peers, by name."""
+    declared = node_parameters()
+    if bridge.link is None:
+        return {name: one for name, one in declared.items() if not one.get("of_link")}
+    return declared | {"link_policy": {**declared["link_policy"], "default": bridge.link.on_mismatch}}
 
 
 def _addresses(bridge: ir.Bridge) -> dict[str, str]:

@@ -15,7 +15,14 @@ def emit(bridge: ir.Bridge) -> Files:
     """Yield the registry's header, a header for use with rclcpp, and the copy of our C++ runtime library."""
     envelope = cpp_names.proto_class(bridge.envelope.message)
     registry, rclcpp = (CppFile(bridge.package, name, bridge.table) for name in ("registry", "rclcpp"))
-    yield from registry.header("registry", handlers=handlers_of(bridge), envelope=envelope, oneof=bridge.envelope.oneof)
+    yield from registry.header(
+        "registry",
+        handlers=handlers_of(bridge),
+        envelope=envelope,
+        oneof=bridge.envelope.oneof,
+        link=bridge.link,
+        routes=bridge.routes,
+    )
     yield from rclcpp.header("rclcpp")
     # colcon must not build this folder alone: a project adds it to its own build and sets the path of the protos.
     yield f"{FOLDER}/COLCON_IGNORE", header(bridge.table) + "\n"

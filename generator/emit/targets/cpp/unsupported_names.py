@@ -86,7 +86,7 @@ def check(bridge: ir.Bridge) -> None:
 def _of_message(bridge: ir.Bridge, name: str) -> str:
     """Return the reason why a message's name cannot be used in C++; empty if it can."""
     *outer, _ = name.split(".")
-    if name.split(".")[0] == _RUNTIME:
+    if name.split(".")[0] == _RUNTIME and name != ir.LINK_MESSAGE:  # the library has no such name
         return f"the class of the message {name!r} would be in {_RUNTIME!r}, the namespace of the C++ runtime library"
     if keywords := [part for part in outer if ros_names.is_cpp_keyword(part)]:
         return f"the class of the message {name!r} would be in the namespace {keywords[0]!r}, which is a C++ keyword"

@@ -33,6 +33,8 @@ def emit(bridge: ir.Bridge, fast: Mapping[str, Serializer]) -> Files:
     }
     if any(peer.boards for peer in bridge.peers):
         imports.add(("roverlink.runtime.core.registry", "End"))
+    if bridge.link is not None:
+        imports.add(("roverlink.runtime.core.registry", "Link"))
     for name, package in (handlers | extra_topics).items():
         serializer = fast.get(name)
         imports.add((f"{own}.serializers.{serializer.file}", serializer.name) if serializer else (package, name))

@@ -32,7 +32,7 @@ from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.parser import resolve_type
 from roverlink.generator.protos.schema import ProtoMessage
-from roverlink.generator.table import Row, Table
+from roverlink.generator.table import LinkSettings, Row, Table
 
 RULE = Rule("ENV105", "envelope-disagrees", __doc__)
 _GENERATE = "run `roverlink generate`, which writes the envelope's file from the table"
@@ -156,7 +156,7 @@ def _compare(context: Context, members: list[_Member]) -> Iterator[Diagnostic]:
         return
     # Another rule (ENV106) reports payloads outside of the oneof.
     beside = {(member.number, member.type) for member in members if member.oneof != oneof}
-    rows = [row for row in table.rows if (row.number, row.proto) not in beside]
+    rows = [row for row in _expected(table) if (row.number, row.proto) not in beside]
     for row in rows:
         yield from _compare_row(row, payloads, table, help_texts)
     strayed = [row for row in rows if row.number not in payloads]
@@ -165,13 +165,21 @@ def _compare(context: Context, members: list[_Member]) -> Iterator[Diagnostic]:
             yield from _without_row(member, context, help_texts)
 
 
-def _is_moved(row: Row, member: _Member, table: Table) -> bool:
+def _expected(table: Table) -> tuple[Row | LinkSettings, ...]:
+    """Return the members that the envelope's file must have.
+
+    If another repository owns the file, another rule (LNK101) reports a missing link message.
+    """
+    return table.members if table.envelope.owner == "mapping" else table.rows
+
+
+def _is_moved(row: Row | LinkSettings, member: _Member, table: Table) -> bool:
     """Return True if the row and the member have the same name, and no row has the member's number."""
     return member.name == row.name and member.number not in table.numbers
 
 
 def _compare_row(
-    row: Row, payloads: Mapping[int, _Member], table: Table, help_texts: _HelpTexts
+    row: Row | LinkSettings, payloads: Mapping[int, _Member], table: Table, help_texts: _HelpTexts
 ) -> Iterator[Diagnostic]:
     envelope, member = table.envelope.message, payloads.get(row.number)
     rests_on = [row.at("number"), row.at("proto")]

@@ -32,11 +32,9 @@ from roverlink.generator.lint.comparison.judged_changes import judge_payload
 from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, least
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lock import Entry, PastUse
-from roverlink.generator.table import RetiredRow, Row, SigningSettings
+from roverlink.generator.table import Numbered, RetiredRow
 
 RULE = Rule("ENV102", "field-number-reuse", __doc__)
-
-Numbered = Row | SigningSettings | RetiredRow
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
@@ -59,7 +57,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
             yield _finding(retired, entry, help, envelope)
 
 
-def _others(row: Numbered, published: Iterable[Entry]) -> Iterator[Entry]:
+def _others(row: Numbered | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry]:
     """Yield the published payloads that had the number of a row, and are not the row's payload."""
     entries = [entry for entry in published if entry.number == row.number]
     for_this = any(entry.proto == row.proto for entry in entries)
@@ -71,7 +69,7 @@ def _others(row: Numbered, published: Iterable[Entry]) -> Iterator[Entry]:
             yield entry
 
 
-def _judged(context: Context, row: Row | SigningSettings, entry: Entry, finding: Diagnostic) -> Iterator[Diagnostic]:
+def _judged(context: Context, row: Numbered, entry: Entry, finding: Diagnostic) -> Iterator[Diagnostic]:
     """Yield the diagnostic, as a warning if in doubt.
 
     Yield nothing if the row's message is the published one, renamed, or if the user has accepted the change.
@@ -88,7 +86,7 @@ def _judged(context: Context, row: Row | SigningSettings, entry: Entry, finding:
         yield dataclasses.replace(finding, severity=Severity.WARNING, message=message)
 
 
-def _finding(row: Numbered, entry: Entry, help: str, envelope: str) -> Diagnostic:
+def _finding(row: Numbered | RetiredRow, entry: Entry, help: str, envelope: str) -> Diagnostic:
     message = f"field {row.number} was published for {entry.name!r} ({entry.proto}), but is given to {row.proto} here"
     also = [(entry.span, "published here")]
     rests_on = [row.at("number"), row.at("proto")]

@@ -22,7 +22,7 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 from roverlink.generator.lint.context import Context
-from roverlink.generator.table import RetiredRow, Row, SigningSettings
+from roverlink.generator.table import Numbered, RetiredRow
 
 RULE = Rule("ENV101", "field-number-taken", __doc__)
 
@@ -32,7 +32,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     table = context.table
     holders: dict[int, RetiredRow] = {}
 
-    def at(row: Row | SigningSettings | RetiredRow, message: str, help: str, also: tuple[Span, str]) -> Diagnostic:
+    def at(row: Numbered | RetiredRow, message: str, help: str, also: tuple[Span, str]) -> Diagnostic:
         return RULE.at(row.at("number"), message, help, [also], type=table.envelope.message, number=row.number)
 
     for retired in table.retired:
@@ -58,9 +58,9 @@ def check(context: Context) -> Iterator[Diagnostic]:
             yield at(row, message, help, (taken.at("number"), "first used here"))
 
 
-def _owners(context: Context) -> dict[int, Row | SigningSettings]:
+def _owners(context: Context) -> dict[int, Numbered]:
     """Return the owner of each number: the row for which it was published, or else the first row that has it."""
-    owners: dict[int, Row | SigningSettings] = {}
+    owners: dict[int, Numbered] = {}
     published = {(entry.number, entry.proto) for entry in context.published}
     # The row that had the number first is right, even if the other one stands above it in the file.
     for row in sorted(context.table.numbered, key=lambda row: (row.number, row.proto) not in published):

@@ -44,7 +44,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
         of_ledger = entry in context.ledger.entries
         span = entry.span if of_ledger else Span(table.file)  # an earlier state cannot be edited
         also = [] if of_ledger else [(entry.span, "published here")]
-        moved = [row.at("number") for row in table.rows if row.proto == entry.proto]
+        moved = [row.at("number") for row in table.members if row.proto == entry.proto]
         if of_ledger and moved:
             help += f"; if no program has used {entry.number} yet, restore the earlier {NAME}"
         yield RULE.at(span, message, help, also, type=table.envelope.message, number=entry.number, rests_on=moved)

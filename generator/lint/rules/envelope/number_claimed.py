@@ -25,7 +25,7 @@ from collections.abc import Iterator
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.schema import ProtoField
-from roverlink.generator.table import Row, SigningSettings
+from roverlink.generator.table import Numbered
 
 RULE = Rule("ENV108", "number-claimed", __doc__, Severity.WARNING)
 
@@ -45,5 +45,5 @@ def check(context: Context) -> Iterator[Diagnostic]:
                 yield RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number)
 
 
-def _is_same_payload(claim: ProtoField, row: Row | SigningSettings) -> bool:
+def _is_same_payload(claim: ProtoField, row: Numbered) -> bool:
     return claim.name == row.name or claim.type.rpartition(".")[2] == row.proto.rpartition(".")[2]

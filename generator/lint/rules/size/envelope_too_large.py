@@ -21,6 +21,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.ir import largest_link_size
 from roverlink.generator.lint.context import Context
 from roverlink.generator.nanopb import Bounds, envelope_size, field_sizes, largest_size
 from roverlink.generator.protos.schema import Schema
@@ -50,6 +51,21 @@ def check(context: Context) -> Iterator[Diagnostic]:
                 envelope = table.envelope.message
                 text = f"{message}; {largest}"
                 yield RULE.at(row.at("proto"), text, _HELP, also, type=envelope, number=row.number)
+    if link := table.link:
+        size = envelope_size(schema, bounds, table.envelope.message, link.number, largest_link_size())
+        for peer in table.peers:
+            if peer.max_size is not None and size > peer.max_size:
+                message = f"the link message has up to {size} bytes; the peer {peer.name!r} accepts at most"
+                help = "raise `max_size` if the peer has the memory, or remove `link`"
+                also = [(peer.at("max_size"), "the limit is here")]
+                yield RULE.at(
+                    table.at("link"),
+                    f"{message} {peer.max_size}",
+                    help,
+                    also,
+                    type=table.envelope.message,
+                    number=link.number,
+                )
 
 
 def _largest_fields(row: Row, schema: Schema, bounds: Bounds) -> str:

@@ -24,7 +24,7 @@ from collections.abc import Iterator
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 from roverlink.generator.ir.ros_names import distinct
 from roverlink.generator.lint.context import Context
-from roverlink.generator.table import RetiredRow, Row, SigningSettings
+from roverlink.generator.table import Numbered, RetiredRow, Row
 
 RULE = Rule("TAB101", "name-taken", __doc__)
 _HELP = "choose another name"
@@ -38,9 +38,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     table = context.table
     retired: dict[str, RetiredRow] = {}
 
-    def at(
-        row: Row | SigningSettings | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP
-    ) -> Diagnostic:
+    def at(row: Numbered | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP) -> Diagnostic:
         return RULE.at(row.at("name"), message, help, [also], type=table.envelope.message, number=row.number)
 
     for gone in table.retired:
@@ -53,8 +51,9 @@ def check(context: Context) -> Iterator[Diagnostic]:
                 (first.at("name"), "first retired here"),
                 "remove one of the two entries, or correct its name",
             )
-    seen: dict[str, Row | SigningSettings] = {}
-    for row in table.numbered:
+    seen: dict[str, Numbered] = {}
+    # The link message and the signature come first, because nobody can choose another name for them.
+    for row in sorted(table.numbered, key=lambda one: isinstance(one, Row)):
         earlier = seen.setdefault(distinct(row.name), row)
         if earlier is not row:
             message = f"the name {row.name!r} is already taken by field {earlier.number} ({earlier.proto})"

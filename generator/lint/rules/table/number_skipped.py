@@ -37,7 +37,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     table = context.table
     # A payload whose published number is missing in the table is not new: ENV103 reports it.
     moved = {entry.proto for entry in context.published if entry.number not in table.numbers}
-    new = {row.number: row for row in reversed(table.rows) if row.number not in published and row.proto not in moved}
+    new = {row.number: row for row in reversed(table.members) if row.number not in published and row.proto not in moved}
     # Only numbers above all old ones are certain to have never been used.
     old = published | (table.numbers - new.keys())
     smallest = max(old)

@@ -1,0 +1,76 @@
+"""Check of ``roverlink doctor``: whether the peers that answer have the same schema of their rows."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import select
+import time
+from collections.abc import Iterator, Mapping
+
+from roverlink.runtime import Registry, RoverlinkError
+from roverlink.runtime.bridge.account import Account, ThrottledWarnings
+from roverlink.runtime.bridge.link_exchange import DIFFERS, UNKNOWN, EndReport, LinkExchange
+from roverlink.runtime.core.handler import UNSTAMPED
+from roverlink.runtime.core.translator import Translator
+from roverlink.runtime.net import hosts, udp
+from roverlink.runtime.net.destination import Destination, Target
+from roverlink.runtime.ros_arguments.parameters import EndAddress, Parameters
+from roverlink.runtime.text.host_names import LEARN
+
+_LISTEN_S = 2.5  # each end sends a link message about once a second
+_POLL_S = 0.05
+
+
+def verdicts(registry: Registry, settings: Parameters) -> Iterator[tuple[str, str, str, str]]:
+    """Exchange link messages with the peers for a while, and yield the result for each end.
+
+    A result has the verdict, the name of the check, its text, and advice. There is none for a table without the link
+    message, or if the bridge's UDP port or the peers' address cannot be used, which other checks report.
+    """
+    if registry.link is not None:
+        with contextlib.suppress(RoverlinkError):
+            for report in _reports(registry, registry.link.hashes, settings):
+                yield _verdict(report)
+
+
+def _reports(registry: Registry, hashes: Mapping[int, int], settings: Parameters) -> list[EndReport]:
+    with contextlib.ExitStack() as stack:
+        sock = stack.enter_context(udp.bind(settings.listen_address, settings.listen_port, settings.receive_buffer))
+        sends = {}
+        for name, address in settings.addresses.items():
+            destination = Destination(name.peer, *_targets(address), board=name.board)
+            stack.callback(destination.close)
+            sends[name] = lambda datagrams, to=destination: len(datagrams) - len(to.send_all(datagrams))
+        quiet = ThrottledWarnings(logging.Logger("doctor", logging.CRITICAL))
+        exchange = LinkExchange(registry, hashes, sends, lambda *_: None, "warn", Account(), quiet)
+        translator, read = Translator(registry), udp.reader(sock, settings.max_datagram + 1)
+        deadline = time.monotonic() + _LISTEN_S
+        while (now := time.monotonic()) < deadline:
+            exchange.run_due(now)
+            select.select([sock], [], [], _POLL_S)
+            exchange.take(translator.receive_all(read(), UNSTAMPED))
+        return exchange.reports()
+
+
+def _targets(address: EndAddress) -> Iterator[Target]:
+    """Yield the addresses of an end; none for a host that has to be learned, or that cannot be resolved."""
+    for host in address.hosts if address.hosts != (LEARN,) else ():
+        with contextlib.suppress(OSError, UnicodeError):  # another check reports it
+            yield Target(hosts.look_up(host, address.port)[0])
+
+
+def _verdict(report: EndReport) -> tuple[str, str, str, str]:
+    check = f"schema of {report.end}"
+    if report.schema == UNKNOWN:
+        return "ok", check, f"not known: no link message came within {_LISTEN_S:g} s", ""
+    if report.schema == DIFFERS:
+        rows = ", ".join(report.differing)
+        return (
+            "error",
+            check,
+            f"another schema of {rows}",
+            "build the peer's program with the .proto files of the table",
+        )
+    untold = f"; it did not tell {', '.join(report.untold)}" if report.untold else ""
+    return "ok", check, f"the same in all rows that it tells{untold}", ""

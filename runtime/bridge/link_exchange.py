@@ -1,0 +1,377 @@
+"""Exchange of link messages with all ends of the link: compare the schemas of the rows, and measure the link.
+
+A link message does not name its sender. The sender is the end to which the rows belong that the message lists: the
+board or the peer that sends or receives all of them, or to which they are forwarded. If several ends fit, the one that
+has most of the rows itself is the sender. A program that speaks the rows of several boards is the whole peer.
+
+A sender chooses a new session when it starts. Two senders of one end, such as two laptops, have two sessions. A session
+ends when its sender is silent for three seconds while another sender of the same end speaks; it has been started again.
+
+The receiving thread takes link messages, the timekeeper's thread sends them, and the monitor's thread reads the result.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import Counter, defaultdict
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from roverlink.runtime.bridge.account import Account, ThrottledWarnings
+from roverlink.runtime.core import link_message
+from roverlink.runtime.core.envelope import strip_trailing_zeros
+from roverlink.runtime.core.link_message import LinkMessage, LinkWriter
+from roverlink.runtime.core.link_statistics import LinkStatistics
+from roverlink.runtime.core.registry import EndName, Registry
+from roverlink.runtime.core.translator import Translation
+
+_SILENT_S = 3.0
+_MOST_SENDERS = 64
+"""Largest number of sessions that are remembered; a stranger could send any number."""
+
+SAME, DIFFERS, UNKNOWN = "same", "differs", "unknown"
+"""Results of the comparison of schemas. `UNKNOWN` means that the end has never told the hash of a row."""
+
+
+@dataclass
+class _Sender:
+    """Program at the other end, from its start to its end."""
+
+    session: int
+    heard: float
+    """Time of the last link message in seconds."""
+    end: EndName | None = None
+    """End that the program is; None if no end has its rows."""
+    hashes: dict[int, int] = field(default_factory=dict)
+    statistics: LinkStatistics = field(default_factory=LinkStatistics)
+    warned: set[int] = field(default_factory=set)
+    """Numbers of rows about which a warning was logged."""
+
+
+@dataclass(frozen=True)
+class EndReport:
+    """Result of the link messages of one end; numbers are those of the sender that was heard last."""
+
+    end: EndName
+    schema: str
+    """`SAME`, `DIFFERS` or `UNKNOWN`."""
+    differing: tuple[str, ...]
+    """Names of the rows whose schema differs at any sender of the end."""
+    untold: tuple[str, ...]
+    """Names of the end's own rows whose hash no sender has told."""
+    senders: int = 0
+    restarts: int = 0
+    age: float | None = None
+    """Seconds since the last link message; None if there was none."""
+    statistics: LinkStatistics | None = None
+    """None if the end has never sent a link message."""
+    lost_in: int | None = None
+    """Datagrams of the end that were lost; None if several senders speak, whose datagrams cannot be told apart."""
+    loss_in: float | None = None
+    """Share of the datagrams lost in the last seconds, from 0 to 1; None if unknown."""
+    lost_out: int | None = None
+    """Datagrams to the end that were lost; None if it is unknown."""
+    loss_out: float | None = None
+    clock_offset_us: int | None = None
+    """Clock of the end minus the system's clock of this computer, in microseconds; None if it is unknown."""
+
+    def measured(self) -> dict[str, float]:
+        """Return the measurements that are known, by name. Times are in seconds, and shares from 0 to 1."""
+        values: dict[str, float | None] = {
+            "age": self.age,
+            "lost_in": self.lost_in,
+            "loss_in": self.loss_in,
+            "lost_out": self.lost_out,
+            "loss_out": self.loss_out,
+        }
+        if statistics := self.statistics:
+            values |= {
+                "messages": statistics.messages,
+                "reordered": statistics.reordered,
+                "duplicates": statistics.duplicates,
+                "jitter": _seconds(statistics.jitter_us),
+                "round_trip": _seconds(statistics.round_trip_us),
+                "clock_offset": _seconds(self.clock_offset_us),
+            }
+        return {name: value for name, value in values.items() if value is not None}
+
+
+class LinkExchange:
+    """Exchange of link messages with all ends; a `TimedTask`, whose `run_due` sends the link messages that are due."""
+
+    def __init__(
+        self,
+        registry: Registry,
+        hashes: Mapping[int, int],
+        sends: Mapping[EndName, Callable[[Sequence[bytes]], int]],
+        refuse: Callable[[frozenset[str], Mapping[EndName, frozenset[str]]], None],
+        policy: str,
+        account: Account,
+        warnings: ThrottledWarnings,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Exchange link messages with the ends in ``sends``, each with the function that sends datagrams to it.
+
+        ``hashes`` is the hash of each row's schema, by the number of the payload.
+        ``refuse`` is called when other rows than before are to be refused, with the names of the rows to refuse, and
+        of the rows not to forward to each end. ``policy`` is ``warn`` or ``refuse``. Link messages are counted in
+        ``account``.
+        """
+        self._hashes, self._registry = hashes, registry
+        self._warnings, self._clock = warnings, clock
+        self._sends, self._refuse, self._policy = sends, refuse, policy
+        self._own = _own_rows(registry)
+        self._spoken = {end: own | _forwarded_rows(registry, end) for end, own in self._own.items()}
+        session = link_message.new_session()
+        self._writers = {
+            end: LinkWriter(registry.envelope, session, {number: hashes[number] for number in self._in_turn(end)})
+            for end in sends
+        }
+        self._due = dict.fromkeys(sends, clock())
+        self._asked: set[EndName] = set(sends)  # ends that need the hashes of all rows at once
+        self._began_us = time.time_ns() // 1000 - int(clock() * 1e6)
+        self._senders: dict[int, _Sender] = {}
+        self._restarts: Counter[EndName] = Counter()
+        self._received: Counter[str | None] = Counter()  # by row
+        self._received_links: Counter[EndName] = Counter()
+        self._refused: tuple[frozenset[str], dict[EndName, frozenset[str]]] = frozenset(), {}
+        self._account = account
+        self._lock = threading.Lock()
+        self.wake: Callable[[], None] = lambda: None
+
+    def _in_turn(self, end: EndName) -> list[int]:
+        """Return the numbers of the rows of an end, in the order in which link messages tell them.
+
+        The rows of the end itself come first, because they tell who the sender is.
+        """
+        routes = [self._registry.by_name[name].route for name in self._spoken[end]]
+        return [route.number for route in sorted(routes, key=lambda one: (one.name not in self._own[end], one.number))]
+
+    # --- sending ---
+
+    def count_sent(self, end: EndName, datagrams: int) -> None:
+        """Count datagrams to an end that are not link messages."""
+        self._writers[end].count_sent(datagrams)
+
+    def run_due(self, now: float) -> None:
+        """Send the link messages whose time has come."""
+        for end, send in self._sends.items():
+            if now < self._due[end]:
+                continue
+            with self._lock:
+                turns = self._writers[end].turns if end in self._asked else 1
+                self._asked.discard(end)
+                self._due[end] = now + link_message.PERIOD_S
+            strip = self._registry.peers_by_name[end.peer].strip_trailing_zeros
+            for _ in range(turns):
+                datagram = self._writers[end].write(self._now_us())
+                self._account.links_sent[end.peer] += send([strip_trailing_zeros(datagram) if strip else datagram])
+
+    @property
+    def next_due(self) -> float:
+        """Time at which the next link message is due."""
+        return min(self._due.values())
+
+    def _now_us(self) -> int:
+        # Of the monotonic clock, so that nobody can set it; it starts at the system's time, which peers may want.
+        return self._began_us + int(self._clock() * 1e6)
+
+    # --- receiving ---
+
+    def take(self, translation: Translation) -> None:
+        """Count the datagrams of a batch, and take the link messages in it."""
+        names, links = translation.names, iter(translation.links)
+        counted = 0
+        for index, name in enumerate(names):
+            if name == link_message.NAME:
+                self._received.update(names[counted:index])
+                counted = index + 1
+                self._take(link_message.read(next(links)))
+                self._account.links_received += 1
+        self._received.update(names[counted:])
+        # They have no name in `names`, but they have arrived.
+        self._received.update(error.row for error in translation.refusals if error.row)
+
+    def follow(self, policy: str) -> None:
+        """Use a policy from now on: ``warn`` or ``refuse``. Safe to call from any thread."""
+        with self._lock:
+            self._policy = policy
+            self._apply()
+
+    def _take(self, message: LinkMessage) -> None:
+        now, arrived_us = self._clock(), self._now_us()
+        with self._lock:
+            sender = self._senders.get(message.session)
+            is_new = sender is None
+            if sender is None:
+                sender = self._senders[message.session] = self._new_sender(message.session, now)
+            sender.heard = now
+            sender.hashes.update((number, hash) for number, hash in message.hashes.items() if number in self._hashes)
+            sender.end = self._end_of(sender.hashes)
+            end = sender.end
+            if end is None:
+                if is_new:
+                    self._warnings.warn(
+                        "unknown sender", "a link message has no row of the table: its sender is unknown"
+                    )
+                return
+            writer = self._writers[self._destination(end)]
+            if is_new:
+                self._asked.add(self._destination(end))
+                self._due[self._destination(end)] = now
+            duplicate = sender.statistics.is_duplicate(message)
+            received = self._received_from(end)
+            sender.statistics.take(message, arrived_us, received, writer.sent_before(message.echo_us))
+            if not duplicate:
+                writer.note_heard(message, arrived_us, received)
+                self._received_links[end] += 1
+            self._retire(end, now)
+            self._warn(sender, end)
+            self._apply()
+        if is_new:
+            self.wake()
+
+    def _new_sender(self, session: int, now: float) -> _Sender:
+        if len(self._senders) >= _MOST_SENDERS:
+            del self._senders[min(self._senders, key=lambda one: self._senders[one].heard)]
+        return _Sender(session, now)
+
+    def _end_of(self, numbers: Collection[int]) -> EndName | None:
+        """Return the end that has all the rows ``numbers``; None if there is none."""
+        if not numbers:
+            return None
+        rows = {self._registry.by_number[number].route.name for number in numbers}
+        # `max` returns the first of several ends; boards stand before their peer.
+        fitting = [end for end, spoken in self._spoken.items() if rows <= spoken]
+        return max(fitting, key=lambda end: len(rows & self._own[end]), default=None)
+
+    def _destination(self, end: EndName) -> EndName:
+        """Return the end to which the bridge sends what concerns an end: boards may share the address of their peer."""
+        if end in self._writers:
+            return end
+        return next(one for one in self._writers if one.peer == end.peer)
+
+    def _received_from(self, end: EndName) -> int:
+        return sum(self._received[row] for row in self._own[end]) + self._received_links[end]
+
+    def _retire(self, end: EndName, now: float) -> None:
+        """Forget the silent senders of an end at which another sender speaks."""
+        for sender in self._of_end(end):
+            if sender.heard < now - _SILENT_S:
+                del self._senders[sender.session]
+                self._restarts[end] += 1
+
+    def _of_end(self, end: EndName) -> list[_Sender]:
+        """Return the senders of an end, the one that was heard last first."""
+        senders = [sender for sender in self._senders.values() if sender.end == end]
+        return sorted(senders, key=lambda sender: -sender.heard)
+
+    # --- schemas ---
+
+    def _differing(self, sender: _Sender) -> set[int]:
+        return {number for number, hash in sender.hashes.items() if hash != self._hashes[number]}
+
+    def _all_differing(self) -> dict[str, list[str]]:
+        numbers: defaultdict[str, set[int]] = defaultdict(set)
+        for sender in self._senders.values():
+            if differing := self._differing(sender):
+                numbers[str(sender.end)] |= differing
+        return {end: [self._registry.by_number[n].route.name for n in sorted(found)] for end, found in numbers.items()}
+
+    def _warn(self, sender: _Sender, end: EndName) -> None:
+        """Log a warning about the rows that differ, once for each row and start of the sender."""
+        new = sorted(self._differing(sender) - sender.warned)
+        if not new:
+            return
+        sender.warned |= {*new}
+        rows = ", ".join(f"{self._registry.by_number[number].route.name} ({number})" for number in new)
+        done = "refused" if self._policy == "refuse" else "passed on; values may be misread (parameter link_policy)"
+        self._warnings.warn(f"schema {end} {rows}", f"{end} has another schema of {rows}: messages are {done}")
+
+    def _apply(self) -> None:
+        """Refuse the rows that differ, if the policy says so."""
+        self._account.other_schemas = self._all_differing()
+        rows: set[str] = set()
+        forwards: dict[EndName, frozenset[str]] = {}
+        for sender in self._senders.values() if self._policy == "refuse" else ():
+            if sender.end is not None:
+                names = {self._registry.by_number[number].route.name for number in self._differing(sender)}
+                rows |= names & self._own[sender.end]
+                end = self._destination(sender.end)
+                forwards[end] = forwards.get(end, frozenset()) | (names - self._own[sender.end])
+        refused = frozenset(rows), {end: names for end, names in forwards.items() if names}
+        if refused != self._refused:
+            self._refused = refused
+            self._refuse(*refused)
+
+    # --- the result ---
+
+    def reports(self) -> list[EndReport]:
+        """Return the result for each end.
+
+        A peer with boards is listed in their place if one program speaks for the whole peer.
+        """
+        with self._lock:
+            now, wall_us = self._clock(), time.time_ns() // 1000
+            reports = []
+            whole = {sender.end for sender in self._senders.values() if sender.end and not sender.end.board}
+            for end in self._own:
+                if end in whole or (EndName(end.peer) not in whole and (end.board or not self._has_boards(end.peer))):
+                    reports.append(self._report(end, now, self._now_us() - wall_us))
+            return sorted(reports, key=lambda report: report.end)
+
+    def _has_boards(self, peer: str) -> bool:
+        return any(end.peer == peer and end.board for end in self._own)
+
+    def _report(self, end: EndName, now: float, ahead_us: int) -> EndReport:
+        """Return the result for an end; ``ahead_us`` is the own clock of link messages minus the system's clock."""
+        senders = self._of_end(end)
+        rows = {self._registry.by_name[name].route.number: name for name in sorted(self._spoken[end])}
+        said = {number for sender in senders for number in sender.hashes}
+        differing = {number for sender in senders for number in self._differing(sender)}
+        untold = [name for number, name in rows.items() if number not in said and name in self._own[end]]
+        schema = DIFFERS if differing else SAME if said else UNKNOWN
+        report = EndReport(end, schema, tuple(rows[number] for number in sorted(differing)), tuple(untold))
+        if not senders:
+            return report
+        statistics = senders[0].statistics
+        alone = len(senders) == 1
+        offset = statistics.clock_offset_us
+        return EndReport(
+            end,
+            report.schema,
+            report.differing,
+            report.untold,
+            senders=len(senders),
+            restarts=self._restarts[end],
+            age=now - senders[0].heard,
+            statistics=statistics,
+            lost_in=statistics.inbound.lost if alone else None,
+            loss_in=statistics.inbound.recent if alone else None,
+            lost_out=statistics.outbound.lost if statistics.outbound.recent is not None else None,
+            loss_out=statistics.outbound.recent,
+            clock_offset_us=None if offset is None else offset + ahead_us,
+        )
+
+
+def _seconds(microseconds: float | None) -> float | None:
+    return None if microseconds is None else microseconds / 1e6
+
+
+def _own_rows(registry: Registry) -> dict[EndName, set[str]]:
+    """Return the names of the rows that each end sends or receives. A peer with boards comes after its boards."""
+    boards: dict[EndName, set[str]] = {end: set() for end in registry.ends if end.board}
+    peers: dict[EndName, set[str]] = {EndName(peer.name): set() for peer in registry.peers}
+    for handler in registry.handlers:
+        route = handler.route
+        peers[EndName(route.peer)].add(route.name)
+        if route.board:
+            boards.setdefault(EndName(route.peer, route.board), set()).add(route.name)
+    return boards | peers
+
+
+def _forwarded_rows(registry: Registry, end: EndName) -> set[str]:
+    if end.board and end not in registry.ends:  # the datagrams go to its peer
+        return set()
+    return {h.route.name for h in registry.handlers if h.route.inbound and end.peer in h.route.forward}

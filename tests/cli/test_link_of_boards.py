@@ -1,0 +1,71 @@
+"""Commands that tell what the link messages of boards say."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import socket
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from linked import linked_registry, write_project
+
+from roverlink.runtime.core.link_message import LinkWriter
+
+Start = Callable[..., Any]
+
+
+@contextlib.contextmanager
+def _board(hashes: dict[int, int]) -> Iterator[tuple[int, Callable[[int], None]]]:
+    """A program that answers each datagram with a link message; yields its port, and a function that sets the bridge's.
+
+    The answer goes to the bridge's port, as a board does that knows only this port.
+    """
+    writer, bridge = LinkWriter(linked_registry().envelope, 7, hashes), [0]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        ending = threading.Event()
+
+        def answer() -> None:
+            sock.settimeout(0.1)
+            while not ending.is_set():
+                with contextlib.suppress(TimeoutError):
+                    sock.recv(2000)
+                    sock.sendto(writer.write(1), ("127.0.0.1", bridge[0]))
+
+        thread = threading.Thread(target=answer)
+        thread.start()
+        yield sock.getsockname()[1], lambda port: bridge.__setitem__(0, port)
+        ending.set()
+        thread.join()
+
+
+def test_doctor_names_the_board_with_another_schema(done: Start, tmp_path: Path) -> None:
+    """It exchanges link messages: a row that differs is an error, and a peer that tells nothing is none."""
+    registry = linked_registry()
+    assert registry.link is not None
+    project = write_project(tmp_path / "rover")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with _board({2: registry.link.hashes[2], 3: 99}) as (board, answer_to):
+        answer_to(port)
+        arguments = ["-p", f"listen_port:={port}", "-p", "listen_address:='127.0.0.1'", "-p", f"dst_b_port:={board}"]
+        code, output, _ = done("doctor", "--json", "--project", project, "--ros-args", *arguments)
+    found = {one["check"]: (one["verdict"], one["says"]) for one in json.loads(output) if "schema" in one["check"]}
+    assert code == 1
+    assert found == {
+        "schema of Drive of hardware": ("error", "another schema of drive_command"),
+        "schema of Arm of hardware": ("ok", "not known: no link message came within 2.5 s"),
+        "schema of base": ("ok", "not known: no link message came within 2.5 s"),
+    }
+
+
+def test_the_demo_passes_over_link_messages(done: Start, tmp_path: Path) -> None:
+    """The simulated peers of the demo count the rows; the bridge's link messages are none of them."""
+    project = write_project(tmp_path / "rover")
+    code, output, errors = done("demo", "--middleware", "memory", "--seconds", 2.5, "--project", project)
+    assert code == 0, errors
+    assert "5 of 5 messages were bridged" in output
