@@ -269,7 +269,7 @@ def test_what_the_link_messages_tell_is_in_the_metrics() -> None:
     assert samples["roverlink_link_clock_offset_seconds", "Drive"] == pytest.approx(-0.004)
     assert samples["roverlink_link_restarts_total", "Drive"] == 2
     bridge.links = []
-    assert "roverlink_link" not in prometheus.text_of(bridge.monitor.state())
+    assert "roverlink_link_schema" not in prometheus.text_of(bridge.monitor.state())
 
 
 def test_a_recording_that_has_ended_is_an_error() -> None:

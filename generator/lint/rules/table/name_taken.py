@@ -57,8 +57,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
         earlier = seen.setdefault(distinct(row.name), row)
         if earlier is not row:
             message = f"the name {row.name!r} is already taken by field {earlier.number} ({earlier.proto})"
-            help = f"give field {earlier.number} another name" if row is table.signing else _HELP
-            yield at(row, message, (earlier.at("name"), "first used here"), help)
+            yield at(row, message, (earlier.at("name"), "first used here"))
         elif row.name in retired:
             gone = retired[row.name]
             message = f"the name {row.name!r} belonged to field {gone.number} ({gone.proto}) and is retired"
