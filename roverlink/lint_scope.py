@@ -6,6 +6,7 @@ These commands check a project with a table (mapping.yaml), or a folder of .prot
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
@@ -16,6 +17,9 @@ from roverlink.generator.git import Repository
 from roverlink.generator.lint.bare_tree import EnvelopeName
 from roverlink.generator.lint.project import Linted, Question, lint_project, lint_tree
 from roverlink.runtime.core.errors import SetupError
+
+# Field numbers have at most nine digits (2**29 - 1), enum values ten and a sign (int32).
+_NUMBER = re.compile(r"(?:\.?(?P<owner>[A-Za-z_][\w.]*):(?=.)|(?=[0-9]))(?P<number>-?[0-9]{1,10})")
 
 
 def add_subject(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +47,17 @@ def add_subject(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def type_and_number(text: str) -> tuple[str, int]:
+    """Parse an argument that is a number of the envelope, or the number of a message or enum: ``rover.ImuInfo:3``.
+
+    Return the name of the message or enum, which is empty for the envelope, and the number.
+    """
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number, such as 18 or rover.ImuInfo:3")
+    return match["owner"] or "", int(match["number"])
+
+
 def linted(arguments: argparse.Namespace, question: Question) -> Linted:
     """Check the folder of .proto files that the options name, or else the project of the table.
 
@@ -51,7 +66,10 @@ def linted(arguments: argparse.Namespace, question: Question) -> Linted:
     """
     root: Path | None = arguments.root
     if root is None and (arguments.envelope or arguments.message):
-        raise SetupError("--envelope and --message need PROTO_ROOT, a folder of .proto files without mapping.yaml")
+        raise SetupError(
+            "--envelope and --message need PROTO_ROOT, a folder of .proto files without mapping.yaml; write it directly "
+            "after the command, before options that take several values"
+        )
     if root is None:
         return lint_project(table_file(arguments.table), question)
     return lint_tree(root, EnvelopeName(arguments.envelope, arguments.message), question)

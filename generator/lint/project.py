@@ -176,8 +176,6 @@ def _lint(
         message = f"the folder {table.proto.root!r} is outside the git repository; nothing was linted"
         help = "move the .proto files into the repository, or add their repository as a submodule"
         raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message, help)])
-    if question.of_the_envelope:
-        bare_tree.must_have_envelope(table, findings)
     in_git, found_before = project / table.proto.root, len(findings)
     declared = read_protos(root, shown_root, findings)
     shown_to_user = shown_root or os.path.relpath(in_git)
@@ -195,7 +193,8 @@ def _lint(
     findings += errors
     if table.proto.root:
         locate(table, index_declarations(declared, table.proto.exclude), findings)
-    table = bare_tree.with_members(table, schema, findings, past.history.messages if past else ())
+    past_names = past.history.messages if past else ()
+    table = bare_tree.with_members(table, schema, findings, past_names, required=question.of_the_envelope)
     of_table = as_lines(table_bounds(table, schema, root, findings))
     layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
     baseline = _baseline(question, project, layout, findings)

@@ -1,0 +1,121 @@
+"""What the lint, `history` and `next-number` say if a name, a folder or a place on the command line is not right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from repositories import RepositoryBuilder
+
+from roverlink.__main__ import main
+
+_ENV = """\
+syntax = "proto3";
+package rover;
+message Imu { float heading = 1; }
+message Gps { double lat = 1; double lon = 2; }
+message Motor { float speed = 1; int32 gear = 2; }
+message Env { oneof payload { Imu imu = 1; Gps gps = 2; Motor motor = 3; } }
+"""
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A repository with the folder `protos`, from which the payload Gps was removed. It is the current folder."""
+    built = RepositoryBuilder(tmp_path / "repository")
+    built.commit("Begin", {"protos/env.proto": _ENV})
+    without = _ENV.replace(" Gps gps = 2;", "").replace("message Gps { double lat = 1; double lon = 2; }\n", "")
+    built.commit("Remove the GPS", {"protos/env.proto": without})
+    monkeypatch.chdir(built.write())
+    return built.root
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    """A command in this process: exit code, standard output, standard error."""
+
+    def call(*arguments: str | Path) -> tuple[int, str, str]:
+        code = main([str(argument) for argument in arguments])
+        said = capsys.readouterr()
+        return code, said.out, said.err
+
+    return call
+
+
+# --- names ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("named", ["Env:2", "rover.Env:2"])
+def test_history_takes_a_number_of_any_message(repository: Path, run: Run, named: str) -> None:
+    """`history` takes `TYPE:NUMBER`, as `--accept` does, and the envelope does not have to be named."""
+    code, out, _ = run("history", named, "protos")
+    assert (code, out.splitlines()[0]) == (0, "Gps gps")
+
+
+def test_history_knows_types_that_are_gone(repository: Path, run: Run) -> None:
+    """A message that only earlier commits declare has a history, and a number that it never had is exit code 1."""
+    assert run("history", "Gps:2", "protos")[0] == 0
+    assert run("history", "Gps:3", "protos")[:2] == (1, "Gps never used the number 3 in 2 commits\n")
+
+
+@pytest.mark.parametrize(
+    ("named", "hint"),
+    [
+        ("Moter:2", "did you mean 'rover.Motor'?"),
+        ("rover.gsp:1", "did you mean 'rover.Gps'?"),
+        ("Xyzzy:1", "known: rover.Env, rover.Gps, rover.Imu, rover.Motor"),
+    ],
+)
+def test_history_of_an_unknown_type_is_an_error(repository: Path, run: Run, named: str, hint: str) -> None:
+    """A type that no commit declares cannot be answered with "never used": the similar names are suggested."""
+    name = named.partition(":")[0]
+    expected = f"roverlink: no commit and no file declares a message or enum {name!r}; {hint}\n"
+    assert run("history", named, "protos") == (2, "", expected)
+
+
+@pytest.mark.parametrize(
+    ("command", "help"),
+    [
+        (("lint", "protos", "--message", "env"), "use --message rover.Env"),
+        (("lint", "protos", "--message", "Envelope"), "use --message rover.Env"),
+        (("lint", "protos", "--message", "Moter"), "use --message rover.Motor"),
+        (("lint", "protos", "--message", "other.Env"), "use --message rover.Env"),
+        (("history", "2", "protos", "--message", "Envelope"), "use --message rover.Env"),
+        (("history", "2", "protos", "--message", "Gbs"), "use --message rover.Gps"),
+        (("next-number", "protos"), "use --message rover.Env"),
+        (("lint", "protos", "--branches"), "use --message rover.Env"),
+    ],
+)
+def test_an_envelope_is_suggested(repository: Path, run: Run, command: tuple[str, ...], help: str) -> None:
+    """If the envelope is unknown, its help names the messages with similar names, or else those with a oneof."""
+    code, out, err = run(*command)
+    assert (code, "fatal[STA104]" in out + err) == (2, True)
+    assert f"  help: {help}\n" in out + err
+
+
+def test_messages_with_a_oneof_are_suggested_first(repository: Path, run: Run) -> None:
+    """Of several similar names, the message with a oneof is more likely the envelope."""
+    Path("protos/more.proto").write_text('syntax = "proto3";\npackage rover;\nmessage Envo {}\n')
+    assert "help: use --message rover.Env or --message rover.Envo\n" in run("lint", "protos", "--message", "Envoy")[1]
+
+
+def test_next_number_says_if_the_message_has_no_oneof(repository: Path, run: Run) -> None:
+    """A message without a oneof may be the wrong one, so it is said that all its fields count."""
+    assert run("next-number", "protos", "--message", "Motor") == (
+        0,
+        "3\n",
+        "'rover.Motor' has no oneof, so all its fields count as payloads\n",
+    )
+    assert "oneof" not in run("next-number", "protos", "--message", "Env")[2]
+
+
+# --- folders ----------------------------------------------------------------------------------------------------
+
+
+def test_a_folder_that_an_option_swallowed(repository: Path, run: Run) -> None:
+    """`--pins` takes all that follows, so the error says where PROTO_ROOT belongs."""
+    code, _, err = run("lint", "--pins", "boards.txt", "protos", "--message", "Env")
+    assert (code, "write it directly after the command" in err) == (2, True)
