@@ -19,7 +19,7 @@ from google.protobuf.message import DecodeError
 from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
 from roverlink.generator.git import Commit, GitError, Repository, commit_of_line
-from roverlink.generator.lint.input_rules import DEEPEN, NO_SUCH_STATE, UNREADABLE_STATE
+from roverlink.generator.lint.input_rules import CLONE, DEEPEN, NO_SUCH_STATE, UNREADABLE_STATE
 from roverlink.generator.lock import Entry, RowSettings
 from roverlink.generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
 from roverlink.generator.protos.descriptors import schema_of
@@ -98,8 +98,9 @@ def commit_of_ref(repository: Repository, ref: str, option: str) -> str:
     try:
         return repository.resolve(ref)
     except GitError as error:
-        message = f"{ref!r} is not a folder, a file, or a git ref"
-        help = str(error) or _other_refs(repository, ref)
+        message, help = f"{ref!r} is not a folder, a file, or a git ref", _other_refs(repository, ref)
+        if str(error):  # git says nothing if only the ref is unknown
+            message, help = f"{ref!r} is not a folder or a file, and no git ref can be read: {error}", CLONE
         raise DiagnosticsError([NO_SUCH_STATE.at(Span(option), message, help)]) from error
 
 

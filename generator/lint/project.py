@@ -24,7 +24,7 @@ from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past, since_last_generate
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lint.history import History, read_history
-from roverlink.generator.lint.input_rules import DEEPEN, LIMITED_HISTORY, LOST_PAST, NO_PROTOS, UNREADABLE_HISTORY
+from roverlink.generator.lint.input_rules import CLONE, DEEPEN, LIMITED_HISTORY, LOST_PAST, NO_PROTOS, UNREADABLE_HISTORY
 from roverlink.generator.lint.pinned_states import PinnedStates, ProtoState, StateReader, compare_states
 from roverlink.generator.lint.wrong_root import wrong_root
 from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
@@ -136,6 +136,7 @@ def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) 
     """
     project, table = root.resolve(), bare_tree.table_of_tree(envelope)
     findings: list[Diagnostic] = []
+    _must_be_folder(project, os.path.relpath(root), table, findings)
     with _state(project, question.newest, findings) as folder:
         published = lock.read(folder / lock.ACCEPTED_NAME, findings, lock.ACCEPTED_NAME)
         return _lint(folder, project, table, published, question, findings)
@@ -167,13 +168,9 @@ def _lint(
     if question.with_buf:
         buf.require()
     root, shown_root = folder / table.proto.root, table.proto.root
-    if not root.is_dir():
-        message = f"the folder {str(table.proto.root or project)!r} does not exist; nothing was linted"
-        raise DiagnosticsError(
-            [*findings, NO_PROTOS.at(table.proto.at("root"), message, "correct the path of the folder")]
-        )
+    _must_be_folder(root, table.proto.root, table, findings)
     if table.proto.root and source_files.leads_out(folder, root):
-        message = f"the folder {table.proto.root!r} is outside the git repository; nothing was linted"
+        message = f"the folder {table.proto.root!r} is outside the git repository"
         help = "move the .proto files into the repository, or add their repository as a submodule"
         raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message, help)])
     in_git, found_before = project / table.proto.root, len(findings)
@@ -223,6 +220,17 @@ def _lint(
     return Linted(ordered, project, texts, _blame(project, question.newest, baseline), context)
 
 
+def _must_be_folder(root: Path, shown_root: str, table: Table, findings: list[Diagnostic]) -> None:
+    """Raise `DiagnosticsError`, also with ``findings``, if the folder of the .proto files is none."""
+    if root.is_dir():
+        return
+    message, help = f"the folder {shown_root!r} does not exist", "correct the path of the folder"
+    if root.is_file():
+        message = f"{shown_root!r} is a file, not a folder"
+        help = f"give the folder from which its imports are found, such as {os.path.dirname(shown_root) or '.'!r}"
+    raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message, help)])
+
+
 def _texts(folder: Path, findings: tuple[Diagnostic, ...]) -> dict[str, str]:
     """Return the texts of the files in a temporary folder that diagnostics are about, by path."""
     files = sorted({finding.span.file for finding in findings})
@@ -238,12 +246,12 @@ def _past(root: Path, shown_root: str, question: Question, findings: list[Diagno
     try:
         history = read_history(root, question.report, question.newest)
     except GitError as error:
-        message = "the history cannot be read"
+        message = f"the history cannot be read: {error}"
         raise DiagnosticsError(
-            [*findings, UNREADABLE_HISTORY.at(Span(shown_root or "."), message, str(error))]
+            [*findings, UNREADABLE_HISTORY.at(Span(shown_root or "."), message, CLONE)]
         ) from error
     if history.shallow:
-        message = f"this is a shallow clone: its history goes back only {history.depth} commits"
+        message = f"this is a shallow clone: its history goes back only {history.depth} commit{'s' * (history.depth != 1)}"
         findings.append(LIMITED_HISTORY.at(Span(shown_root or "."), message, f"get the rest with {DEEPEN}"))
     for path in history.unread:
         findings.append(

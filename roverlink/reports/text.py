@@ -29,9 +29,13 @@ def write(linted: Linted) -> None:
     """Print the findings on standard output, and how many findings there are of each severity."""
     console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
     show(linted.findings, sources(linted), sys.stdout)
-    if linted.context.past is not None and linted.context.past.pinned:
-        # Soft wrapping would stop the folding of long names.
-        console.print(*_matrix(linted.context.past.pinned, console.width), sep="", soft_wrap=False)
+    pinned = linted.context.past.pinned if linted.context.past else None
+    if pinned and len(pinned.states) > 1:
+        with console.capture() as matrix:
+            # Soft wrapping would stop the folding of long names.
+            console.print(*_matrix(pinned, console.width), sep="", soft_wrap=False)
+        for line in matrix.get().splitlines():
+            print(line.rstrip())  # rich fills each line with spaces up to the width of the table
     console.print(_summary(linted))
 
 

@@ -119,3 +119,60 @@ def test_a_folder_that_an_option_swallowed(repository: Path, run: Run) -> None:
     """`--pins` takes all that follows, so the error says where PROTO_ROOT belongs."""
     code, _, err = run("lint", "--pins", "boards.txt", "protos", "--message", "Env")
     assert (code, "write it directly after the command" in err) == (2, True)
+
+
+def test_a_proto_file_in_place_of_its_folder(repository: Path, run: Run) -> None:
+    """A .proto file as PROTO_ROOT gives one error, which says that it is a file and names its folder."""
+    code, out, _ = run("lint", "protos/env.proto", "--history")
+    assert (code, out) == (
+        2,
+        "protos/env.proto: fatal[STA103] 'protos/env.proto' is a file, not a folder\n"
+        "  help: give the folder from which its imports are found, such as 'protos'\n\n1 fatal error\n",
+    )
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        (("lint", "--history"), "fatal[STA105] the history cannot be read: {}"),
+        (("history", "2"), "fatal[STA105] the history cannot be read: {}"),
+        (
+            ("lint", "--against", "main"),
+            "fatal[STA101] 'main' is not a folder or a file, and no git ref can be read: {}",
+        ),
+    ],
+)
+@pytest.mark.parametrize("cause", ["fatal: not a git repository", "git cannot be run: No such file or directory"])
+def test_without_git_the_cause_is_in_the_message(
+    tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...], message: str, cause: str
+) -> None:
+    """Outside of a repository, and without an installed git, the message has the cause and the help has the remedy."""
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
+    if "cannot be run" in cause:
+        monkeypatch.setenv("PATH", str(tmp_path))
+    (tmp_path / "env.proto").write_text(_ENV)
+    code, out, err = run(*command, tmp_path, "--message", "Env")
+    assert (code, message.format(cause) in out + err) == (2, True)
+    assert "  help: install git, and run the command in a clone of the repository\n" in out + err
+
+
+# --- pins -------------------------------------------------------------------------------------------------------
+
+
+def test_a_list_of_pins_that_does_not_exist(repository: Path, run: Run) -> None:
+    """A wrong path of the pins gives an error with a help, and no table, because there is only one state."""
+    code, out, _ = run("lint", "protos", "--message", "Env", "--pins", "boards.txt")
+    assert (code, out) == (
+        2,
+        "boards.txt: fatal[PIN101] cannot be read: No such file or directory\n"
+        "  help: correct the path; --pins takes folders of projects, and files of lines `name commit`\n\n"
+        "1 fatal error\n",
+    )
+
+
+def test_a_list_of_pins_with_colons(repository: Path, run: Run) -> None:
+    """A line `rover: main~1` names the project `rover`, and no line of the table ends with a space."""
+    Path("boards.txt").write_text("rover: main~1\narm=main\n")
+    _, out, _ = run("lint", "protos", "--message", "Env", "--pins", "boards.txt")
+    assert "1 rover " in out
+    assert [line for line in out.splitlines() if line != line.rstrip()] == []
