@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from posixpath import normpath
 
 from roverlink.console import FINDINGS, UNABLE, Subparsers, command, counted
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError, nearest_names
+from roverlink.generator.git import Repository
 from roverlink.generator.lint.history import History, Usage, whereabouts
 from roverlink.generator.lint.project import Question
 from roverlink.lint_scope import add_subject, folder_of, linted, print_limits, type_and_number
@@ -62,10 +64,11 @@ def run(arguments: argparse.Namespace) -> int:
     if not usages and not claims:
         print(f"{owner} never used the number {number} in {counted(history.commits, 'commit')}")
         return max(code, FINDINGS)
+    folder = Repository(found.folder / context.table.proto.root).prefix()
     for usage in usages:
-        _print_usage(usage, f"{usage.type} {usage.name}".strip())
+        _print_usage(usage, f"{usage.type} {usage.name}".strip(), folder)
     for usage in claims:
-        _print_usage(usage, f"in a comment: {usage.type} {usage.name}".strip())
+        _print_usage(usage, f"in a comment: {usage.type} {usage.name}".strip(), folder)
     burned = context.ledger.burned_in(owner).get(number)
     if burned:
         print(f"accepted{': ' if burned.reason else ''}{burned.reason}")
@@ -79,10 +82,11 @@ def _known(name: str, history: History) -> str:
     return f"did you mean {' or '.join(map(repr, similar))}?" if similar else nearest(name, known)
 
 
-def _print_usage(usage: Usage, what: str) -> None:
+def _print_usage(usage: Usage, what: str, folder: str) -> None:
+    """Print the commits of a usage. ``folder`` is the path of the proto root in the repository."""
     print(what)
     for interval in usage.intervals:
-        print(f"  added {interval.came} ({interval.path}:{interval.line})")
+        print(f"  added {interval.came} ({normpath(folder + interval.path)}:{interval.line})")
         for went in interval.went:
             print(f"  removed {went}")
     if usage.live_at:

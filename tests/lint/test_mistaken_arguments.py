@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from repositories import RepositoryBuilder
+from repositories import RepositoryBuilder, git
 
 from roverlink.__main__ import main
 
@@ -176,3 +177,29 @@ def test_a_list_of_pins_with_colons(repository: Path, run: Run) -> None:
     _, out, _ = run("lint", "protos", "--message", "Env", "--pins", "boards.txt")
     assert "1 rover " in out
     assert [line for line in out.splitlines() if line != line.rstrip()] == []
+
+
+# --- places in earlier commits ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("option", [("--against", "main~1"), ("--pins", "boards.txt")])
+@pytest.mark.parametrize("folder", ["protos", "."])
+def test_git_show_takes_the_places_of_earlier_commits(
+    repository: Path, run: Run, monkeypatch: pytest.MonkeyPatch, option: tuple[str, ...], folder: str
+) -> None:
+    """A place in another commit starts at the top of the repository, so that `git show COMMIT:PATH` prints the file."""
+    env = Path("protos/env.proto")
+    env.write_text(env.read_text().replace("Motor motor = 3;", "Imu other = 3;"))
+    if folder == ".":
+        monkeypatch.chdir("protos")
+    Path("boards.txt").write_text("rover main~1\n")
+    out = run("lint", folder, "--message", "Env", *option)[1]
+    places = set(re.findall(r"^  (\S+:\S+\.proto):\d+:\d+: ", out, re.MULTILINE))
+    assert places
+    assert {git(repository, "show", place) for place in places} == {_ENV}
+
+
+def test_git_show_takes_the_places_of_history(repository: Path, run: Run) -> None:
+    """`history` prints the place in the commit that added a payload as a path from the top of the repository."""
+    added = run("history", "2", "protos", "--message", "Env")[1].splitlines()[1]
+    assert re.fullmatch(r"  added [0-9a-f]{10} \d{4}-\d\d-\d\d Begin \(protos/env.proto:6\)", added)
