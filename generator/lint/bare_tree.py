@@ -62,15 +62,17 @@ def with_members(
     A table from mapping.yaml is returned unchanged, and one without an envelope, too, unless it is ``required``. The
     user may name the envelope's message without its package. ``past`` are the names of all messages in git's history:
     if only the history has the envelope, the table is returned unchanged, too. Otherwise a missing envelope raises
-    `DiagnosticsError`, which also contains ``findings``.
+    `DiagnosticsError`, which also contains ``findings``. The same holds for an envelope that only a file declares which
+    does not compile; the ``schema`` has the messages of such files, too.
     """
     if table.proto.root or not (table.envelope.message or table.envelope.file or required):
         return table
     name = _full_name(table.envelope, schema)
     envelope = schema.messages.get(name)
-    if envelope is None and _named(table.envelope.message, past):
+    usable = envelope is not None and envelope.file not in schema.uncompiled
+    if not usable and _named(table.envelope.message, past):
         return table
-    if envelope is None or table.envelope.file not in ("", envelope.span.file):
+    if envelope is None or not usable or table.envelope.file not in ("", envelope.span.file):
         raise DiagnosticsError([*findings, _no_envelope(table.envelope, schema, envelope, past)])
     oneof = _largest_oneof(envelope)
     # Without a oneof, `oneof` is empty here, and so it is for every field.
@@ -105,7 +107,8 @@ def _no_envelope(
 ) -> Diagnostic:
     """Return the diagnostic for an envelope that was not found: the name or the file that the user gave is wrong.
 
-    ``elsewhere`` is the envelope's message if another file than ``settings.file`` declares it, and otherwise None.
+    ``elsewhere`` is the envelope's message if another file than ``settings.file`` declares it, or one that does not
+    compile, and otherwise None.
     """
     name, file = settings.message, settings.file
     in_file = [message for message in schema.messages.values() if message.span.file == file]
@@ -113,13 +116,16 @@ def _no_envelope(
     similar = sorted(nearest_names(name, {*schema.messages, *past}), key=lambda one: one not in likely)
     known = _named(name, schema.messages) or similar or likely[:_MOST_NAMED]
     help = f"use --message {' or --message '.join(known)}" if known else "use --message with the name of the envelope"
-    if elsewhere is not None:
+    if elsewhere is not None and elsewhere.file in schema.uncompiled:
+        message = f"the message {name!r} is declared in {elsewhere.span.file}, which does not compile"
+        help = f"correct the errors in {elsewhere.span.file}"
+    elif elsewhere is not None:
         message = f"the message {name!r} is declared in {elsewhere.span.file}, not in {file}"
         help = f"use --envelope {elsewhere.span.file}"
     elif not name:
         message = "the envelope's message is not named"
     else:
-        message = f"no message {name!r} is declared in a file that compiles"
+        message = f"no message {name!r} is declared"
     return NO_ENVELOPE_MESSAGE.at(settings.span, message, help)
 
 

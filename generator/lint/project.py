@@ -190,13 +190,13 @@ def _lint(
     findings += errors
     if table.proto.root:
         locate(table, index_declarations(declared, table.proto.exclude), findings)
+    checkout = with_uncompiled(schema, kept, shown_root)
     past_names = past.history.messages if past else ()
-    table = bare_tree.with_members(table, schema, findings, past_names, required=question.of_the_envelope)
+    table = bare_tree.with_members(table, checkout, findings, past_names, required=question.of_the_envelope)
     of_table = as_lines(table_bounds(table, schema, root, findings))
     layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
     baseline = _baseline(question, project, layout, findings)
     if past and question.pins:
-        checkout = with_uncompiled(schema, kept, shown_root)
         past = dataclasses.replace(past, pinned=_pinned(in_git, table, checkout, past.history, question, findings))
     if past and baseline and baseline.commit:
         past = dataclasses.replace(past, before=Repository(project).reachable(baseline.commit))
@@ -204,6 +204,7 @@ def _lint(
         table=table,
         schema=schema,
         ledger=published,
+        checkout=checkout,
         files=kept,
         excluded_files=left_out,
         changes=_changes(schema, baseline, published),

@@ -97,6 +97,18 @@ def test_an_envelope_is_suggested(repository: Path, run: Run, command: tuple[str
     assert f"  help: {help}\n" in out + err
 
 
+def test_a_reuse_in_a_file_that_does_not_compile(repository: Path, run: Run) -> None:
+    """A type whose file has a syntax error exists today: the finding shows its place, and offers no `--accept`."""
+    env = Path("protos/env.proto")
+    env.write_text(env.read_text().replace("Motor motor = 3;", "Imu other = 2; Motor motor = 3;") + "message Broken {\n")
+    code, out, _ = run("lint", "protos", "--message", "Env", "--history")
+    (finding,) = (one for one in out.split("\n\n") if "[HIS101]" in one)
+    assert code == 1
+    assert finding.startswith("protos/env.proto:5:44: error[HIS101] number 2 of 'rover.Env' was given to 'other' (Imu)")
+    assert finding.endswith("  help: correct the errors in this file, and run the lint again")
+    assert "does not exist" not in finding
+
+
 def test_messages_with_a_oneof_are_suggested_first(repository: Path, run: Run) -> None:
     """Of several similar names, the message with a oneof is more likely the envelope."""
     Path("protos/more.proto").write_text('syntax = "proto3";\npackage rover;\nmessage Envo {}\n')
