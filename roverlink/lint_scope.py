@@ -67,7 +67,7 @@ def linted(arguments: argparse.Namespace, question: Question) -> Linted:
     root: Path | None = arguments.root
     if root is None and (arguments.envelope or arguments.message):
         raise SetupError(
-            "--envelope and --message need PROTO_ROOT, a folder of .proto files without mapping.yaml; write it directly "
+            "--envelope and --message need PROTO_ROOT, a folder of .proto files without mapping.yaml; write it right "
             "after the command, before options that take several values"
         )
     if root is None:

@@ -24,7 +24,14 @@ from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past, since_last_generate
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lint.history import History, read_history
-from roverlink.generator.lint.input_rules import CLONE, DEEPEN, LIMITED_HISTORY, LOST_PAST, NO_PROTOS, UNREADABLE_HISTORY
+from roverlink.generator.lint.input_rules import (
+    CLONE,
+    DEEPEN,
+    LIMITED_HISTORY,
+    LOST_PAST,
+    NO_PROTOS,
+    UNREADABLE_HISTORY,
+)
 from roverlink.generator.lint.pinned_states import PinnedStates, ProtoState, StateReader, compare_states
 from roverlink.generator.lint.wrong_root import wrong_root
 from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
@@ -248,11 +255,11 @@ def _past(root: Path, shown_root: str, question: Question, findings: list[Diagno
         history = read_history(root, question.report, question.newest)
     except GitError as error:
         message = f"the history cannot be read: {error}"
-        raise DiagnosticsError(
-            [*findings, UNREADABLE_HISTORY.at(Span(shown_root or "."), message, CLONE)]
-        ) from error
+        raise DiagnosticsError([*findings, UNREADABLE_HISTORY.at(Span(shown_root or "."), message, CLONE)]) from error
     if history.shallow:
-        message = f"this is a shallow clone: its history goes back only {history.depth} commit{'s' * (history.depth != 1)}"
+        message = (
+            f"this is a shallow clone: its history goes back only {history.depth} commit{'s' * (history.depth != 1)}"
+        )
         findings.append(LIMITED_HISTORY.at(Span(shown_root or "."), message, f"get the rest with {DEEPEN}"))
     for path in history.unread:
         findings.append(

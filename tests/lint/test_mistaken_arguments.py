@@ -100,7 +100,9 @@ def test_an_envelope_is_suggested(repository: Path, run: Run, command: tuple[str
 def test_a_reuse_in_a_file_that_does_not_compile(repository: Path, run: Run) -> None:
     """A type whose file has a syntax error exists today: the finding shows its place, and offers no `--accept`."""
     env = Path("protos/env.proto")
-    env.write_text(env.read_text().replace("Motor motor = 3;", "Imu other = 2; Motor motor = 3;") + "message Broken {\n")
+    env.write_text(
+        env.read_text().replace("Motor motor = 3;", "Imu other = 2; Motor motor = 3;") + "message Broken {\n"
+    )
     code, out, _ = run("lint", "protos", "--message", "Env", "--history")
     (finding,) = (one for one in out.split("\n\n") if "[HIS101]" in one)
     assert code == 1
@@ -131,7 +133,7 @@ def test_next_number_says_if_the_message_has_no_oneof(repository: Path, run: Run
 def test_a_folder_that_an_option_swallowed(repository: Path, run: Run) -> None:
     """`--pins` takes all that follows, so the error says where PROTO_ROOT belongs."""
     code, _, err = run("lint", "--pins", "boards.txt", "protos", "--message", "Env")
-    assert (code, "write it directly after the command" in err) == (2, True)
+    assert (code, "write it right after the command" in err) == (2, True)
 
 
 def test_a_proto_file_in_place_of_its_folder(repository: Path, run: Run) -> None:
@@ -142,6 +144,16 @@ def test_a_proto_file_in_place_of_its_folder(repository: Path, run: Run) -> None
         "protos/env.proto: fatal[STA103] 'protos/env.proto' is a file, not a folder\n"
         "  help: give the folder from which its imports are found, such as 'protos'\n\n1 fatal error\n",
     )
+
+
+def test_hundreds_of_unreadable_files(tmp_path: Path, run: Run) -> None:
+    """From a wrong folder, the text shows some of the files that cannot be read, and asks once; JSON has all."""
+    for number in range(25):
+        (tmp_path / f"{number}.proto").write_bytes(b"\0")
+    code, out, _ = run("lint", tmp_path)
+    assert (code, out.count("[PRO102]")) == (2, 20)
+    assert "... and 5 more errors PRO102; is this the right folder of .proto files?\n\n25 fatal errors\n" in out
+    assert run("lint", tmp_path, "--format", "json")[1].count("PRO102") == 25
 
 
 @pytest.mark.parametrize(
