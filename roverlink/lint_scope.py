@@ -36,14 +36,15 @@ def add_subject(parser: argparse.ArgumentParser) -> None:
         "--envelope",
         default="",
         metavar="FILE",
-        help="with PROTO_ROOT: the .proto file that declares the envelope (the message that holds each payload in a "
-        "oneof); the path is relative to PROTO_ROOT",
+        help="with --message: check that this .proto file declares the envelope; the path is relative to PROTO_ROOT. "
+        "The envelope is found without it",
     )
     parser.add_argument(
         "--message",
         default="",
         metavar="NAME",
-        help="with PROTO_ROOT: name of the envelope's protobuf message, such as PBEnvelope",
+        help="with PROTO_ROOT: name of the envelope (the protobuf message that holds each payload in a oneof), such as "
+        "PBEnvelope; without it, the rules about payloads do not run",
     )
 
 

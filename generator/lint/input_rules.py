@@ -53,7 +53,7 @@ Good::
 NO_PROTOS = Rule(
     "STA103",
     "no-protos",
-    """The folder that the lint has to check does not exist, is outside the git repository, or has no `.proto` file.
+    """The folder that the lint has to check is no folder, is outside the git repository, or has no `.proto` file.
 
 A lint run that read no file must not succeed.
 
