@@ -104,11 +104,22 @@ class Repository:
         listed = self._run("rev-list", "--date-order", "--reverse", *wanted).split() if wanted else []
         return [id for id in listed if id in wanted]
 
+    def prefix(self) -> str:
+        """Return the folder's path in the repository with a slash at its end; empty for the top folder."""
+        return self._run("rev-parse", "--show-prefix").removesuffix("\n")
+
+    def in_commit(self, name: str) -> str:
+        """Return the beginning of the names of a commit's files below the folder, such as ``main:protos``.
+
+        ``name`` is a name of the commit. With a file's path, it is what ``git show`` takes.
+        """
+        return f"{name}:{self.prefix().rstrip('/')}"
+
     def entries(self, commit: str) -> list[tuple[str, str, str]]:
         """Return mode, object id and path of each file, link and submodule below the folder in a commit."""
         # -z: without it, git quotes a path with unusual characters (git-ls-tree(1), OUTPUT FORMAT).
         listed = self._run("ls-tree", "-r", "-z", "--full-name", commit, ".").split("\0")
-        prefix = self._run("rev-parse", "--show-prefix").strip()
+        prefix = self.prefix()
         entries = (entry.split("\t", 1) for entry in listed if entry)
         return [(about.split()[0], about.split()[2], path.removeprefix(prefix)) for about, path in entries]
 

@@ -141,6 +141,13 @@ class _Parser(argparse.ArgumentParser):
         finally:
             self._is_parsing = False
 
+    def error(self, message: str) -> NoReturn:
+        """Print what is wrong with the command line, and exit with code 2.
+
+        argparse would first print the usage, whose many lines hide the message.
+        """
+        self.exit(2, f"{self.prog}: error: {message}\nrun `{self.prog} --help` for all arguments\n")
+
     def _refuse_unknown_options(self, arguments: Sequence[str]) -> None:
         """Exit with an error that suggests a similar option if a long option is unknown.
 

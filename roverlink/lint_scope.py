@@ -6,6 +6,7 @@ These commands check a project with a table (mapping.yaml), or a folder of .prot
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
@@ -16,6 +17,9 @@ from roverlink.generator.git import Repository
 from roverlink.generator.lint.bare_tree import EnvelopeName
 from roverlink.generator.lint.project import Linted, Question, lint_project, lint_tree
 from roverlink.runtime.core.errors import SetupError
+
+# Field numbers have at most nine digits (2**29 - 1), enum values ten and a sign (int32).
+_NUMBER = re.compile(r"(?:\.?(?P<owner>[A-Za-z_][\w.]*):(?=.)|(?=[0-9]))(?P<number>-?[0-9]{1,10})")
 
 
 def add_subject(parser: argparse.ArgumentParser) -> None:
@@ -32,15 +36,27 @@ def add_subject(parser: argparse.ArgumentParser) -> None:
         "--envelope",
         default="",
         metavar="FILE",
-        help="with PROTO_ROOT: the .proto file that declares the envelope (the message that holds each payload in a "
-        "oneof); the path is relative to PROTO_ROOT",
+        help="with --message: check that this .proto file declares the envelope; the path is relative to PROTO_ROOT. "
+        "The envelope is found without it",
     )
     parser.add_argument(
         "--message",
         default="",
         metavar="NAME",
-        help="with PROTO_ROOT: name of the envelope's protobuf message, such as PBEnvelope",
+        help="with PROTO_ROOT: name of the envelope (the protobuf message that holds each payload in a oneof), such as "
+        "PBEnvelope; without it, the rules about payloads do not run",
     )
+
+
+def type_and_number(text: str) -> tuple[str, int]:
+    """Parse an argument that is a number of the envelope, or the number of a message or enum: ``rover.ImuInfo:3``.
+
+    Return the name of the message or enum, which is empty for the envelope, and the number.
+    """
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number, such as 18 or rover.ImuInfo:3")
+    return match["owner"] or "", int(match["number"])
 
 
 def linted(arguments: argparse.Namespace, question: Question) -> Linted:
@@ -51,7 +67,10 @@ def linted(arguments: argparse.Namespace, question: Question) -> Linted:
     """
     root: Path | None = arguments.root
     if root is None and (arguments.envelope or arguments.message):
-        raise SetupError("--envelope and --message need PROTO_ROOT, a folder of .proto files without mapping.yaml")
+        raise SetupError(
+            "--envelope and --message need PROTO_ROOT, a folder of .proto files without mapping.yaml; write it right "
+            "after the command, before options that take several values"
+        )
     if root is None:
         return lint_project(table_file(arguments.table), question)
     return lint_tree(root, EnvelopeName(arguments.envelope, arguments.message), question)

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import dataclasses
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest_names
 from roverlink.generator.lint.input_rules import NO_ENVELOPE_MESSAGE
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSettings, RosSettings, Row, Table
+
+_MOST_NAMED = 3  # messages that are suggested if no name is similar to the one that the user gave
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,22 +49,31 @@ def table_of_tree(envelope: EnvelopeName) -> Table:
     )
 
 
-def with_members(table: Table, schema: Schema, findings: Sequence[Diagnostic] = (), past: Iterable[str] = ()) -> Table:
+def with_members(
+    table: Table,
+    schema: Schema,
+    findings: Sequence[Diagnostic] = (),
+    past: Collection[str] = (),
+    *,
+    required: bool = False,
+) -> Table:
     """Add a row for each member of the envelope to a table that was made by `table_of_tree`.
 
-    A table from mapping.yaml, or a table without an envelope, is returned unchanged. The user may name the envelope's
-    message without its package. ``past`` are the names of all messages in git's history: if only the history has the
-    envelope, the table is returned unchanged, too. Otherwise a missing envelope raises `DiagnosticsError`, which also
-    contains ``findings``.
+    A table from mapping.yaml is returned unchanged, and one without an envelope, too, unless it is ``required``. The
+    user may name the envelope's message without its package. ``past`` are the names of all messages in git's history:
+    if only the history has the envelope, the table is returned unchanged, too. Otherwise a missing envelope raises
+    `DiagnosticsError`, which also contains ``findings``. The same holds for an envelope that only a file declares which
+    does not compile; the ``schema`` has the messages of such files, too.
     """
-    if table.proto.root or not (table.envelope.message or table.envelope.file):
+    if table.proto.root or not (table.envelope.message or table.envelope.file or required):
         return table
     name = _full_name(table.envelope, schema)
     envelope = schema.messages.get(name)
-    if envelope is None and _named(table.envelope.message, past):
+    usable = envelope is not None and envelope.file not in schema.uncompiled
+    if not usable and _named(table.envelope.message, past):
         return table
-    if envelope is None or table.envelope.file not in ("", envelope.span.file):
-        raise DiagnosticsError([*findings, _no_envelope(table.envelope, schema, envelope)])
+    if envelope is None or not usable or table.envelope.file not in ("", envelope.span.file):
+        raise DiagnosticsError([*findings, _no_envelope(table.envelope, schema, envelope, past)])
     oneof = _largest_oneof(envelope)
     # Without a oneof, `oneof` is empty here, and so it is for every field.
     members = [field for field in envelope.fields if field.oneof == oneof]
@@ -72,13 +83,6 @@ def with_members(table: Table, schema: Schema, findings: Sequence[Diagnostic] = 
         numbers=frozenset(field.number for field in members),
         rows=tuple(_row(field) for field in members),
     )
-
-
-def must_have_envelope(table: Table, findings: Sequence[Diagnostic]) -> None:
-    """Raise `DiagnosticsError` if the user did not name the envelope's message."""
-    if not table.envelope.message:
-        message = "the envelope's message is not named; nothing was linted"
-        raise DiagnosticsError([*findings, NO_ENVELOPE_MESSAGE.at(table.envelope.span, message, "add --message NAME")])
 
 
 def _full_name(envelope: EnvelopeSettings, schema: Schema) -> str:
@@ -98,23 +102,37 @@ def _named(name: str, messages: Iterable[str]) -> list[str]:
     return [message for message in messages if name and f".{message}".endswith(f".{name}")]
 
 
-def _no_envelope(settings: EnvelopeSettings, schema: Schema, elsewhere: ProtoMessage | None) -> Diagnostic:
+def _no_envelope(
+    settings: EnvelopeSettings, schema: Schema, elsewhere: ProtoMessage | None, past: Collection[str]
+) -> Diagnostic:
     """Return the diagnostic for an envelope that was not found: the name or the file that the user gave is wrong.
 
-    ``elsewhere`` is the envelope's message if another file than ``settings.file`` declares it, and otherwise None.
+    ``elsewhere`` is the envelope's message if another file than ``settings.file`` declares it, or one that does not
+    compile, and otherwise None.
     """
     name, file = settings.message, settings.file
-    in_file = [message.full_name for message in schema.messages.values() if message.span.file == file]
-    known = _named(name, schema.messages) or in_file
-    help = f"use --message {' or --message '.join(known)}" if known else "add --message NAME"
-    if elsewhere is not None:
+    in_file = [message for message in schema.messages.values() if message.span.file == file]
+    likely = _with_oneofs(in_file or schema.messages.values())
+    similar = sorted(nearest_names(name, {*schema.messages, *past}), key=lambda one: one not in likely)
+    known = _named(name, schema.messages) or similar or likely[:_MOST_NAMED]
+    help = f"use --message {' or --message '.join(known)}" if known else "use --message with the name of the envelope"
+    if elsewhere is not None and elsewhere.file in schema.uncompiled:
+        message = f"the message {name!r} is declared in {elsewhere.span.file}, which does not compile"
+        help = f"correct the errors in {elsewhere.span.file}"
+    elif elsewhere is not None:
         message = f"the message {name!r} is declared in {elsewhere.span.file}, not in {file}"
         help = f"use --envelope {elsewhere.span.file}"
     elif not name:
         message = "the envelope's message is not named"
     else:
-        message = f"no message {name!r} is declared in a file that compiles"
+        message = f"no message {name!r} is declared"
     return NO_ENVELOPE_MESSAGE.at(settings.span, message, help)
+
+
+def _with_oneofs(messages: Iterable[ProtoMessage]) -> list[str]:
+    """Return the full names of the messages with a oneof, those with the most members in oneofs first."""
+    members = Counter({one.full_name: sum(bool(field.oneof) for field in one.fields) for one in messages})
+    return [name for name, count in members.most_common() if count]
 
 
 def _largest_oneof(envelope: ProtoMessage) -> str:

@@ -19,7 +19,7 @@ from google.protobuf.message import DecodeError
 from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
 from roverlink.generator.git import Commit, GitError, Repository, commit_of_line
-from roverlink.generator.lint.input_rules import DEEPEN, NO_SUCH_STATE, UNREADABLE_STATE
+from roverlink.generator.lint.input_rules import CLONE, DEEPEN, NO_SUCH_STATE, UNREADABLE_STATE
 from roverlink.generator.lock import Entry, RowSettings
 from roverlink.generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
 from roverlink.generator.protos.descriptors import schema_of
@@ -49,7 +49,7 @@ class Baseline:
     """An earlier state of a project, with which the lint compares the current state."""
 
     name: str
-    """The beginning of the state's file names in diagnostics: ``main:`` for the git ref main, or the given path."""
+    """The beginning of the state's file names in diagnostics: the given path, or for a git ref ``main:protos``."""
     schema: Schema
     entries: tuple[Entry, ...]
     """The payloads in the envelope, the ledger and the table of the state."""
@@ -98,8 +98,9 @@ def commit_of_ref(repository: Repository, ref: str, option: str) -> str:
     try:
         return repository.resolve(ref)
     except GitError as error:
-        message = f"{ref!r} is not a folder, a file, or a git ref"
-        help = str(error) or _other_refs(repository, ref)
+        message, help = f"{ref!r} is not a folder, a file, or a git ref", _other_refs(repository, ref)
+        if str(error):  # git says nothing if only the ref is unknown
+            message, help = f"{ref!r} is not a folder or a file, and no git ref can be read: {error}", CLONE
         raise DiagnosticsError([NO_SUCH_STATE.at(Span(option), message, help)]) from error
 
 
@@ -122,7 +123,7 @@ def checked_out(repository: Repository, commit: str, ref: str, findings: list[Di
                     target.parent.mkdir(parents=True, exist_ok=True)
                     target.write_bytes(data)
                     continue
-                findings.append(UNREADABLE_STATE.at(Span(f"{ref}:{file}"), fault))
+                findings.append(UNREADABLE_STATE.at(Span(shown(repository.in_commit(ref), file)), fault))
         except (GitError, OSError) as error:
             raise DiagnosticsError([UNREADABLE_STATE.at(Span(ref), f"the state cannot be read: {error}")]) from error
         yield Path(folder)
@@ -131,14 +132,14 @@ def checked_out(repository: Repository, commit: str, ref: str, findings: list[Di
 def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
     repository = Repository(project)
     commit = commit_of_ref(repository, ref, "--against")
+    name = repository.in_commit(ref)
     commits_of = cache(lambda file: repository.commits_of_lines(file, commit))
     with checked_out(repository, commit, ref, findings) as folder:
 
         def commit_of(span: Span) -> Commit | None:
-            file = span.file.removeprefix(f"{ref}:")
-            return commit_of_line(commits_of(file), span.line)
+            return commit_of_line(commits_of(span.file.removeprefix(shown(name, ""))), span.line)
 
-        return dataclasses.replace(_baseline_in(folder, f"{ref}:", layout, commit_of, findings), commit=commit)
+        return dataclasses.replace(_baseline_in(folder, name, layout, commit_of, findings), commit=commit)
 
 
 def _other_refs(repository: Repository, ref: str) -> str:

@@ -21,7 +21,7 @@ _SET = re.compile(r"\bset\s*\(\s*(?P<name>\w+)\s+\"?(?P<value>[^\s\")]+)", re.IG
 _VARIABLE = re.compile(r"\$\{(\w+)\}")
 _COMMENT = re.compile(r"(\"(?:\\.|[^\"\\])*\")|#[^\n]*")
 _DECLARE = re.compile(r"\b(?:FetchContent_Declare|ExternalProject_Add)\s*\((?P<body>[^()]*)\)", re.IGNORECASE)
-_LIST_LINE = re.compile(r"(?P<name>\S+)[ \t:=]+(?P<commit>\S+)\s*(#.*)?")
+_LIST_LINE = re.compile(r"(?P<name>\S*[^\s:=])[ \t:=]+(?P<commit>\S+)\s*(#.*)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,8 @@ def _text(path: Path, findings: list[Diagnostic]) -> str:
     try:
         text = source_files.read(path.parent, path.name).decode("utf-8", errors="replace")
     except OSError as error:
-        findings.append(UNREADABLE_PINS.at(Span(str(path)), f"cannot be read: {error.strerror}"))
+        help = "correct the path; --pins takes folders of projects, and files of lines `name commit`"
+        findings.append(UNREADABLE_PINS.at(Span(str(path)), f"cannot be read: {error.strerror}", help))
         return ""
     if "\0" in text:
         findings.append(UNREADABLE_PINS.at(Span(str(path)), "the file is binary, and not a list of pins"))

@@ -97,6 +97,8 @@ class Context:
     """The settings of the baseline's rows; empty without a baseline."""
     bounds: Bounds | None = None
     """The size limits of strings, arrays and other fields for nanopb; None if they were not read."""
+    checkout: Schema | None = None
+    """The schema with the declarations of the files that do not compile, too (see `with_uncompiled`)."""
     past: Past | None = None
     """The history of the .proto files in git; None if the user requested no check of the history."""
     tree: str = ""

@@ -228,17 +228,22 @@ def stands_today(context: Context, owner: str, number: int) -> PastUse | None:
 
 
 def _declared(context: Context, owner: str) -> ProtoMessage | ProtoEnum | None:
-    schema = context.schema
+    schema = context.checkout
     return (schema.messages.get(owner) or schema.enums.get(owner)) if schema else None
 
 
 def _parts(context: Context, declared: ProtoMessage | ProtoEnum) -> dict[int, ProtoField | ProtoEnumValue]:
     """Return the fields and extensions of a message, or the values of an enum, by number."""
     if isinstance(declared, ProtoMessage):
-        extensions = context.schema.extensions if context.schema else ()
+        extensions = context.checkout.extensions if context.checkout else ()
         added = [extension.field for extension in extensions if extension.extendee == declared.full_name]
         return {field.number: field for field in (*added, *declared.fields)}
     return {value.number: value for value in declared.values}
+
+
+def _compiles(context: Context, declared: ProtoMessage | ProtoEnum) -> bool:
+    """Return False if the file of a message or enum does not compile, so that a part of it may be unknown."""
+    return context.checkout is None or declared.file not in context.checkout.uncompiled
 
 
 def _is_reserved(declared: ProtoMessage | ProtoEnum, number: int) -> bool:
@@ -250,7 +255,7 @@ def _today(context: Context, owner: str, number: int) -> str:
     declared = _declared(context, owner)
     if declared is None:
         return f"; today {owner!r} does not exist"
-    if number in _parts(context, declared):
+    if number in _parts(context, declared) or not _compiles(context, declared):
         return ""
     return "; today it is reserved" if _is_reserved(declared, number) else "; today it is free, and not reserved"
 
@@ -270,6 +275,8 @@ def _help(context: Context, past: Past, owner: str, number: int, reuses: Sequenc
     if burned := context.ledger.burned_in(owner).get(number):
         accept = f"accepted so far: {burned.told}; {accept}"
     declared = _declared(context, owner)
+    if declared and not _compiles(context, declared):
+        return "correct the errors in this file, and run the lint again"
     if declared is None or _is_reserved(declared, number):
         return accept
     if part := _parts(context, declared).get(number):

@@ -7,8 +7,11 @@ from __future__ import annotations
 
 from roverlink.generator.diagnostics import Rule, Severity
 
-DEEPEN = "`git fetch --unshallow origin '+refs/heads/*:refs/remotes/origin/*'` (on GitHub: fetch-depth: 0)"
+_FETCH_ALL = "git fetch --unshallow origin '+refs/heads/*:refs/remotes/origin/*'"
+DEEPEN = f"`{_FETCH_ALL}` (on GitHub: fetch-depth: 0)"
 """Help for a shallow clone, which has one branch and a part of its commits."""
+CLONE = "install git, and run the command in a clone of the repository"
+"""Help if git cannot be run, or if the folder is in no repository."""
 
 NO_SUCH_STATE = Rule(
     "STA101",
@@ -50,7 +53,7 @@ Good::
 NO_PROTOS = Rule(
     "STA103",
     "no-protos",
-    """The folder that the lint has to check does not exist, is outside the git repository, or has no `.proto` file.
+    """The folder that the lint has to check is no folder, is outside the git repository, or has no `.proto` file.
 
 A lint run that read no file must not succeed.
 
@@ -105,7 +108,7 @@ Good::
 LIMITED_HISTORY = Rule(
     "STA106",
     "limited-history",
-    """A part of git's history is missing, or an old state of a file cannot be read.
+    f"""A part of git's history is missing, or an old state of a file cannot be read.
 
 A number that was used only in the missing part looks unused. Many CI systems clone without history by default.
 
@@ -115,7 +118,7 @@ Bad::
 
 Good::
 
-    $ git fetch --unshallow
+    $ {_FETCH_ALL}
 """,
     Severity.WARNING,
 )

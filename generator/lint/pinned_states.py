@@ -173,7 +173,7 @@ class StateReader:
         raise LookupError(f"has no message {self._envelopes[0]!r}")
 
     def _schema(self, commit: str) -> Schema:
-        shown_root = f"{commit[:10]}:"
+        shown_root = self._repository.in_commit(commit[:10])
         unread: list[Diagnostic] = []
         with checked_out(self._repository, commit, commit[:10], unread) as folder:
             files = [file for file in proto_files(folder, shown_root, unread) if file not in self._exclude]

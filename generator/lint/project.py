@@ -25,7 +25,14 @@ from roverlink.generator.lint.context import Context, Past, since_last_generate
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lint.history import History, read_history
 from roverlink.generator.lint.history.uncommitted import CheckedOut
-from roverlink.generator.lint.input_rules import DEEPEN, LIMITED_HISTORY, LOST_PAST, NO_PROTOS, UNREADABLE_HISTORY
+from roverlink.generator.lint.input_rules import (
+    CLONE,
+    DEEPEN,
+    LIMITED_HISTORY,
+    LOST_PAST,
+    NO_PROTOS,
+    UNREADABLE_HISTORY,
+)
 from roverlink.generator.lint.pinned_states import PinnedStates, ProtoState, StateReader, compare_states
 from roverlink.generator.lint.wrong_root import wrong_root
 from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
@@ -137,6 +144,7 @@ def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) 
     """
     project, table = root.resolve(), bare_tree.table_of_tree(envelope)
     findings: list[Diagnostic] = []
+    _must_be_folder(project, os.path.relpath(root), table, findings)
     with _state(project, question.newest, findings) as folder:
         published = lock.read(folder / lock.ACCEPTED_NAME, findings, lock.ACCEPTED_NAME)
         return _lint(folder, project, table, published, question, findings)
@@ -180,17 +188,11 @@ def _lint(
     if question.with_buf:
         buf.require()
     root, shown_root = folder / table.proto.root, table.proto.root
-    if not root.is_dir():
-        message = f"the folder {str(table.proto.root or project)!r} does not exist; nothing was linted"
-        raise DiagnosticsError(
-            [*findings, NO_PROTOS.at(table.proto.at("root"), message, "correct the path of the folder")]
-        )
+    _must_be_folder(root, table.proto.root, table, findings)
     if table.proto.root and source_files.leads_out(folder, root):
-        message = f"the folder {table.proto.root!r} is outside the git repository; nothing was linted"
+        message = f"the folder {table.proto.root!r} is outside the git repository"
         help = "move the .proto files into the repository, or add their repository as a submodule"
         raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message, help)])
-    if question.of_the_envelope:
-        bare_tree.must_have_envelope(table, findings)
     in_git, found_before = project / table.proto.root, len(findings)
     declared = read_protos(root, shown_root, findings)
     shown_to_user = shown_root or os.path.relpath(in_git)
@@ -208,12 +210,13 @@ def _lint(
     findings += errors
     if table.proto.root:
         locate(table, index_declarations(declared, table.proto.exclude), findings)
-    table = bare_tree.with_members(table, schema, findings, past.history.messages if past else ())
+    checkout = with_uncompiled(schema, kept, shown_root)
+    past_names = past.history.messages if past else ()
+    table = bare_tree.with_members(table, checkout, findings, past_names, required=question.of_the_envelope)
     of_table = as_lines(table_bounds(table, schema, root, findings))
     layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
     baseline = _baseline(question, project, layout, findings)
     if past and question.pins:
-        checkout = with_uncompiled(schema, kept, shown_root)
         past = dataclasses.replace(past, pinned=_pinned(in_git, table, checkout, past.history, question, findings))
     if past and baseline and baseline.commit:
         past = dataclasses.replace(past, before=Repository(project).reachable(baseline.commit))
@@ -221,6 +224,7 @@ def _lint(
         table=table,
         schema=schema,
         ledger=published,
+        checkout=checkout,
         files=kept,
         excluded_files=left_out,
         changes=_changes(schema, baseline, published),
@@ -240,6 +244,17 @@ def _lint(
     return Linted(ordered, project, texts, _blame(project, lines_of, baseline), context)
 
 
+def _must_be_folder(root: Path, shown_root: str, table: Table, findings: list[Diagnostic]) -> None:
+    """Raise `DiagnosticsError`, also with ``findings``, if the folder of the .proto files is none."""
+    if root.is_dir():
+        return
+    message, help = f"the folder {shown_root!r} does not exist", "correct the path of the folder"
+    if root.is_file():
+        message = f"{shown_root!r} is a file, not a folder"
+        help = f"give the folder from which its imports are found, such as {os.path.dirname(shown_root) or '.'!r}"
+    raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message, help)])
+
+
 def _texts(folder: Path, findings: tuple[Diagnostic, ...]) -> dict[str, str]:
     """Return the texts of the files in a temporary folder that diagnostics are about, by path."""
     files = sorted({finding.span.file for finding in findings})
@@ -255,12 +270,12 @@ def _past(root: Path, shown_root: str, question: Question, findings: list[Diagno
     try:
         history = read_history(root, question.report, question.newest)
     except GitError as error:
-        message = "the history cannot be read"
-        raise DiagnosticsError(
-            [*findings, UNREADABLE_HISTORY.at(Span(shown_root or "."), message, str(error))]
-        ) from error
+        message = f"the history cannot be read: {error}"
+        raise DiagnosticsError([*findings, UNREADABLE_HISTORY.at(Span(shown_root or "."), message, CLONE)]) from error
     if history.shallow:
-        message = f"this is a shallow clone: its history goes back only {history.depth} commits"
+        message = (
+            f"this is a shallow clone: its history goes back only {history.depth} commit{'s' * (history.depth != 1)}"
+        )
         findings.append(LIMITED_HISTORY.at(Span(shown_root or "."), message, f"get the rest with {DEEPEN}"))
     for path in history.unread:
         findings.append(

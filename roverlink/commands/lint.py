@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import re
 from pathlib import Path
 
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, counted, table_file
 from roverlink.generator.diagnostics import DiagnosticsError, Severity, shown
 from roverlink.generator.lint.project import Linted, Question, not_linted
 from roverlink.generator.lock import ACCEPTED_NAME, NAME
-from roverlink.lint_scope import add_subject, folder_of, linted
+from roverlink.lint_scope import add_subject, folder_of, linted, type_and_number
 from roverlink.progress import progress
 from roverlink.reports import FORMATS
 from roverlink.runtime.core.errors import SetupError
 
 _COUNTED = ("error", "warning", "hint")
-# Field numbers have at most nine digits (2**29 - 1), enum values ten and a sign (int32).
-_NUMBER = re.compile(r"(?:\.?(?P<owner>[A-Za-z_][\w.]*):(?=.)|(?=[0-9]))(?P<number>-?[0-9]{1,10})")
 
 
 def add(commands: Subparsers) -> None:
@@ -160,16 +157,10 @@ def _wanted(arguments: argparse.Namespace) -> list[tuple[str, int]] | None:
             raise SetupError("--reason needs a text of printable characters")
     if arguments.accept is None:
         return None
-    wanted = []
-    for word in arguments.accept:
-        match = _NUMBER.fullmatch(word)
-        if match is None:
-            raise SetupError(
-                f"'{word}' after --accept is not a number, such as 18 or rover.ImuInfo:3; write a folder of .proto "
-                "files before --accept"
-            )
-        wanted.append((match["owner"] or "", int(match["number"])))
-    return wanted
+    try:
+        return [type_and_number(word) for word in arguments.accept]
+    except argparse.ArgumentTypeError as error:
+        raise SetupError(f"--accept: {error}; write a folder of .proto files before --accept") from error
 
 
 def _accept(arguments: argparse.Namespace, found: Linted, wanted: list[tuple[str, int]]) -> int:

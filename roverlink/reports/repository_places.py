@@ -17,8 +17,9 @@ def place_in_repository(span: Span, linted: Linted) -> Span | None:
     A place in an earlier state, such as ``main:proto/imu.proto:3``, becomes the file of today, without a line.
     """
     folder = linted.folder.resolve()
-    top = repository_top(str(folder)) or os.getcwd()
-    for place in (span, Span(span.file.partition(":")[2])):
+    top = Path(repository_top(str(folder)) or os.getcwd())
+    earlier = os.path.relpath(top / span.file.partition(":")[2], folder)
+    for place in (span, Span(earlier)):
         path = os.path.relpath(folder / place.file, top)
         exists = place.file in linted.texts or (folder / place.file).is_file()
         if exists and not path.startswith(os.pardir):

@@ -8,31 +8,55 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from rich.box import SIMPLE
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from roverlink.console import counted
 from roverlink.diagnostic_text import show
-from roverlink.generator.diagnostics import Severity
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint.pinned_states import PinnedStates
 from roverlink.generator.lint.project import Linted
+from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE, UNREADABLE_PROTO
 from roverlink.lint_scope import sources
 
 _CELL = len("compatible") + 3  # a column with its padding and the gap to the next one
 _PADDING_OF_NAMES = 4
+_OF_FILES = (DOES_NOT_COMPILE, UNREADABLE_PROTO)
+_MOST_OF_FILES = 20  # findings of each of these rules
 
 
 def write(linted: Linted) -> None:
     """Print the findings on standard output, and how many findings there are of each severity."""
     console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
-    show(linted.findings, sources(linted), sys.stdout)
-    if linted.context.past is not None and linted.context.past.pinned:
-        # Soft wrapping would stop the folding of long names.
-        console.print(*_matrix(linted.context.past.pinned, console.width), sep="", soft_wrap=False)
+    shown, left_out = _shown(linted.findings)
+    show(shown, sources(linted), sys.stdout)
+    for rule, count in left_out.items():
+        print(f"... and {counted(count, 'more error')} {rule.id}; is this the right folder of .proto files?\n")
+    pinned = linted.context.past.pinned if linted.context.past else None
+    if pinned and len(pinned.states) > 1:
+        with console.capture() as matrix:
+            # Soft wrapping would stop the folding of long names.
+            console.print(*_matrix(pinned, console.width), sep="", soft_wrap=False)
+        for line in matrix.get().splitlines():
+            print(line.rstrip())  # rich fills each line with spaces up to the width of the table
     console.print(_summary(linted))
+
+
+def _shown(findings: Iterable[Diagnostic]) -> tuple[list[Diagnostic], Counter[Rule]]:
+    """Return the findings to print, and how many others there are of each rule.
+
+    From a folder that is not the one of the .proto files, hundreds of files may not be readable.
+    """
+    shown, seen = list[Diagnostic](), Counter[Rule]()
+    for finding in findings:
+        seen[finding.rule] += finding.rule in _OF_FILES
+        if seen[finding.rule] <= _MOST_OF_FILES:
+            shown.append(finding)
+    return shown, Counter({rule: count - _MOST_OF_FILES for rule, count in seen.items() if count > _MOST_OF_FILES})
 
 
 def _matrix(pinned: PinnedStates, width: int) -> Iterator[Table]:
@@ -55,8 +79,8 @@ def _matrix(pinned: PinnedStates, width: int) -> Iterator[Table]:
 
 
 def _summary(linted: Linted) -> str:
-    counted = Counter(finding.severity for finding in linted.findings)
-    parts = [f"{count} {_plural(severity.value, count)}" for severity in Severity if (count := counted[severity])]
+    severities = Counter(finding.severity for finding in linted.findings)
+    parts = [f"{count} {_plural(severity.value, count)}" for severity in Severity if (count := severities[severity])]
     return ", ".join(parts) if parts else "No problems found."
 
 

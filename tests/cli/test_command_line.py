@@ -120,12 +120,13 @@ def test_the_example_of_each_help_is_understood(
 def test_a_line_that_is_not_understood_is_told(
     arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Exit code 2, the usage, and what is wrong with which argument."""
+    """Exit code 2, one line that says what is wrong with which argument, and the command that shows the usage."""
     assert _exits(*arguments) == 2
     output, errors = capsys.readouterr()
     assert output == ""
-    assert errors.startswith("usage: roverlink")
-    assert expected in errors
+    assert errors.startswith("roverlink")
+    assert expected in errors.splitlines()[0]
+    assert re.fullmatch(r"run `roverlink.* --help` for all arguments", "\n".join(errors.splitlines()[1:]))
 
 
 def test_an_option_may_be_shortened_and_what_follows_two_dashes_is_a_value() -> None:

@@ -108,7 +108,7 @@ def _lines(text: str) -> list[str]:
 
 @pytest.mark.slow
 def test_the_hook_with_arguments_lints_a_repository_without_a_table(tmp_path: Path) -> None:
-    """The second configuration on the page passes where only the past is wrong, and finds what a commit would break."""
+    """The second configuration passes where only the past is wrong, finds what a commit breaks, and is the third's."""
     shown = re.findall(r"^```yaml\n(repos:.*?)^```", _PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
     (hook,) = yaml.safe_load(shown[1])["repos"][0]["hooks"]
     (known,) = (each for each in _hooks() if each["id"] == hook["id"])
@@ -117,6 +117,8 @@ def test_the_hook_with_arguments_lints_a_repository_without_a_table(tmp_path: Pa
     _start(repository, repository / "protos")
     command = shlex.join([*shlex.split(known["entry"]), *hook["args"]])
     assert "--history" in hook["args"]
+    (local,) = yaml.safe_load(shown[2])["repos"][0]["hooks"]
+    assert shlex.split(local["entry"]) == shlex.split(command)
     said = _run(command, repository, {})
     assert said.returncode == 0, said.stdout + said.stderr
     imu = repository / "protos" / "components" / "sensor_board" / "imu_sensor.proto"

@@ -274,7 +274,7 @@ def test_only_limits_of_the_envelope_concern_its_numbers(
     (root / "protos" / "gps.proto").write_text("message {")
     asked = (("history", "2", "protos", *_ENVELOPE), ("next-number", "protos", *_ENVELOPE))
     assert ["[" in run(*words)[2] for words in asked] == [False, False]
-    of_gps = run("history", "1", "protos", "--of", "Gps")[2]
+    of_gps = run("history", "Gps:1", "protos")[2]
     assert ("warning[STA106]" in of_gps, "error[PRO101]" in of_gps) == (True, True)
     repository = RepositoryBuilder(root.parent / "other")
     repository.commit("Begin", {"protos/e.proto": _link() + "\0"})

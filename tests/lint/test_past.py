@@ -232,7 +232,7 @@ def test_a_shallow_clone_says_how_deep_it_could_look(repository: RepositoryBuild
     code, out, _ = run("lint", "--history", tmp_path / "shallow", *_TREE, "--format", "json")
     assert code == 1
     assert [(one["id"], one["severity"]) for one in _found(out)] == [("STA106", "warning")]
-    assert "its history goes back only 1 commits" in out
+    assert 'its history goes back only 1 commit",' in out
     assert "git fetch --unshallow" in out
 
 

@@ -214,7 +214,7 @@ def test_a_finding_names_declarations_commits_and_what_to_do(
     (found,) = json.loads(_lint(capsys, root / "protos", *_TREE, "--pins", pins, "--format", "json"))
     assert (found["id"], found["severity"], found["path"], found["line"]) == ("PIN102", "error", "arm.proto", 4)
     assert [(one["path"], one["line"], one["text"]) for one in found["also"]] == [
-        (f"{old}:arm.proto", 4, f"`float voltage = 1;` at {old} 2026-02-03 Begin"),
+        (f"{old}:protos/arm.proto", 4, f"`float voltage = 1;` at {old} 2026-02-03 Begin"),
         (str(pins), 2, f"'arm' is pinned to {old} 2026-02-03 Begin"),
         (str(pins), 1, f"'rover' is pinned to {new} 2026-02-04 Measure humidity"),
     ]

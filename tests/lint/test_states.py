@@ -257,7 +257,8 @@ def test_an_envelope_that_does_not_compile(tree: Path, lint: Lint) -> None:
     code, out, _ = lint("protos", *_TREE)
     assert code == 2
     assert 'envelope.proto:9:3: error[PRO101] Expected ";"' in out
-    assert "fatal[STA104] no message 'Envelope' is declared in a file that compiles" in out
+    assert "fatal[STA104] the message 'Envelope' is declared in envelope.proto, which does not compile" in out
+    assert "  help: correct the errors in envelope.proto\n" in out
 
 
 @pytest.mark.parametrize(
@@ -268,7 +269,7 @@ def test_an_envelope_that_does_not_compile(tree: Path, lint: Lint) -> None:
             "the message 'Envelope' is declared in envelope.proto, not in no",
         ),
         (("--envelope", "envelope.proto"), "the envelope's message is not named"),
-        (("--message", "Envelop"), "no message 'Envelop' is declared in a file that compiles"),
+        (("--message", "Envelop"), "no message 'Envelop' is declared"),
     ],
 )
 def test_words_that_name_no_envelope(tree: Path, lint: Lint, named: tuple[str, ...], said: str) -> None:

@@ -96,10 +96,6 @@ class PastRepository(Repository):
         # (gitglossary(7), pathspec).
         return [f":(top,glob){'/'.join(parts[:end])}*" for end in range(1, len(parts) + 1)]
 
-    def prefix(self) -> str:
-        """Return the folder's path in the repository with a slash at its end; empty for the top folder."""
-        return self._run("rev-parse", "--show-prefix").removesuffix("\n")
-
     def refs(self) -> list[Ref]:
         """Return all refs with their commits, sorted by name. If HEAD is on no branch, HEAD comes first."""
         # `*objectname` is the object that an annotated tag points to (git-for-each-ref(1)).
