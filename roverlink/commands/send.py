@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from pathlib import Path
 
 from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate
 from roverlink.generated_code import load_project
@@ -48,6 +49,14 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--rate", type=rate, default=10.0, metavar="HZ", help="number of datagrams a second (default: %(default)s)"
     )
+    parser.add_argument(
+        "--key-file",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="key file that signs the datagram, if the table says that the peer must sign",
+    )
     parser.add_argument("--list", action="store_true", help="list all payloads with their fields; send nothing")
     parser.set_defaults(run=run)
 
@@ -66,7 +75,10 @@ def run(arguments: argparse.Namespace) -> int:
         raise SetupError(f"cannot send {error}") from error
     host, port = destination_of(arguments.to)
     # Payloads of the other direction can be sent too, to test what the bridge does with them.
-    with BlockingPeer.open(handler.route.peer, registry=registry, host=host, port=port, local_port=0) as peer:
+    name, keys = handler.route.peer, arguments.key_file
+    with BlockingPeer.open(
+        name, registry=registry, host=host, port=port, local_port=0, key_files=keys, link=False
+    ) as peer:
         _send(datagram, peer, arguments.count, arguments.rate)
     print(f"sent {arguments.count} x {handler.route.name} ({len(datagram)} bytes) to {arguments.to}")
     return OK

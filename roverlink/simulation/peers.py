@@ -27,7 +27,7 @@ class Senders(contextlib.ExitStack):
     def __init__(self, registry: Registry, host: str, port: int) -> None:
         """Send to the bridge at ``host`` and ``port``."""
         super().__init__()
-        self._open = partial(BlockingPeer.open, registry=registry, host=host, port=port, local_port=0)
+        self._open = partial(BlockingPeer.open, registry=registry, host=host, port=port, local_port=0, link=False)
         self._peers: dict[tuple[str, int], BlockingPeer] = {}
 
     def send(self, emission: Emission) -> bool:

@@ -6,6 +6,7 @@ the rows. `Reassembler` puts frames together that a sender has divided into seve
 
 from roverlink.runtime.client.asyncio_peer import Peer
 from roverlink.runtime.client.blocking_peer import BlockingPeer
+from roverlink.runtime.client.link_end import LinkEnd
 from roverlink.runtime.client.reassembly import Frame, Reassembler
 from roverlink.runtime.client.repeating import Repetition
 from roverlink.runtime.client.session import ClosedError, Hook, Received, Traffic
@@ -15,6 +16,7 @@ __all__ = [
     "ClosedError",
     "Frame",
     "Hook",
+    "LinkEnd",
     "Peer",
     "Reassembler",
     "Received",

@@ -37,6 +37,7 @@ class Peer(PeerEnd):
         self._transport, self._arrivals = await loop.create_datagram_endpoint(
             lambda: _Arrivals(self._session, self._news), sock=self._bind()
         )
+        self._start()
         return self
 
     async def __aexit__(self, *_: object) -> None:

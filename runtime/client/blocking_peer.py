@@ -39,6 +39,7 @@ class BlockingPeer(PeerEnd):
         self._read = udp.reader(sock, _LARGEST)
         self._selector = selectors.DefaultSelector()
         self._selector.register(sock, selectors.EVENT_READ)
+        self._start()
         return self
 
     def __exit__(self, *_: object) -> None:

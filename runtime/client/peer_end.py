@@ -6,10 +6,14 @@ import socket
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+from roverlink.runtime.client.link_end import PERIOD_S, LinkEnd
 from roverlink.runtime.client.repeating import Repetition, Schedule
 from roverlink.runtime.client.session import ClosedError, Hook, Session, Traffic
+from roverlink.runtime.client.signatures import Signatures
+from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.registry import Registry, load_registry
 from roverlink.runtime.net import udp
 from roverlink.runtime.ros_arguments import parameters
@@ -26,11 +30,19 @@ E = TypeVar("E", bound="PeerEnd")
 class PeerEnd(ABC):
     """Peer that a program of yours is. Not safe to use from several threads."""
 
-    def __init__(self, session: Session, remote: tuple[str, int], local: tuple[str, int]) -> None:
+    def __init__(
+        self,
+        session: Session,
+        remote: tuple[str, int],
+        local: tuple[str, int],
+        signatures: Signatures | None = None,
+    ) -> None:
         """Prepare the peer; it opens when its block is entered. Programs call `open` instead.
 
         ``remote`` is the host and the port of the bridge; ``local`` is an address of this computer and a port.
+        ``signatures`` are among the hooks of the session.
         """
+        self._signatures = signatures
         self._session, self._remote, self._local = session, remote, local
         self._schedule = Schedule()
         self._repeated: dict[str, Repetition] = {}
@@ -48,6 +60,8 @@ class PeerEnd(ABC):
         local_port: int | None = None,
         hooks: Sequence[Hook] = (),
         queue: int = 1000,
+        key_files: Sequence[Path] = (),
+        link: bool = True,
     ) -> E:
         """Return the peer ``peer`` of the table as a context manager; its socket is open inside the block.
 
@@ -57,13 +71,20 @@ class PeerEnd(ABC):
           in the table; 0 takes any free port.
         - ``hooks``: steps that each datagram passes.
         - ``queue``: the largest number of payloads that wait for the program. More drop the oldest ones.
+        - ``key_files``: copies of the key files with which the bridge signs the datagrams of this peer's link, if the
+          table says that the peer must sign.
+        - ``link``: exchange link messages with the bridge, if the table has them. See `link`.
 
-        Raises `SetupError` for an unknown peer, and `RegistryError` if there is no generated code. Entering the block
-        raises `SetupError` if the host does not resolve or the port is in use.
+        Raises `SetupError` for an unknown peer, or if a key is missing, and `RegistryError` if there is no generated
+        code. Entering the block raises `SetupError` if the host does not resolve or the port is in use.
         """
-        session = Session(registry or load_registry(), peer, hooks, queue)
+        registry = registry or load_registry()
+        signatures = Signatures(registry, peer, key_files) if key_files else None
+        session = Session(registry, peer, [*hooks, *filter(None, [signatures])], queue, link)
+        if session.peer.must_sign and signatures is None:
+            raise SetupError(f"the peer {peer!r} must sign (table key `sign`), but no key file is given")
         local = session.peer.port if local_port is None else local_port
-        return cls(session, (host, port), (local_address, local))
+        return cls(session, (host, port), (local_address, local), signatures)
 
     @property
     def port(self) -> int:
@@ -80,6 +101,14 @@ class PeerEnd(ABC):
     def traffic(self) -> Traffic:
         """Counters of sent, received and dropped datagrams."""
         return self._session.traffic
+
+    @property
+    def link(self) -> LinkEnd | None:
+        """What the link messages tell: statistics of the link, and the rows of which the bridge has another schema.
+
+        None if the table has no link message.
+        """
+        return self._session.link
 
     def send(self, payload: ProtoMessage, row: str | None = None) -> None:
         """Send a payload to the bridge. If its row is repeated, this payload is repeated from now on.
@@ -145,8 +174,17 @@ class PeerEnd(ABC):
             raise ClosedError(f"the peer {self._session.peer.name} is not open; use it inside its `with` block")
         return self._socket
 
+    def _start(self) -> None:
+        """Start what runs while the peer is open: the storing of timestamps, and the link messages."""
+        if self._signatures is not None:
+            self._signatures.__enter__()
+        if (link := self._session.link) is not None:
+            self.send_every(PERIOD_S, link.write)
+
     def _forget_socket(self) -> None:
         """End the repetitions; from now on the peer is not open."""
+        if self._signatures is not None:
+            self._signatures.__exit__()
         self._socket = None
         self._schedule = Schedule()
         self._repeated.clear()

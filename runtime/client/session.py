@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+from roverlink.runtime.client.link_end import LinkEnd
 from roverlink.runtime.core.errors import DatagramError, RoverlinkError, SetupError, nearest
 from roverlink.runtime.core.registry import AnyHandler, Registry
 from roverlink.runtime.core.translator import Translator
@@ -57,7 +58,7 @@ class Traffic:
     received: int = 0
     """Datagrams received."""
     consumed: int = 0
-    """Received datagrams that a hook has kept for itself."""
+    """Received link messages, and datagrams that a hook has kept for itself."""
     dropped: Counter[str] = field(default_factory=Counter)
     """Received datagrams without a payload that can be read, by reason, such as ``malformed``."""
     overflowed: int = 0
@@ -67,10 +68,13 @@ class Traffic:
 class Session:
     """Conversation of one peer with a bridge."""
 
-    def __init__(self, registry: Registry, peer: str, hooks: Sequence[Hook] = (), queue: int = 1000) -> None:
+    def __init__(
+        self, registry: Registry, peer: str, hooks: Sequence[Hook] = (), queue: int = 1000, link: bool = False
+    ) -> None:
         """Speak for the peer named ``peer``. At most ``queue`` payloads wait for the program.
 
-        Raises `SetupError` if the table has no such peer.
+        With ``link``, link messages are exchanged with the bridge if the table has them. Raises `SetupError` if the
+        table has no such peer.
         """
         if peer not in registry.peers_by_name:
             raise SetupError(f"unknown peer {peer!r}; {nearest(peer, registry.peers_by_name)}")
@@ -79,6 +83,8 @@ class Session:
         self._registry, self._hooks = registry, tuple(hooks)
         self._translator = Translator(registry)
         self._arrived: deque[Received] = deque(maxlen=queue)
+        self.link = LinkEnd(registry, peer) if link and registry.link is not None else None
+        """Exchange of link messages; None if there is none."""
 
     # --- sending ---
 
@@ -108,6 +114,8 @@ class Session:
 
     def outgoing(self, datagram: bytes) -> bytes:
         """Return the bytes to send for a datagram. Send them at once and in order: they may contain a timestamp."""
+        if self.link is not None:
+            self.link.count_sent(datagram)
         for hook in self._hooks:
             datagram = hook.outgoing(datagram)
         return datagram
@@ -160,4 +168,11 @@ class Session:
             if passed is None:
                 return None
             datagram = passed
-        return Received(*self._translator.payload(datagram))
+        received = Received(*self._translator.payload(datagram))
+        if self.link is None:
+            return received
+        if received.number == self.link.number:
+            self.link.take(received.payload)
+            return None
+        self.link.count_received()
+        return received

@@ -531,5 +531,5 @@ def test_the_client_imports_neither_ros_nor_the_generator() -> None:
     assert done.returncode == 0, done.stderr
     others, ours = done.stdout.splitlines()
     assert others == ""
-    parts = {"client", "core", "interfaces", "net", "ros_arguments", "text"}
+    parts = {"client", "core", "interfaces", "keys", "net", "ros_arguments", "text"}
     assert set(ours.split()) == {"roverlink.runtime", *(f"roverlink.runtime.{part}" for part in parts)}

@@ -16,6 +16,7 @@ from polling import wait_until
 
 from roverlink.runtime import Bridge, Qos, Registry
 from roverlink.runtime.bridge.link_exchange import DIFFERS, SAME, UNKNOWN, EndReport
+from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core import link_message
 from roverlink.runtime.core.link_message import LinkWriter
 from roverlink.runtime.core.registry import EndName
@@ -323,3 +324,25 @@ def test_the_core_refuses_a_link_message_where_only_topics_count(registry: Regis
     """A program that only translates says that a link message has no topic."""
     with pytest.raises(Exception, match="a link message, which has no topic"):
         Translator(registry).receive(_board(registry, [1]).write(1))
+
+
+def test_a_client_exchanges_link_messages_by_itself(registry: Registry) -> None:
+    """The bridge and the client know each other's schemas and measure the link; the program sees payloads alone."""
+    assert registry.link is not None
+    other = dataclasses.replace(
+        registry, link=dataclasses.replace(registry.link, hashes={**registry.link.hashes, 4: 7})
+    )
+    for table, schema, rows in ((registry, SAME, ()), (other, DIFFERS, ("mode",))):
+        with (
+            _Rig(registry) as rig,
+            BlockingPeer.open("base", registry=table, port=rig.bridge.port, local_port=0) as peer,
+        ):
+            rig.change(dst_a_port=peer.port)
+            assert peer.link is not None
+            while peer.link.statistics.round_trip_us is None:
+                with pytest.raises(TimeoutError):
+                    peer.receive(timeout=0.1)
+            assert peer.link.differing == rows
+            report = rig.report(_BASE)
+            assert (report.schema, report.differing) == (schema, rows)
+            assert peer.link.statistics.inbound.lost == 0

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from linked import linked_registry
 from polling import PATIENCE_S, wait_until
 from tables import changed, of_peers, unguarded
 
@@ -23,8 +24,10 @@ from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Bridge, Qos, Registry, SetupError
 from roverlink.runtime.bridge.bridge import Handle, Observer, Send
 from roverlink.runtime.bridge.signed_peers import open_links
+from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core.envelope import restore
 from roverlink.runtime.core.errors import DatagramError
+from roverlink.runtime.core.link_message import LinkWriter, new_session
 from roverlink.runtime.core.signing import Key, Signer, SigningClock
 from roverlink.runtime.keys.key_file import make_key_file
 from roverlink.runtime.keys.signed_links import SignedLinks
@@ -109,8 +112,8 @@ class Rig:
 
     @property
     def handled(self) -> int:
-        """Datagrams that were published or dropped."""
-        return self.account.published.total() + self.account.dropped.total()
+        """Datagrams that were published, dropped, or link messages."""
+        return self.account.published.total() + self.account.dropped.total() + self.account.links_received
 
     def arrived(self, peer: str) -> bytes:
         """The next datagram that a peer gets."""
@@ -175,6 +178,45 @@ def test_peers_that_need_not_sign_go_on_as_before(tmp_path: Path) -> None:
             rig.arrived("hardware")
             == REGISTRY.envelope(drive_motor=payload_at(MOTOR.payload_type, 1.0)).SerializeToString()
         )
+
+
+def test_link_messages_are_signed_as_commands_are(tmp_path: Path) -> None:
+    """A stranger cannot say that a board has another schema; a peer that need not sign says it without a signature."""
+    registry = of_peers(dataclasses.replace(linked_registry(), signature=NUMBER), hardware={"must_sign": True})
+    board, base = (LinkWriter(registry.envelope, new_session(), {number: 7}) for number in (1, 4))
+    with Rig(tmp_path, registry, link_policy="refuse") as rig:
+        assert rig.verdict("hardware", rig.arrived("hardware")) == "accepted"
+        rig.send(board.write(1))
+        assert (rig.account.dropped, rig.account.other_schemas) == ({"unsigned": 1}, {})
+        rig.send(rig.signer("hardware").sign(board.write(2)), base.write(3))
+        assert rig.account.other_schemas == {"Arm of hardware": ["arm_state"], "base": ["mode"]}
+        assert rig.account.dropped == {"unsigned": 1}
+
+
+def test_a_client_with_the_key_file_signs_and_verifies(tmp_path: Path) -> None:
+    """`key_files` is all that a program has to add; without the key it ends before it sends anything."""
+    registry = signing({"basestation": {"must_sign": True}})
+    with pytest.raises(SetupError, match=r"'basestation' must sign .* no key file is given"):
+        BlockingPeer.open("basestation", registry=registry)
+    with ExitStack() as stack:
+        port = _free_port()
+        rig = stack.enter_context(Rig(tmp_path, registry, dst_a_port=port))
+        keys = {"key_files": [tmp_path / "basestation.keys"]}
+        options: dict[str, Any] = {"registry": registry, "port": rig.bridge.port, "local_port": port, **keys}
+        peer = stack.enter_context(BlockingPeer.open("basestation", **options))
+        peer.send(payload_at(COMMAND.payload_type, 1.0))
+        wait_until(lambda: rig.account.published == {"control_mode": 1}, "the command")
+        rig.send(datagram_of(SENSOR))
+        assert peer.receive(SENSOR.payload_type, PATIENCE_S) == payload_at(SENSOR.payload_type, 1.0)
+        with _socket() as stranger:
+            stranger.sendto(datagram_of(SENSOR), ("127.0.0.1", port))
+        wait_until(lambda: peer.arrived() == [] and peer.traffic.dropped == {"unsigned": 1}, "the stranger's datagram")
+
+
+def _free_port() -> int:
+    with _socket() as sock:
+        port: int = sock.getsockname()[1]
+        return port
 
 
 @pytest.mark.parametrize("strips", [False, True])
