@@ -15,12 +15,12 @@ import socket
 import struct
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from roverlink import doctor_link
-from roverlink.console import project_folder
+from roverlink.console import TABLE, project_folder
 from roverlink.generated_code import load_project
 from roverlink.installed_packages import installed_version
 from roverlink.runtime import MiddlewareError, Registry, RoverlinkError
@@ -66,12 +66,18 @@ class Diagnosis:
         return dataclasses.asdict(self)
 
 
-def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
+def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = ()) -> list[Diagnosis]:
     """Run all checks and return their results. A check that fails is a result, not an exception.
 
     ``project`` is the folder of the project; None for the nearest one, from the current folder upwards. ``ros`` holds
-    the parameters of the bridge to check, such as its UDP port.
+    the parameters of the bridge to check, such as its UDP port. ``pins`` are files and repositories that say which
+    commit of the .proto files other projects use. Raises `DiagnosticsError` if they cannot be read.
     """
+    pinned = None
+    if pins:  # imported here: the lint is slow to import, and few users of doctor need it
+        from roverlink.pinned_schemas import PinnedSchemas
+
+        pinned = PinnedSchemas(project_folder(project) / TABLE, pins)
     found, registry = list(_python()), None
     examined = "generated code"
     try:
@@ -86,7 +92,7 @@ def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
         found.append(Diagnosis("warning", "not checked", says, "correct the error above, and run the command again"))
     else:
         found += [*_network(registry, settings), *_firewall(settings)]
-        found += [Diagnosis(*verdict) for verdict in doctor_link.verdicts(registry, settings)]
+        found += [Diagnosis(*verdict) for verdict in doctor_link.verdicts(registry, settings, pinned)]
     return [*found, *_multicast(), *_ros(registry)]
 
 

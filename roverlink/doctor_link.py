@@ -7,6 +7,7 @@ import logging
 import select
 import time
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 from roverlink.runtime import Registry, RoverlinkError
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
@@ -18,12 +19,19 @@ from roverlink.runtime.net.destination import Destination, Target
 from roverlink.runtime.ros_arguments.parameters import EndAddress, Parameters
 from roverlink.runtime.text.host_names import LEARN
 
+if TYPE_CHECKING:
+    from roverlink.pinned_schemas import PinnedSchemas
+
 _LISTEN_S = 2.5  # each end sends a link message about once a second
 _POLL_S = 0.05
 
 
-def verdicts(registry: Registry, settings: Parameters) -> Iterator[tuple[str, str, str, str]]:
+def verdicts(
+    registry: Registry, settings: Parameters, pinned: PinnedSchemas | None = None
+) -> Iterator[tuple[str, str, str, str]]:
     """Exchange link messages with the peers for a while, and yield the result for each end.
+
+    ``pinned`` are the schemas of other projects: they tell if another schema of a row is compatible.
 
     A result has the verdict, the name of the check, its text, and advice. There is none for a table without the link
     message, or if the bridge's UDP port or the peers' address cannot be used, which other checks report.
@@ -31,7 +39,7 @@ def verdicts(registry: Registry, settings: Parameters) -> Iterator[tuple[str, st
     if registry.link is not None:
         with contextlib.suppress(RoverlinkError):
             for report in _reports(registry, registry.link.hashes, settings):
-                yield _verdict(report)
+                yield _verdict(report) if report.schema != DIFFERS else _verdict_of_differing(report, registry, pinned)
 
 
 def _reports(registry: Registry, hashes: Mapping[int, int], settings: Parameters) -> list[EndReport]:
@@ -64,13 +72,22 @@ def _verdict(report: EndReport) -> tuple[str, str, str, str]:
     check = f"schema of {report.end}"
     if report.schema == UNKNOWN:
         return "ok", check, f"not known: no link message came within {_LISTEN_S:g} s", ""
-    if report.schema == DIFFERS:
-        rows = ", ".join(report.differing)
-        return (
-            "error",
-            check,
-            f"another schema of {rows}",
-            "build the peer's program with the .proto files of the table",
-        )
     untold = f"; it did not tell {', '.join(report.untold)}" if report.untold else ""
     return "ok", check, f"the same in all rows that it tells{untold}", ""
+
+
+def _verdict_of_differing(
+    report: EndReport, registry: Registry, pinned: PinnedSchemas | None
+) -> tuple[str, str, str, str]:
+    """Return the result for an end with another schema of some rows: an error, if it is not known to be compatible."""
+    says, compatible = [], True
+    for row in report.differing:
+        payload = registry.by_name[row].payload_type.DESCRIPTOR.full_name
+        known = pinned.compare(payload, report.told[row]) if pinned and row in report.told else None
+        compatible = compatible and known is not None and known.compatible
+        text = known.text if known else "that of no pinned project" if pinned else ""
+        says.append(", ".join(filter(None, [f"another schema of {row}", text])))
+    cure = "build the peer's program with the .proto files of the table"
+    if pinned is None:
+        cure += ", or give the commits that other projects use with --pins, to see if the schemas are compatible"
+    return "warning" if compatible else "error", f"schema of {report.end}", "; ".join(says), cure

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
+from pathlib import Path
 
 from rich.console import Console
 from rich.text import Text
 
 from roverlink import doctor_checks
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_project, command, project_folder
+from roverlink.diagnostic_text import show_error
+from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.runtime import NODE
 from roverlink.runtime.ros_arguments import ros_args
 
@@ -39,13 +43,26 @@ def add(commands: Subparsers) -> None:
         action="store_true",
         help="print the results as a JSON list, with an object for each check (keys: verdict, check, says, cure)",
     )
+    parser.add_argument(
+        "--pins",
+        nargs="+",
+        type=Path,
+        default=[],
+        metavar="FILE|REPO",
+        help="say if a board with another schema is compatible: one of the commits of the .proto files that other "
+        "projects use must have its schema. The commits are read as for `roverlink lint --pins`",
+    )
     parser.set_defaults(run=run, takes_ros_args=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the results of all checks. The exit code is 1 if a result is an error."""
     ros = ros_args.parse(arguments.ros_args, NODE)
-    found = doctor_checks.examine(arguments.project, ros)
+    try:
+        found = doctor_checks.examine(arguments.project, ros, arguments.pins)
+    except DiagnosticsError as error:
+        show_error(error, project_folder(arguments.project), sys.stderr)
+        return UNABLE
     if arguments.json:
         print(json.dumps([diagnosis.as_dict() for diagnosis in found], indent=2))
     else:

@@ -60,6 +60,8 @@ class EndReport:
     """Names of the rows whose schema differs at any sender of the end."""
     untold: tuple[str, ...]
     """Names of the end's own rows whose hash no sender has told."""
+    told: Mapping[str, int] = field(default_factory=dict)
+    """Hashes that the sender heard last has told, by the name of the row."""
     senders: int = 0
     restarts: int = 0
     age: float | None = None
@@ -343,6 +345,7 @@ class LinkExchange:
             report.schema,
             report.differing,
             report.untold,
+            {rows[number]: hash for number, hash in senders[0].hashes.items() if number in rows},
             senders=len(senders),
             restarts=self._restarts[end],
             age=now - senders[0].heard,

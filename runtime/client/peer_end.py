@@ -190,6 +190,9 @@ class PeerEnd(ABC):
         self._repeated.clear()
 
     def _bind(self) -> socket.socket:
-        """Bind the peer's socket."""
-        self._socket = udp.bind(*self._local, _RECEIVE_BUFFER)
+        """Bind the peer's socket. The address of the bridge must be known."""
+        address, port = self._local
+        if address == _EVERY_ADDRESS and ":" in self._remote[0]:
+            address = "::"
+        self._socket = udp.bind(address, port, _RECEIVE_BUFFER)
         return self._socket

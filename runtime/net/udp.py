@@ -134,14 +134,18 @@ def kernel_drops(sock: socket.socket) -> int:
 
 
 def resolve(host: str, port: int) -> tuple[str, int]:
-    """Return the IPv4 address of a host, with the port. Raises `SetupError` if the name does not resolve."""
+    """Return the IPv4 address of a host, or else its IPv6 address, with the port.
+
+    Raises `SetupError` if the name does not resolve.
+    """
     try:
         # Names are resolved once, at the start: a lookup can block for seconds.
-        found = socket.getaddrinfo(host, port, socket.AF_INET, socket.SOCK_DGRAM)
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
     except (OSError, UnicodeError) as error:
-        raise SetupError(f"the destination {host!r} does not resolve to an IPv4 address: {error}") from error
-    address: tuple[str, int] = found[0][4]  # type: ignore[assignment]  # AF_INET was asked for
-    return address
+        raise SetupError(f"the destination {host!r} does not resolve to an IP address: {error}") from error
+    # `localhost` is ::1 first, where a bridge that listens on 0.0.0.0 hears nothing.
+    *_, address = min(found, key=lambda one: one[0] != socket.AF_INET)
+    return str(address[0]), port
 
 
 def reader(sock: socket.socket, size: int) -> Callable[[], Batch]:

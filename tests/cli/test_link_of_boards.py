@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
+import shutil
 import socket
+import subprocess
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from linked import linked_registry, write_project
+import pytest
+from linked import PROTO, linked_registry, write_project
 
 from roverlink.runtime.core.link_message import LinkWriter
 
@@ -61,6 +65,42 @@ def test_doctor_names_the_board_with_another_schema(done: Start, tmp_path: Path)
         "schema of Arm of hardware": ("ok", "not known: no link message came within 2.5 s"),
         "schema of base": ("ok", "not known: no link message came within 2.5 s"),
     }
+
+
+@pytest.mark.parametrize(
+    ("fields", "verdict", "text"),
+    [
+        ("float speed = 1; float turn = 2;", "warning", "compatible, each side reads what the other one sends"),
+        ("string speed = 1;", "error", "misread: number 1 of 'linked.DriveCommand' is `string speed = 1;` there"),
+    ],
+)
+def test_doctor_tells_a_compatible_schema_from_a_misread_one(
+    done: Start, tmp_path: Path, fields: str, verdict: str, text: str
+) -> None:
+    """The commit that another project uses has the board's schema, so the lint's judgement says what it means."""
+    other = PROTO.replace("DriveCommand { float speed = 1; }", f"DriveCommand {{ {fields} }}")
+    project = write_project(tmp_path / "rover", proto=other)
+    (hash,) = re.findall(r"3: 0x([0-9A-F]{8})", (project / "linked_rover" / "registry.py").read_text())
+    git = ["git", "-C", str(project), "-c", "user.name=A", "-c", "user.email=a@example.com"]
+    for command in (["init", "--quiet"], ["add", "proto"], ["commit", "--quiet", "--message", "Begin"], ["tag", "v1"]):
+        subprocess.run([*git, *command], check=True)
+    shutil.rmtree(project / "proto")
+    (project / "mapping.lock").unlink()  # it would refuse the change, which another team has made in spite of it
+    write_project(project)
+    (tmp_path / "boards.txt").write_text("drive v1\n")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with _board({3: int(hash, 16)}) as (board, answer_to):
+        answer_to(port)
+        arguments = ["-p", f"listen_port:={port}", "-p", "listen_address:='127.0.0.1'", "-p", f"dst_b_port:={board}"]
+        pins = ["--pins", tmp_path / "boards.txt"]
+        _, output, errors = done("doctor", "--json", "--project", project, *pins, "--ros-args", *arguments)
+    assert errors == ""
+    (found,) = (one for one in json.loads(output) if one["check"] == "schema of Drive of hardware")
+    assert found["verdict"] == verdict
+    assert "another schema of drive_command, that of 'drive' (" in found["says"]
+    assert text in found["says"]
 
 
 def test_the_demo_passes_over_link_messages(done: Start, tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ from roverlink.runtime.client import BlockingPeer, ClosedError, Frame, Peer
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware import Middleware, NodeIdentity
+from roverlink.runtime.net import udp
 from roverlink.simulation.bridge_host import BridgeThread
 
 _QUIET = unguarded(REGISTRY)  # the bridge's own stops have tests of their own
@@ -132,6 +133,33 @@ def test_a_blocking_basestation_talks_with_the_rover(rover: _Rover) -> None:
         hardware.send(imu)
         assert basestation.receive(SensorBoardIMUInfo, timeout=PATIENCE_S) == imu
         assert (basestation.traffic.sent, basestation.traffic.received, hardware.traffic.received) == (1, 2, 0)
+
+
+def test_a_bridge_may_have_an_ipv6_address(registry: Registry) -> None:
+    """Both clients send to it, and hear it on the same port."""
+    with udp.bind("::1", 0, 65_536) as bridge:
+        options: dict[str, Any] = {
+            "registry": registry,
+            "host": "::1",
+            "port": bridge.getsockname()[1],
+            "local_port": 0,
+        }
+
+        def answer() -> None:
+            datagram, sender = bridge.recvfrom(65_536)
+            bridge.sendto(datagram, sender)
+
+        async def main() -> None:
+            async with Peer.open("basestation", **options) as peer:
+                peer.send(_MODE)
+                answer()
+                assert (await peer.receive()).payload == _MODE
+
+        with BlockingPeer.open("basestation", **options) as peer:
+            peer.send(_MODE)
+            answer()
+            assert peer.receive(timeout=PATIENCE_S).payload == _MODE
+        _run(main())
 
 
 def test_an_asyncio_basestation_talks_with_the_rover(rover: _Rover) -> None:
@@ -531,5 +559,5 @@ def test_the_client_imports_neither_ros_nor_the_generator() -> None:
     assert done.returncode == 0, done.stderr
     others, ours = done.stdout.splitlines()
     assert others == ""
-    parts = {"client", "core", "interfaces", "keys", "net", "ros_arguments", "text"}
+    parts = {"atomic_files", "client", "core", "interfaces", "keys", "net", "private_files", "ros_arguments", "text"}
     assert set(ours.split()) == {"roverlink.runtime", *(f"roverlink.runtime.{part}" for part in parts)}

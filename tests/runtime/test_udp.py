@@ -317,15 +317,16 @@ def test_drops_of_something_else_are_none() -> None:
 
 
 def test_a_name_resolves() -> None:
-    """Names and addresses become IPv4 addresses."""
+    """Names and addresses become IPv4 addresses, and IPv6 addresses if there is no other."""
+    assert udp.resolve("::1", 6000) == ("::1", 6000)
     assert udp.resolve("127.0.0.1", 6000) == ("127.0.0.1", 6000)
     assert udp.resolve("localhost", 6001) == ("127.0.0.1", 6001)
 
 
-@pytest.mark.parametrize("host", ["rover.invalid", "no such host", "a" * 70 + ".local", "::1", "256.0.0.1"])
+@pytest.mark.parametrize("host", ["rover.invalid", "no such host", "a" * 70 + ".local", "256.0.0.1"])
 def test_a_name_that_does_not_resolve_is_named(host: str) -> None:
     """A destination that cannot be is quoted, whatever is wrong with it."""
-    with pytest.raises(SetupError, match=f"the destination '{re.escape(host)}' does not resolve to an IPv4 address: "):
+    with pytest.raises(SetupError, match=f"the destination '{re.escape(host)}' does not resolve to an IP address: "):
         udp.resolve(host, 6000)
 
 
