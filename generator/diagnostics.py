@@ -127,7 +127,7 @@ class Use:
     place: Span
     """The place of the declaration at the commit ``came``. Today the file may have another content, or not exist."""
     today: str = ""
-    """Where the meaning exists today, such as ``on the branch main``; empty if it exists nowhere."""
+    """Place where the meaning exists today, such as ``on the branch main``; empty if it exists nowhere."""
     doubt: str = ""
     """Why it is not certain that the number had this meaning; empty if it is certain."""
 

@@ -79,6 +79,11 @@ def add_project(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_key_file(parser: argparse.ArgumentParser, help: str) -> None:
+    """Add the option ``--key-file`` to a parser: files with keys for signatures; ``help`` says what they are for."""
+    parser.add_argument("--key-file", type=Path, action="append", default=[], metavar="FILE", help=help)
+
+
 def add_table(parser: argparse.ArgumentParser) -> None:
     """Add the option ``--table`` to a parser: the path of mapping.yaml."""
     parser.add_argument(

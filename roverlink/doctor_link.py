@@ -47,7 +47,7 @@ def _reports(registry: Registry, hashes: Mapping[int, int], settings: Parameters
         sock = stack.enter_context(udp.bind(settings.listen_address, settings.listen_port, settings.receive_buffer))
         sends = {}
         for name, address in settings.addresses.items():
-            destination = Destination(name.peer, *_targets(address), board=name.board)
+            destination = Destination(name, *_targets(address))
             stack.callback(destination.close)
             sends[name] = lambda datagrams, to=destination: len(datagrams) - len(to.send_all(datagrams))
         quiet = ThrottledWarnings(logging.Logger("doctor", logging.CRITICAL))

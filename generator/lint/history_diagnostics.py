@@ -14,6 +14,7 @@ from operator import itemgetter
 from posixpath import normpath
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span, Use
+from roverlink.generator.git import Commit
 from roverlink.generator.lint.accepted_past import command_to_accept, meaning_of, not_accepted
 from roverlink.generator.lint.context import Context, Past
 from roverlink.generator.lint.free_numbers import next_enum_number, next_field_number
@@ -51,7 +52,7 @@ def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses
     owner, order = type.name, context.past.history.numbers_of(type.id)[number]
     finding = rule.at(
         place_of(context, owner, number),
-        f"number {number} of {owner!r} {_told_last(_last_changes(order, reuses))}" f"{_today(context, owner, number)}",
+        f"number {number} of {owner!r} {_told_last(_last_changes(order, reuses))}{_today(context, owner, number)}",
         _help(context, context.past, owner, number, reuses),
         type=owner,
         number=number,
@@ -67,18 +68,22 @@ def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses
 
 def use_of(context: Context, usage: Usage, doubt: str = "") -> Use:
     """Return a usage (a meaning of a number) as a diagnostic shows it. ``doubt`` says why it is not certain."""
-    # A change that is not committed yet has removed it: the branch still has it, but not for long.
-    last = next((commit for commit in usage.intervals[-1].went if not commit.id), usage.went)
     return Use(
         usage.type,
         usage.name,
         usage.came,
-        last,
+        _ended(usage),
         (usage.fact.text,),
         _place(context, usage.path, usage.line),
         whereabouts(usage.live_at),
         doubt,
     )
+
+
+def _ended(usage: Usage) -> Commit | None:
+    """Return the commit that ended a usage; None if it has not ended."""
+    # A change that is not committed yet has removed it: the branch still has it, but not for long.
+    return next((commit for commit in usage.intervals[-1].went if not commit.id), usage.went)
 
 
 def _uses(context: Context, order: Sequence[Usage], reuses: Sequence[Reuse]) -> Iterator[Use]:
@@ -125,8 +130,7 @@ def _contents(context: Context, reuse: Reuse) -> Iterator[Use]:
     assert old is not None, "a content was replaced"  # noqa: S101  # for mypy
     assert new is not None, "a content was replaced"  # noqa: S101  # for mypy
     lines = list(_differing_fields(old.facts, new.facts))
-    went = next((commit for commit in usage.intervals[-1].went if not commit.id), usage.went)
-    for side, (content, last) in enumerate(((old, new.commit), (new, went))):
+    for side, (content, last) in enumerate(((old, new.commit), (new, _ended(usage)))):
         declaration = (f"message {content.type.rpartition('.')[2]} {{", *(line[side] for line in lines), "}")
         yield Use(
             usage.type,

@@ -763,7 +763,7 @@ class EnumSettings(Part):
 
 
 Numbered: TypeAlias = Row | LinkSettings | SigningSettings
-"""What has a field number in the envelope: a row's payload, the link message, or the signature."""
+"""Part of the table that has a field number in the envelope: a row, the link message, or the signature."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,6 +14,7 @@ from roverlink.console import (
     LOG_FORMATS,
     OK,
     Subparsers,
+    add_key_file,
     add_middleware,
     add_project,
     command,
@@ -75,13 +76,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="format of the log on standard error. ros: lines like those of other ROS 2 nodes; json: one JSON object "
         "per line (default: %(default)s)",
     )
-    parser.add_argument(
-        "--key-file",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="file with the keys of a peer or board that must sign its datagrams (table key `sign`); `roverlink link "
+    add_key_file(
+        parser,
+        "file with the keys of a peer or board that must sign its datagrams (table key `sign`); `roverlink link "
         "keygen` makes it; may be repeated",
     )
     observers.add_options(parser)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 import time
-from pathlib import Path
 
-from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate
+from roverlink.console import OK, Subparsers, add_key_file, add_project, command, count, project_folder, rate
 from roverlink.generated_code import load_project
 from roverlink.runtime import ConversionError, Registry, SetupError
 from roverlink.runtime.client import BlockingPeer
@@ -49,14 +48,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--rate", type=rate, default=10.0, metavar="HZ", help="number of datagrams a second (default: %(default)s)"
     )
-    parser.add_argument(
-        "--key-file",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="key file that signs the datagram, if the table says that the peer must sign",
-    )
+    add_key_file(parser, "key file that signs the datagram, if the table says that the peer must sign")
     parser.add_argument("--list", action="store_true", help="list all payloads with their fields; send nothing")
     parser.set_defaults(run=run)
 

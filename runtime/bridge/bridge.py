@@ -344,7 +344,7 @@ class Bridge:
         """Send datagrams to a peer, and count them for its link messages."""
         sent = self._send(datagrams, destination)
         if self._link is not None:  # a link message counts itself
-            self._link.count_sent(EndName(destination.peer, destination.board), sent)
+            self._link.count_sent(destination.end, sent)
         return sent
 
     def _outbound_row(self, handler: AnyHandler) -> OutboundRow:
@@ -352,7 +352,7 @@ class Bridge:
         # Observers see the datagram without its signature, which is new each time that the datagram is sent.
         send = self._signed_peers.sending(route.peer, route.board, partial(self._sending, destination=destination))
         for observer in self._observers:
-            send = observer.sending(destination.peer, send)
+            send = observer.sending(route.peer, send)
         return OutboundRow(handler, self._translator, send, self.account, self._counters.warnings)
 
     def _subscribe(self, handler: AnyHandler, row: OutboundRow) -> PublisherWatch | None:

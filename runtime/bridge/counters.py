@@ -50,10 +50,10 @@ class Counters:
     def count_unsent(self, destination: Destination, error: OSError) -> None:
         """Count a datagram that was not sent, and log a warning, unless the state of the link has told the reason."""
         with self._lock:  # called by every thread of the bridge
-            self.account.unsent[destination.peer] += 1
+            self.account.unsent[destination.end.peer] += 1
         if is_told_by_event(error):
             return
-        self.warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
+        self.warnings.warn(f"unsent {destination.end.peer}", f"cannot send to {destination}: {error.strerror}")
 
     def count_unforwarded(self, peer: str, size: int, allowed: int) -> None:
         """Count a datagram of ``size`` bytes that is too long to be forwarded to a peer, and log a warning."""

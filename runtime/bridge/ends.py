@@ -131,7 +131,7 @@ class _Steering:
 
     def __init__(self, name: EndName, end: End, note: Note, ipv4_only: bool) -> None:
         self._end, self._note, self._ipv4_only = end, note, ipv4_only
-        self.destination = Destination(name.peer, board=name.board, report=self._reachability_changed)
+        self.destination = Destination(name, report=self._reachability_changed)
         self._lock = threading.RLock()
         self._running = False
         self._wanted = EndAddress((), 0)

@@ -79,13 +79,13 @@ class Forwarding:
         if restored:
             datagrams = [restored.get(datagram, datagram) for datagram in datagrams]
         for destination, rows in self._rows.items():
-            end = EndName(destination.peer, destination.board)
-            if refused := self._refused.get(end):
-                self._counters.account.unforwarded[destination.peer] += sum(name in rows & refused for name in names)
+            peer = destination.end.peer
+            if refused := self._refused.get(destination.end):
+                self._counters.account.unforwarded[peer] += sum(name in rows & refused for name in names)
                 rows = rows - refused
             own = [datagram for datagram, name in zip(datagrams, names) if name in rows]
-            limit = self._limits.get(destination.peer)
-            fitting = own if limit is None else self._fitting(own, limit, destination.peer)
+            limit = self._limits.get(peer)
+            fitting = own if limit is None else self._fitting(own, limit, peer)
             self._hand_on(fitting, destination, self._send)
 
     def _fitting(self, datagrams: Sequence[bytes], limit: int, peer: str) -> list[bytes]:
@@ -97,4 +97,4 @@ class Forwarding:
 
     def _hand_on(self, datagrams: Sequence[bytes], destination: Destination, send: Send) -> None:
         if sent := send(datagrams, destination):
-            self._counters.account.forwarded[destination.peer] += sent
+            self._counters.account.forwarded[destination.end.peer] += sent

@@ -124,10 +124,11 @@ class LinkExchange:
         self._warnings, self._clock = warnings, clock
         self._sends, self._refuse, self._policy = sends, refuse, policy
         self._own = _own_rows(registry)
-        self._spoken = {end: own | _forwarded_rows(registry, end) for end, own in self._own.items()}
+        in_turn = {end: link_message.rows_in_turn(registry, end) for end in self._own}
+        self._spoken = {end: {registry.by_number[n].route.name for n in numbers} for end, numbers in in_turn.items()}
         session = link_message.new_session()
         self._writers = {
-            end: LinkWriter(registry.envelope, session, {number: hashes[number] for number in self._in_turn(end)})
+            end: LinkWriter(registry.envelope, session, {number: hashes[number] for number in in_turn[end]})
             for end in sends
         }
         self._due = dict.fromkeys(sends, clock())
@@ -141,14 +142,6 @@ class LinkExchange:
         self._account = account
         self._lock = threading.Lock()
         self.wake: Callable[[], None] = lambda: None
-
-    def _in_turn(self, end: EndName) -> list[int]:
-        """Return the numbers of the rows of an end, in the order in which link messages tell them.
-
-        The rows of the end itself come first, because they tell who the sender is.
-        """
-        routes = [self._registry.by_name[name].route for name in self._spoken[end]]
-        return [route.number for route in sorted(routes, key=lambda one: (one.name not in self._own[end], one.number))]
 
     # --- sending ---
 
@@ -372,9 +365,3 @@ def _own_rows(registry: Registry) -> dict[EndName, set[str]]:
         if route.board:
             boards.setdefault(EndName(route.peer, route.board), set()).add(route.name)
     return boards | peers
-
-
-def _forwarded_rows(registry: Registry, end: EndName) -> set[str]:
-    if end.board and end not in registry.ends:  # the datagrams go to its peer
-        return set()
-    return {h.route.name for h in registry.handlers if h.route.inbound and end.peer in h.route.forward}

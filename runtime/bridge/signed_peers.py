@@ -10,7 +10,7 @@ from pathlib import Path
 from roverlink.runtime.bridge import forwarding, to_peer
 from roverlink.runtime.core.envelope import restore, strip_trailing_zeros
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.core.registry import EndName, Registry
+from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.core.signing import Signer
 from roverlink.runtime.core.translator import Translator, VerifyingTranslator
 from roverlink.runtime.keys.signed_links import SignedLinks
@@ -65,7 +65,7 @@ class SignedPeers:
         senders = {end: sender for end in self._registry.ends if (sender := self._sender(*end))}
 
         def forward(datagrams: Sequence[bytes], destination: Destination) -> int:
-            sender = senders.get(EndName(destination.peer, destination.board))
+            sender = senders.get(destination.end)
             if sender is None:
                 return send(datagrams, destination)
             return sender.restore_and_send(lambda signed: send(signed, destination), datagrams)

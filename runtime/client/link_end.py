@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from roverlink.runtime.core import link_message
 from roverlink.runtime.core.link_message import LinkWriter
 from roverlink.runtime.core.link_statistics import LinkStatistics
-from roverlink.runtime.core.registry import Registry
+from roverlink.runtime.core.registry import EndName, Registry
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
@@ -30,11 +30,8 @@ class LinkEnd:
         self.statistics = LinkStatistics()
         """Statistics of the link, of this start of the bridge."""
         self._registry, self._hashes, self._clock = registry, registry.link.hashes, clock
-        routes = [handler.route for handler in registry.handlers]
-        spoken = [route.number for route in routes if route.peer == peer]
-        spoken += [route.number for route in routes if route.inbound and peer in route.forward]
-        own = {number: self._hashes[number] for number in spoken}
-        self._writer = LinkWriter(registry.envelope, link_message.new_session(), own)
+        spoken = {number: self._hashes[number] for number in link_message.rows_in_turn(registry, EndName(peer))}
+        self._writer = LinkWriter(registry.envelope, link_message.new_session(), spoken)
         self._written = b""
         self._bridge_session = 0
         self._differing: set[int] = set()

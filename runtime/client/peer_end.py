@@ -104,7 +104,7 @@ class PeerEnd(ABC):
 
     @property
     def link(self) -> LinkEnd | None:
-        """What the link messages tell: statistics of the link, and the rows of which the bridge has another schema.
+        """Result of the link messages: statistics of the link, and the rows of which the bridge has another schema.
 
         None if the table has no link message.
         """

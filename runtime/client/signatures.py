@@ -6,7 +6,6 @@ import logging
 from collections.abc import Sequence
 from pathlib import Path
 
-from roverlink.runtime.core.envelope import restore
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.keys.key_file import BRIDGE
@@ -30,7 +29,7 @@ class Signatures(SignedLinks):
 
     def outgoing(self, datagram: bytes) -> bytes:
         """Return the datagram with a signature."""
-        return self._signer.sign(restore(datagram))
+        return self._signer.sign(datagram)
 
     def incoming(self, datagram: bytes) -> bytes:
         """Return the datagram. Raises `DatagramError` if the bridge has not signed it, or if it is not new."""

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
 
+    from roverlink.runtime.core.registry import EndName, Registry
+
 NAME = "link"
 """Name of the link message's member in the envelope's oneof."""
 PERIOD_S = 1.0
@@ -51,6 +53,19 @@ def read(payload: ProtoMessage) -> LinkMessage:
         link.echo_age_us,
         dict(zip(link.numbers, link.hashes)),
     )
+
+
+def rows_in_turn(registry: Registry, end: EndName) -> list[int]:
+    """Return the numbers of the rows that an end speaks, in the order in which its link messages tell them.
+
+    The rows that it sends or receives itself come first, because they tell who the sender is. The rows that are
+    forwarded to it follow.
+    """
+    routes = sorted((handler.route for handler in registry.handlers), key=lambda route: route.number)
+    own = [route.number for route in routes if route.peer == end.peer and end.board in ("", route.board)]
+    gets_forwarded = not end.board or end in registry.ends  # otherwise the datagrams go to its peer
+    forwarded = [route.number for route in routes if route.inbound and end.peer in route.forward and gets_forwarded]
+    return list(dict.fromkeys([*own, *forwarded]))
 
 
 def new_session() -> int:

@@ -105,17 +105,16 @@ def _row_status(node: str, row: RowState) -> DiagnosticStatus:
     return _status(row.level, f"{node}: {row.name}", row.message, row.peer, values)
 
 
-def _end_status(node: str, end: EndState) -> DiagnosticStatus:
+def _end_status(node: str, state: EndState) -> DiagnosticStatus:
     values: dict[str, Any] = {
-        **({"board": end.board} if end.board else {}),
-        "address": ", ".join(end.addresses),
-        "link": end.link,
-        "state": end.liveness.state,
-        **({} if end.liveness.age is None else {"age": f"{end.liveness.age:.2f}"}),
+        **({"board": state.end.board} if state.end.board else {}),
+        "address": ", ".join(state.addresses),
+        "link": state.link,
+        "state": state.liveness.state,
+        **({} if state.liveness.age is None else {"age": f"{state.liveness.age:.2f}"}),
     }
-    name = f"{end.board} of {end.peer}" if end.board else end.peer
-    message = "; ".join(filter(None, [end.message, *end.addresses]))
-    return _status(end.level, f"{node}: link to {name}", message, end.peer, values)
+    message = "; ".join(filter(None, [state.message, *state.addresses]))
+    return _status(state.level, f"{node}: link to {state.end}", message, state.end.peer, values)
 
 
 def _link_status(node: str, report: EndReport) -> DiagnosticStatus:

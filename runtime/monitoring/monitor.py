@@ -220,7 +220,7 @@ def _ends(links: Mapping[EndName, LinkState], rows: Sequence[RowState]) -> Itera
         liveness = liveness_of((row.age, row.expect_rate) for row in inbound)
         if link is None:  # a board that sends, but to which nothing goes
             link = LinkState((), "ok")
-        yield EndState(*name, link.addresses, link.state, liveness, *_assess_end(link, liveness))
+        yield EndState(name, link.addresses, link.state, liveness, *_assess_end(link, liveness))
 
 
 _LINK_LEVELS = {

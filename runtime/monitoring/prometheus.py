@@ -71,7 +71,7 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
         ({"peer": peer, "board": board, "event": event}, count)
         for (peer, board, event), count in sorted(state.link_events.items())
     ]
-    ends = [({"peer": end.peer, "board": end.board}, end) for end in state.ends]
+    ends = [({"peer": one.end.peer, "board": one.end.board}, one) for one in state.ends]
     yield "link_ok", "1 if the address of the peer or board is known and reachable, else 0.", [
         (labels, end.link == "ok") for labels, end in ends
     ]

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 from roverlink.runtime.bridge.link_exchange import EndReport
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.monitoring.histogram import Latencies
 from roverlink.runtime.monitoring.liveness import Liveness
 
@@ -61,9 +62,7 @@ class RowState:
 class EndState:
     """State of a peer, or of a board of a peer."""
 
-    peer: str
-    board: str
-    """Name of the board; empty for the whole peer."""
+    end: EndName
     addresses: tuple[str, ...]
     """Addresses with their ports to which datagrams go now; empty if none is known."""
     link: str
@@ -125,4 +124,4 @@ class State:
     latencies: Latencies = field(default=Latencies((), 0.0))
     recording: Recording | None = None
     links: tuple[EndReport, ...] = ()
-    """What the link messages of each end tell; empty for a table without the link message."""
+    """Result of the link messages of each end; empty for a table without the link message."""

@@ -16,6 +16,7 @@ from collections.abc import Callable, Sequence
 from itertools import groupby
 from typing import NamedTuple
 
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.net.hosts import SocketAddress, family_of, is_multicast, text_of
 
 _UDP_SEGMENT = 103  # linux/udp.h
@@ -55,12 +56,12 @@ class Destination:
     Safe to use from several threads.
     """
 
-    def __init__(self, peer: str, *targets: Target, board: str = "", report: Report = lambda *_: None) -> None:
+    def __init__(self, end: EndName, *targets: Target, report: Report = lambda *_: None) -> None:
         """Send to ``targets``, the addresses of a peer or of its board.
 
         ``report`` is called when an address becomes unreachable, and when it is reachable again.
         """
-        self.peer, self.board = peer, board
+        self.end = end
         self._report = report
         self._lock = threading.Lock()
         self._ways: list[_Way] = []
@@ -103,8 +104,7 @@ class Destination:
             way.close()
 
     def __str__(self) -> str:
-        name = f"{self.board} of {self.peer}" if self.board else self.peer
-        return f"{name} at {', '.join(map(text_of, self.addresses)) or 'no known address'}"
+        return f"{self.end} at {', '.join(map(text_of, self.addresses)) or 'no known address'}"
 
 
 class _Way:

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.net import mmsg
+from roverlink.runtime.net import hosts, mmsg
 from roverlink.runtime.net.hosts import Sender, SocketAddress, sender_at
 
 _SO_RCVBUFFORCE = 33  # asm-generic/socket.h
@@ -140,12 +140,11 @@ def resolve(host: str, port: int) -> tuple[str, int]:
     """
     try:
         # Names are resolved once, at the start: a lookup can block for seconds.
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
+        found = hosts.look_up(host, port)
     except (OSError, UnicodeError) as error:
         raise SetupError(f"the destination {host!r} does not resolve to an IP address: {error}") from error
     # `localhost` is ::1 first, where a bridge that listens on 0.0.0.0 hears nothing.
-    *_, address = min(found, key=lambda one: one[0] != socket.AF_INET)
-    return str(address[0]), port
+    return min(found, key=lambda address: hosts.family_of(address) != socket.AF_INET)[0], port
 
 
 def reader(sock: socket.socket, size: int) -> Callable[[], Batch]:

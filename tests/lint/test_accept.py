@@ -15,7 +15,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from repositories import git
 
-from roverlink.__main__ import main
 from roverlink.generator import lock
 from roverlink.generator.diagnostics import Diagnostic
 from roverlink.generator.lock import Burned, Ledger, PastUse, checksum
@@ -34,18 +33,6 @@ _NOW = ("Imu imu = 1;", "Wind wind = 2;", "Load load = 3;")
 
 Said = tuple[int, str, str]
 Run = Callable[..., Said]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """A command in this process: exit code, output, errors."""
-
-    def call(*arguments: str) -> Said:
-        code = main([*arguments])
-        said = capsys.readouterr()
-        return code, said.out, said.err
-
-    return call
 
 
 @dataclass(frozen=True)

@@ -31,18 +31,6 @@ def repository(tmp_path: Path) -> RepositoryBuilder:
     return built
 
 
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """A command in this process: exit code, standard output, standard error."""
-
-    def call(*arguments: str | Path) -> tuple[int, str, str]:
-        code = main([str(argument) for argument in arguments])
-        said = capsys.readouterr()
-        return code, said.out, said.err
-
-    return call
-
-
 def _link(*members: str) -> str:
     types = {member.split()[0] for member in members}
     imports = "".join(f'import "{type.lower()}.proto";\n' for type in sorted(types & {"Gps", "Wind"}))

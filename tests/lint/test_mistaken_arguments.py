@@ -9,8 +9,6 @@ from pathlib import Path
 import pytest
 from repositories import RepositoryBuilder, git
 
-from roverlink.__main__ import main
-
 _ENV = """\
 syntax = "proto3";
 package rover;
@@ -32,18 +30,6 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     built.commit("Remove the GPS", {"protos/env.proto": without})
     monkeypatch.chdir(built.write())
     return built.root
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """A command in this process: exit code, standard output, standard error."""
-
-    def call(*arguments: str | Path) -> tuple[int, str, str]:
-        code = main([str(argument) for argument in arguments])
-        said = capsys.readouterr()
-        return code, said.out, said.err
-
-    return call
 
 
 # --- names ------------------------------------------------------------------------------------------------------

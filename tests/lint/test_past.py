@@ -40,18 +40,6 @@ def _envelope(*members: str) -> str:
 
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """A command in this process."""
-
-    def call(*arguments: str | Path) -> Said:
-        code = main([str(argument) for argument in arguments])
-        said = capsys.readouterr()
-        return code, said.out, said.err
-
-    return call
-
-
-@pytest.fixture
 def repository(tmp_path: Path) -> RepositoryBuilder:
     """A repository of protos whose first commit has two payloads."""
     built = RepositoryBuilder(tmp_path / "protos")

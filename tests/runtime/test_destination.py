@@ -10,6 +10,7 @@ import pytest
 from needs import NOT_LINUX
 from polling import PATIENCE_S
 
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.net.destination import Destination, Target
 
 
@@ -26,7 +27,7 @@ def peer() -> Iterator[socket.socket]:
 @pytest.fixture(params=["cutting", "one by one"])
 def destination(request: pytest.FixtureRequest, peer: socket.socket) -> Iterator[Destination]:
     """The peer as a destination, where the system cuts messages into datagrams and where it does not."""
-    destination = Destination("hardware", Target(peer.getsockname()))
+    destination = Destination(EndName("hardware"), Target(peer.getsockname()))
     if request.param == "one by one":
         destination._ways[0]._can_segment = False
     elif not destination._ways[0]._can_segment:
@@ -36,7 +37,7 @@ def destination(request: pytest.FixtureRequest, peer: socket.socket) -> Iterator
 
 
 def _refusing() -> Destination:
-    return Destination("hardware", Target(("255.255.255.255", 6001)))  # a broadcast, which nobody allowed
+    return Destination(EndName("hardware"), Target(("255.255.255.255", 6001)))  # a broadcast, which nobody allowed
 
 
 def test_a_destination_gets_what_is_sent(destination: Destination, peer: socket.socket) -> None:
@@ -48,7 +49,7 @@ def test_a_destination_gets_what_is_sent(destination: Destination, peer: socket.
 
 def test_a_destination_moves_with_its_peer(peer: socket.socket) -> None:
     """What is sent after the change goes to the new address, and what was sent before does not follow."""
-    destination = Destination("hardware", Target(("127.0.0.1", 9)))
+    destination = Destination(EndName("hardware"), Target(("127.0.0.1", 9)))
     assert destination.send_all([b"lost"]) == []
     destination.direct_to(Target(peer.getsockname()))
     assert destination.send_all([b"hello"]) == []
@@ -121,7 +122,7 @@ def test_a_system_that_can_segment_no_messages_sends_one_by_one(
         raise OSError(errno.ENOPROTOOPT, "Protocol not available")
 
     monkeypatch.setattr(socket.socket, "getsockopt", unknown)
-    destination = Destination("hardware", Target(peer.getsockname()))
+    destination = Destination(EndName("hardware"), Target(peer.getsockname()))
     try:
         assert destination.send_all([b"one", b"two"]) == []
         assert [peer.recv(100), peer.recv(100)] == [b"one", b"two"]

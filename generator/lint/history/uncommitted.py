@@ -105,8 +105,10 @@ class CheckedOut(Repository):
         # git sets the variable for a hook (githooks(5)). With `git commit FILE`, it is not the usual index. The hook
         # can belong to another repository than the linted folder.
         file = os.environ.get("GIT_INDEX_FILE", "")
+        if not file:
+            return ""
         folder = self._run("rev-parse", "--absolute-git-dir").removesuffix("\n")
-        return os.path.abspath(file) if file and os.path.realpath(os.path.dirname(file)) == folder else ""
+        return os.path.abspath(file) if os.path.realpath(os.path.dirname(file)) == folder else ""
 
 
 def _as_commit(state: str) -> Commit:
