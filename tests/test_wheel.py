@@ -46,6 +46,7 @@ def test_the_wheel_has_one_top_level_module(site: Path) -> None:
     assert not list(site.rglob("imu_*"))
 
 
+@pytest.mark.slow
 def test_folders_of_a_user_disturb_nothing(site: Path, roverlink: Run, tmp_path: Path) -> None:
     """A project with its own packages `generator`, `runtime`, `vision` and `templates` can be compiled and linted."""
     for name in ("generator", "runtime", "vision", "templates"):

@@ -38,7 +38,7 @@ def own_environment(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]
     "middleware",
     [
         pytest.param("memory", marks=pytest.mark.slow),
-        pytest.param("dds", marks=needs_dds),
+        pytest.param("dds", marks=[needs_dds, pytest.mark.slow]),
     ],
 )
 def test_every_message_crosses(done: Start, middleware: str) -> None:
@@ -66,6 +66,7 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
         assert re.search(rf"{handler.route.number} . {handler.route.name} ", output)
 
 
+@pytest.mark.slow
 def test_an_interrupted_demo_is_exit_code_130(start: Start) -> None:
     """A script does not take it for a demo that has shown all messages."""
     demo = start("demo", "--seconds", 60, "--middleware", "memory")

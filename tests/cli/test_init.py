@@ -67,7 +67,8 @@ _STARTED = {
 }
 
 
-@pytest.mark.parametrize("within_a_repository", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("within_a_repository", [False, True])
 def test_an_empty_folder_becomes_a_project_that_runs(
     within_a_repository: bool, tmp_path: Path, start: Start, done: Start
 ) -> None:

@@ -67,6 +67,7 @@ def test_doctor_names_the_board_with_another_schema(done: Start, tmp_path: Path)
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fields", "verdict", "text"),
     [
@@ -103,6 +104,7 @@ def test_doctor_tells_a_compatible_schema_from_a_misread_one(
     assert text in found["says"]
 
 
+@pytest.mark.slow
 def test_the_demo_passes_over_link_messages(done: Start, tmp_path: Path) -> None:
     """The simulated peers of the demo count the rows; the bridge's link messages are none of them."""
     project = write_project(tmp_path / "rover")

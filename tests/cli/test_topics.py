@@ -90,7 +90,7 @@ def test_a_best_effort_publisher_is_heard_where_it_is_asked_for(start: Start) ->
 
 @needs_dds
 @pytest.mark.parametrize("reliability", ["best_effort", "reliable"])
-@pytest.mark.parametrize("durability", ["transient_local", "volatile"])
+@pytest.mark.parametrize("durability", ["transient_local", pytest.param("volatile", marks=pytest.mark.slow)])
 def test_echo_adapts_to_the_publisher(
     start: Start, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch, reliability: str, durability: str
 ) -> None:

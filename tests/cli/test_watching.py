@@ -274,6 +274,7 @@ def _threads(program: Any) -> int:
     return int(re.search(r"^Threads:\s*(\d+)", status, re.MULTILINE)[1])  # type: ignore[index]  # always there
 
 
+@pytest.mark.slow
 def test_slow_clients_do_not_stop_a_scrape(start: Start) -> None:
     """Not 1,000 that send half a request and wait: threads stay few, and nothing is said about half a request."""
     program = start("run", "--middleware", "memory", "--no-diagnostics", "--metrics", 0, *_FREE_PORT)
@@ -467,6 +468,7 @@ def _shown(url: str, count: int) -> tuple[list[str], str]:
                     return ids, content["node"]["full_name"]
 
 
+@pytest.mark.slow
 @needs_dds
 def test_the_page_of_top_shows_all_bridges(start: Start) -> None:
     """All that run, and one that starts later; with `--node`, those with this name."""

@@ -83,6 +83,7 @@ _STATES = {
 }
 
 
+@pytest.mark.slow
 def test_the_three_questions_have_the_answers_of_the_page(tmp_path: Path) -> None:
     """Each command of the section prints what the page shows, in a repository with the history that it tells of."""
     (tmp_path / "protos").mkdir()

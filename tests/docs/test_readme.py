@@ -22,6 +22,7 @@ def _table(heading: str) -> dict[str, str]:
     return dict(re.findall(r"^\| `([^`]*)` \| ([^|]*?) \|", table, re.MULTILINE))
 
 
+@pytest.mark.slow
 def test_the_walk_through_works(tmp_path: Path) -> None:
     """A reader adds the 22nd message, and it crosses."""
     pytest.importorskip("cyclonedds", reason=NO_DDS)

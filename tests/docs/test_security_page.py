@@ -41,6 +41,7 @@ def _block(language: str, place: int = 0) -> str:
     return textwrap.dedent(found[place])
 
 
+@pytest.mark.slow
 def test_the_steps_lead_to_signed_commands(tmp_path: Path, start: Any, done: Any) -> None:
     """Table, generate, keygen, run, and the program of the basestation, as the page shows them."""
     table = make_signed_project(tmp_path / "rover")

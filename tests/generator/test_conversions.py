@@ -16,12 +16,15 @@ _ABOUT_OTHER_THINGS = {
     *("comments", "deprecated", "envelope_of_another_owner", "extensions", "ledger_merge_conflict"),
     *("ledger_one_number_in_two_branches", "only_what_is_needed", "qos_and_peers", "retired"),
     *("json_schemas", "nanopb_options", "own_templates", "guards", "expect_rate", "tab107_topic_changed"),
+    *("addresses", "boards", "boards_by_name", "ledger_row_changed_on_purpose", "ledger_without_rows"),
+    *("retired_signature", "signing", "tab111_to_tab113_warnings"),
 }
 _LESS_LIKELY_TO_BREAK = {
     *("empty_messages", "long_constructs", "long_names", "names_of_python", "one_message_in_two_rows", "packages"),
     *("dialects", "nested", "optional", "proto2_and_editions", "renamed_and_ignored", "standard_absences"),
     *("cpp_handlers", "standard_lists", "standard_of_one_distribution", "standard_times", "standard_units"),
-    *("any_of", "maps", "awkward_constructs", "standard_axes", "standard_enums"),
+    *("any_of", "maps", "awkward_constructs", "standard_axes", "standard_enums", "standard_enum_names"),
+    *("hyphenated_paths", "names_by_rule", "only_standard_messages", "python_package", "standard_euler"),
 }
 _CASES = [
     pytest.param(case, marks=[pytest.mark.slow] if case.name in _LESS_LIKELY_TO_BREAK else [])

@@ -71,6 +71,7 @@ def test_the_events_show_rows_values_and_log(link: WatchedLink) -> None:
     assert json.loads(ask(link.url, "/history?bridge=/udp_forwarder&row=no_row&field=x")[1])["points"] == []
 
 
+@pytest.mark.slow
 def test_a_command_that_falls_silent_is_analarm_in(link: WatchedLink) -> None:
     """While commands come, nothing is stopping; when they end, the row stops and a latched alarm says so."""
     events = Events(link.url)

@@ -276,6 +276,7 @@ def _refused(words: list[str], start: str, said: str, capsys: pytest.CaptureFixt
     assert TOKEN not in line
 
 
+@pytest.mark.slow
 def test_a_body_that_does_not_come_ends_its_connection(link: WatchedLink) -> None:
     """A request is complete with its body, so the deadline of requests holds for the body, too."""
     connection = http.client.HTTPConnection("127.0.0.1", port_of(link.url), timeout=PATIENCE_S)

@@ -599,6 +599,7 @@ def test_a_reuse_is_found_before_the_commit(root: Path, run: Run, against: tuple
     assert (root / wind["path"]).is_file()
 
 
+@pytest.mark.slow
 def test_a_hook_refuses_the_commit_of_a_reuse(root: Path) -> None:
     """The hook looks at the index: what is not staged does not matter, neither a reuse nor its correction."""
     good = _envelope("Imu imu = 1;").replace("{\n", "{\n  reserved 2;\n", 1)

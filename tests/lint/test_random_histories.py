@@ -128,6 +128,7 @@ def test_every_seed_is_one_history(tmp_path: Path) -> None:
     assert one.truth != other.truth
 
 
+@pytest.mark.slow
 def test_figures_on_few_histories() -> None:
     """Of the errors 95 % are right, and 97 % of the numbers given away have one; `--runxfail` shows the table."""
     _assert_figures(map(judge, range(20)))
