@@ -17,10 +17,11 @@ from roverlink.runtime.core.errors import SetupError
 POSES, QUICK_POSES = 200, 30
 EMPTY_FRAMES, QUICK_EMPTY_FRAMES = 500, 50
 DRIVE_FRAMES, QUICK_DRIVE_FRAMES = 60, 20
+DIFFICULT_SCENES, QUICK_DIFFICULT_SCENES = 40, 10
 CALIBRATIONS, QUICK_CALIBRATIONS = (5, 20), (1, 3)
 """Runs with large images, and with small ones for the intervals."""
 PLAIN_WIDTH = 130  # columns, if the output is not a terminal
-SECTIONS = ("accuracy", "nothing", "speed", "calibration")
+SECTIONS = ("accuracy", "nothing", "finding", "speed", "calibration")
 
 
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
@@ -61,7 +62,7 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
 
 def _run(options: argparse.Namespace) -> None:
     try:  # imported here, so that --help needs no OpenCV
-        from bench.vision import accuracy, calibration, nothing, speed
+        from bench.vision import accuracy, calibration, finding, nothing, speed
     except ImportError as error:
         raise BenchError(f"{error}; `make bench-vision` installs the missing packages") from error
     progress = Console(stderr=True, highlight=False, markup=False)
@@ -73,6 +74,9 @@ def _run(options: argparse.Namespace) -> None:
         results["accuracy"] = accuracy.measure(options.poses, accuracy.SIZES, progress.print)
     if "nothing" in options.only:
         results["nothing"] = nothing.measure(QUICK_EMPTY_FRAMES if options.quick else EMPTY_FRAMES, progress.print)
+    if "finding" in options.only:
+        counts = (QUICK_DIFFICULT_SCENES, QUICK_DRIVE_FRAMES) if options.quick else (DIFFICULT_SCENES, DRIVE_FRAMES)
+        results["finding"] = finding.measure(*counts, progress.print)
     if "calibration" in options.only:
         runs = QUICK_CALIBRATIONS if options.quick else CALIBRATIONS
         results["calibration"] = calibration.measure(*runs, progress.print)
