@@ -36,11 +36,11 @@ def measure(frames: int, say: Callable[[str], None]) -> SectionResult:
     say(f"rendering {frames} frames of a drive")
     film = list(drive(frames + _WARM_UP, SEED, SIZE))
     camera, markers = camera_of(lens(*SIZE)), MarkerSet(side=SIDE)
-    tracking, scanning = Tracker(camera, markers), Tracker(camera, markers, scan_every=1, full_every=1)
+    tracking, scanning = Tracker(camera, markers), Tracker(camera, markers, scan_every=1, thorough_every=1)
     plain = plain_detector()
     looks: dict[str, tuple[Callable[[DriveFrame], int], str]] = {
         f"{OURS}, tracking": (lambda shot: len(tracking.track(shot.frame, shot.stamp)), "12"),
-        f"{OURS}, full scan": (lambda shot: len(scanning.track(shot.frame, shot.stamp)), "35"),
+        f"{OURS}, thorough scan": (lambda shot: len(scanning.track(shot.frame, shot.stamp)), "35"),
         "OpenCV, default scan": (lambda shot: _count(plain.detectMarkers(shot.frame)[1]), ""),
     }
     times: dict[str, list[float]] = {name: [] for name in looks}
@@ -53,7 +53,7 @@ def measure(frames: int, say: Callable[[str], None]) -> SectionResult:
     say(f"speed: {frames} frames")
     results = [_timing(name, times[name][_WARM_UP:], seen[name], film, goal) for name, (_, goal) in looks.items()]
     rows = [[one.name, f"{one.median:.1f}", f"{one.p95:.1f}", f"{one.seen:.0f}", one.goal] for one in results]
-    notes = ["roverlink: detection, edge fit and pose; OpenCV: detection only. Half-resolution scans are included."]
+    notes = ["roverlink: detection, edge fit and pose; OpenCV: detection only. Scans of the whole frame are included."]
     columns = ("", "median\nms", "p95\nms", "seen\n%", "goal\nms")
     table = Table("Time per frame, 1280x720, four markers", columns, [Group("", rows)], notes)
     return SectionResult([table], (), {"speed": [asdict(one) for one in results]})

@@ -26,7 +26,7 @@ def look_around(image: Image) -> list[Detection]:
     return Detector(MARKERS).look(image, Region(3, 5, width - 1, height - 2))
 
 
-@pytest.mark.parametrize("way", [Detector(MARKERS).scan, Detector(MARKERS).scan_half, look_around])
+@pytest.mark.parametrize("way", [Detector(MARKERS).scan, Detector(MARKERS).scan_quickly, look_around])
 def test_corners_count_from_the_centres_of_the_frame_s_pixels(
     film: Sequence[Scene], way: Callable[[Image], list[Detection]]
 ) -> None:

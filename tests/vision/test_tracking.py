@@ -41,7 +41,7 @@ def off_by(sighting: Sighting, truth: TruePose) -> float:
 @pytest.mark.parametrize("scan_every", [1, 4, 1000])
 def test_every_marker_is_seen_in_every_frame(film: Sequence[DriveFrame], scan_every: int) -> None:
     """However it was found - scan, half scan or region - its pose is the same to a thousandth of the distance."""
-    following = tracker(scan_every=scan_every, full_every=3)
+    following = tracker(scan_every=scan_every, thorough_every=3)
     for shot in film:
         sightings = following.track(shot.frame, shot.stamp)
         assert {one.id for one in sightings} == set(shot.poses)

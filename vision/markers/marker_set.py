@@ -109,8 +109,13 @@ class MarkerSet:
 
     def points(self, number: int) -> Floats:
         """Return the corners (4, 3) of a marker in the frame of its landmark, in metres."""
+        return self._boards[number].corners[number] if number in self._boards else self.own_points(number)
+
+    def own_points(self, number: int) -> Floats:
+        """Return the corners (4, 3) of a marker in its own frame, in metres, also if it is on a board."""
         if number in self._boards:
-            return self._boards[number].corners[number]
+            upper_left, upper_right, *_ = self._boards[number].corners[number]
+            return square(float(np.linalg.norm(upper_right - upper_left)))
         side = self.sides.get(number, self.side)
         if side is None:
             raise SetupError(f"the side of marker {number} is unknown")

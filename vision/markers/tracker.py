@@ -1,45 +1,44 @@
 """Tracking of markers from frame to frame.
 
-Every few frames, the whole frame is searched at half resolution, and rarely at full resolution. In all other frames,
-each marker is fitted at its predicted position. If that fails, the region around this position is searched, and then
-the whole frame. Every marker is fitted at full resolution, so the accuracy of its pose does not depend on how it was
-found.
+Every few frames, the whole frame is searched quickly, and rarely thoroughly. In all frames, each marker of the previous
+frames is fitted at its predicted position. If that fails, the region around this position is searched, and then the
+whole frame. Every marker is fitted at full resolution, so the accuracy of its pose does not depend on how it was found.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
 from roverlink.vision.markers.detection import Detection, Detector, Image, Region, to_grey
-from roverlink.vision.markers.edges import FIRST_BLUR, Fit, Guess, fit_edges
+from roverlink.vision.markers.edges import Fit, Guess
+from roverlink.vision.markers.fitting import Fitted, extent, fit_markers
 from roverlink.vision.markers.flips import Flips
 from roverlink.vision.markers.marker_set import MarkerSet, TargetId
+from roverlink.vision.opencv import cv2
 from roverlink.vision.poses.pnp import Corners, Solution, solve, square_poses, with_model_error
 from roverlink.vision.poses.pose import Pose
 
-# At 30 frames a second, a new marker is seen after 0.2 s. Below 25 pixels it waits for a search at full resolution,
-# which comes once a second.
-SCAN_EVERY = 6
-"""Number of frames between searches of the whole frame."""
-FULL_EVERY = 5
-"""Number of searches of the whole frame of which one, the first, uses full resolution; the others use half."""
+SCAN_EVERY = 3
+"""Number of frames between searches of the whole frame; at 30 frames a second, a new marker is seen after 0.1 s."""
+THOROUGH_EVERY = 10
+"""Number of searches of the whole frame of which one, the first, is thorough; the others are quick."""
 FORGOTTEN_S = 0.5
 """Time in seconds for which a lost marker is still searched at its predicted position."""
-EXPLAINED = 0.75
-"""Least share of the pixels' variance that a marker's pattern must explain; patterns that are no markers stay below."""
-CONTRAST = 8.0
-"""Least difference between white and black of a marker, in grey levels."""
 NEAR = 1.0
 """Largest distance in pixels between fitted and predicted corners.
 
 A fit that ends farther away may have started with wrong pixels.
 """
+_SURPRISE = 0.5
+"""Error in pixels of the last prediction from the velocity above which the next one comes from the image."""
+_FLOW = {"winSize": (15, 15), "maxLevel": 3, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW}
+"""Optical flow at the corners: it follows them over some tens of pixels from where they are expected."""
 _MARGIN = 0.3  # border around the predicted position, as a fraction of the marker's size
 _LEAST_MARGIN = 10  # pixels
 
@@ -73,17 +72,51 @@ class Sighting:
     """Corners from which the pose was computed, as points of the landmark and as rays."""
     solutions: tuple[Solution, ...]
     """All possible poses that were found, the best fitting first; `pose` is one of them."""
+    shared: bool = False
+    """True if several markers with this number were seen at once, now or earlier; then it does not say which one it is.
+
+    Such a marker is never part of a board: `id` is its own number, and `pose` that of its own frame.
+    """
 
 
 @dataclass(slots=True, eq=False)
 class _Track:
-    """Marker that was seen in earlier frames: its last corners in pixels, and their velocity."""
+    """Marker that was seen in earlier frames."""
 
+    number: int
+    fit: Fit
     corners: Floats
-    velocity: Floats
-    """Velocity (4, 2) of the corners in pixels per second."""
+    """Corners (4, 2) in pixels when it was seen last."""
     stamp: int
     blur: float
+    velocity: Floats = field(default_factory=lambda: np.zeros((4, 2)))
+    """Velocity (4, 2) of the corners in pixels per second."""
+    surprise: float = math.inf
+    """Error in pixels of the last prediction from the velocity; infinity if there was none."""
+    flips: Flips = field(default_factory=Flips)
+
+    def predicted(self, stamp: int) -> tuple[Floats, float]:
+        """Return the corners predicted for `stamp`, and the largest error of the prediction in pixels."""
+        seconds = (stamp - self.stamp) / 1e9
+        return self.corners + self.velocity * seconds, float(np.abs(self.velocity).max()) * seconds / 2
+
+    def moved(self, fitted: Fitted, stamp: int) -> None:
+        """Set what was seen at `stamp`."""
+        if stamp > self.stamp:
+            self.surprise = float(np.abs(fitted.corners - self.predicted(stamp)[0]).max())
+            self.velocity = (fitted.corners - self.corners) / ((stamp - self.stamp) / 1e9)
+        self.fit, self.corners, self.stamp, self.blur = fitted.fit, fitted.corners, stamp, fitted.blur
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Landmark:
+    """Visible markers of a landmark, with their corners (4, 3) in the landmark's frame, in metres."""
+
+    id: TargetId
+    tracks: Sequence[_Track]
+    points: Sequence[Floats]
+    flips: Flips
+    shared: bool = False
 
 
 class Tracker:
@@ -95,23 +128,25 @@ class Tracker:
         markers: MarkerSet,
         *,
         scan_every: int = SCAN_EVERY,
-        full_every: int = FULL_EVERY,
+        thorough_every: int = THOROUGH_EVERY,
     ) -> None:
         """Create a tracker that searches the whole frame every `scan_every` frames.
 
-        Every `full_every`-th of these searches uses full resolution; the others use half resolution.
+        Every `thorough_every`-th of these searches is thorough; the others are quick.
         """
         self._camera, self._markers = camera, markers
         self._detector = Detector(markers)
-        self._scan_every, self._full_every = scan_every, full_every
+        self._scan_every, self._thorough_every = scan_every, thorough_every
         self.reset()
 
     def reset(self) -> None:
         """Forget all markers of earlier frames. Called when the time of the frames jumps back."""
-        self._tracks: dict[int, _Track] = {}
-        self._flips: dict[TargetId, Flips] = {}
+        self._tracks: list[_Track] = []
+        self._shared: set[int] = set()
+        self._board_flips: dict[TargetId, Flips] = {}
         self._frames = self._scans = 0
         self._stamp = 0
+        self._before: Image | None = None
 
     def track(self, image: Image, stamp: int) -> tuple[Sighting, ...]:
         """Return the landmarks in an image, grey (H, W) or BGR (H, W, 3), that was taken at `stamp`, in nanoseconds.
@@ -122,15 +157,15 @@ class Tracker:
         # A looped recording or a changed clock: predictions across the jump would be wrong.
         if stamp < self._stamp:
             self.reset()
-        self._stamp = stamp
-        self._forget(stamp)
-        fits = self._find(grey, stamp)
-        targets = self._by_target(fits)
-        seen = [self._seen(numbers, fits) for numbers in targets.values()]
-        found = solve(seen, self._starts(targets.values(), fits))
+        self._tracks = [track for track in self._tracks if stamp - track.stamp < FORGOTTEN_S * 1e9]
+        landmarks = self._landmarks(self._find(grey, stamp))
+        # A caller may write the next grey image into the same array.
+        self._stamp, self._before = stamp, grey.copy() if image.ndim == 2 else grey
+        seen = [_seen(landmark) for landmark in landmarks]
+        found = solve(seen, _starts(landmarks))
         return tuple(
-            self._sight(target, numbers, corners, solutions, stamp)
-            for (target, numbers), corners, solutions in zip(targets.items(), seen, found)
+            self._sight(landmark, corners, solutions)
+            for landmark, corners, solutions in zip(landmarks, seen, found)
             if solutions
         )
 
@@ -147,139 +182,140 @@ class Tracker:
             )
         return to_grey(image)
 
-    def _forget(self, stamp: int) -> None:
-        self._tracks = {
-            number: track for number, track in self._tracks.items() if stamp - track.stamp < FORGOTTEN_S * 1e9
-        }
-
     # --- finding ---
 
-    def _find(self, grey: Image, stamp: int) -> dict[int, Fit]:
-        """Return the fits of all markers in an image, by the number of the marker.
+    def _find(self, grey: Image, stamp: int) -> list[_Track]:
+        """Return the markers in an image.
 
         Search the whole frame when it is time for a search, or when a marker is lost.
         """
         due = self._frames % self._scan_every == 0
         self._frames += 1
-        found = self._scan(grey) if due else {}
-        expected = {
-            number: Detection(number, _predicted(track, stamp)[0])
-            for number, track in self._tracks.items()
-            if number not in found
-        }
-        fits = self._fit_all(grey, {**found, **expected}, stamp, expected)
+        seen = self._follow(grey, stamp)
+        found = self._scan(grey) if due else []
         # A marker that has left the image is lost, too; `FORGOTTEN_S` limits how long frames pay for its search.
-        if lost := [track for number, track in self._tracks.items() if number not in fits]:
-            found = {}
+        if lost := [track for track in self._tracks if track not in seen]:
             for track in lost:
-                self._keep(found, self._detector.look(grey, _region(_predicted(track, stamp), grey.shape)))
-            if not due and len(found) < len(lost):
-                self._keep(found, self._detector.scan_half(grey))
-            fits |= self._fit_all(grey, {number: one for number, one in found.items() if number not in fits}, stamp)
-        return fits
+                found += self._detector.look(grey, _region(track.predicted(stamp), grey.shape))
+            if not due and len(_distinct(found, seen)) < len(lost):
+                found += self._detector.scan_quickly(grey)
+        seen += self._fit_found(grey, _distinct(found, seen), stamp)
+        return seen
 
-    def _scan(self, grey: Image) -> dict[int, Detection]:
-        full = self._scans % self._full_every == 0
+    def _scan(self, grey: Image) -> list[Detection]:
+        thorough = self._scans % self._thorough_every == 0
         self._scans += 1
-        found: dict[int, Detection] = {}
-        self._keep(found, self._detector.scan(grey) if full else self._detector.scan_half(grey))
-        return found
+        return self._detector.scan(grey) if thorough else self._detector.scan_quickly(grey)
 
-    def _keep(self, found: dict[int, Detection], more: Iterable[Detection]) -> None:
-        """Add the detections `more` to `found`; of two detections with the same number, keep the larger one."""
-        for one in more:
-            old = found.get(one.number)
-            if old is None or _extent(one) > _extent(old):
-                found[one.number] = one
+    def _follow(self, grey: Image, stamp: int) -> list[_Track]:
+        """Fit the markers of earlier frames at their predicted positions; return those that are there."""
+        places = self._predicted(grey, stamp)
+        guesses = [
+            Guess(self._markers.pattern(track.number), place, track.blur) for track, place in zip(self._tracks, places)
+        ]
+        seen: list[_Track] = []
+        for track, place, one in zip(self._tracks, places, fit_markers(grey, self._camera, guesses)):
+            if one and np.abs(one.corners - place).max() <= NEAR * one.shrunk:
+                track.moved(one, stamp)
+                seen.append(track)
+        return seen
 
-    # --- fitting ---
+    def _predicted(self, grey: Image, stamp: int) -> list[Floats]:
+        """Return the corners (4, 2) at which each marker of earlier frames is expected.
 
-    def _fit_all(
-        self, grey: Image, found: Mapping[int, Detection], stamp: int, expected: Container[int] = ()
-    ) -> dict[int, Fit]:
-        """Fit the edges of detected markers, and return the good fits by the number of the marker.
-
-        A marker in `expected` counts only if its fit stays near its predicted position.
+        They come from the marker's velocity, or from optical flow if the last prediction from the velocity was bad.
         """
-        fits = {}
-        guesses = [self._guess(detection) for detection in found.values()]
-        fitted = {
-            number: fit
-            for number, fit in zip(found, fit_edges(grey, self._camera, guesses))
-            if fit and fit.explained > EXPLAINED and fit.contrast > CONTRAST
-        }
-        all_rays = np.array([fit.rays for fit in fitted.values()]).reshape(-1, 4, 2)
-        for (number, fit), corners in zip(fitted.items(), self._camera.distort(all_rays)):
-            if number not in expected or np.abs(corners - found[number].corners).max() <= NEAR:
-                fits[number] = fit
-                self._tracks[number] = _followed(self._tracks.get(number), corners, stamp, fit.blur)
-        return fits
+        places = [track.predicted(stamp)[0] for track in self._tracks]
+        doubtful = [
+            index
+            for index, track in enumerate(self._tracks)
+            if track.surprise > _SURPRISE and track.stamp == self._stamp
+        ]
+        if not doubtful or self._before is None or self._before.shape != grey.shape:
+            return places
+        corners = np.concatenate([self._tracks[index].corners for index in doubtful]).astype(np.float32)
+        expected = np.concatenate([places[index] for index in doubtful]).astype(np.float32)
+        flow, good, _ = cv2.calcOpticalFlowPyrLK(self._before, grey, corners, expected, **_FLOW)
+        for index, place, known in zip(doubtful, flow.reshape(-1, 4, 2), good.reshape(-1, 4)):
+            if known.all():
+                places[index] = place.astype(float)
+        return places
 
-    def _guess(self, detection: Detection) -> Guess:
-        track = self._tracks.get(detection.number)
-        pattern = self._markers.pattern(detection.number)
-        return Guess(pattern, detection.corners, track.blur if track else FIRST_BLUR)
+    def _fit_found(self, grey: Image, found: Sequence[Detection], stamp: int) -> list[_Track]:
+        """Fit detected markers, and return their tracks: those of lost markers with the same numbers, or new ones."""
+        guesses = [Guess(self._markers.pattern(one.number), one.corners) for one in found]
+        seen = []
+        for detection, one in zip(found, fit_markers(grey, self._camera, guesses)):
+            if one is None:
+                continue
+            lost = [track for track in self._tracks if track.number == detection.number and track.stamp != stamp]
+            track = min(lost, key=lambda track: _distance(track.corners, one.corners), default=None)
+            if track is None:
+                track = _Track(detection.number, one.fit, one.corners, stamp, one.blur)
+                self._tracks.append(track)
+            else:
+                track.moved(one, stamp)
+            seen.append(track)
+        return seen
 
-    def _by_target(self, fits: Mapping[int, Fit]) -> dict[TargetId, list[int]]:
-        targets: dict[TargetId, list[int]] = {}
-        for number in sorted(fits):
-            targets.setdefault(self._markers.target(number), []).append(number)
-        return targets
+    # --- poses ---
 
-    def _seen(self, numbers: list[int], fits: Mapping[int, Fit]) -> Corners:
-        """Return the corners of a landmark with their covariance; `numbers` are its visible markers."""
-        points = [self._markers.points(number) for number in numbers]
-        covariance = np.zeros((8 * len(numbers), 8 * len(numbers)))
-        for place, number in enumerate(numbers):
-            covariance[8 * place : 8 * place + 8, 8 * place : 8 * place + 8] = fits[number].covariance
-        return Corners(np.concatenate(points), np.concatenate([fits[number].rays for number in numbers]), covariance)
+    def _landmarks(self, seen: Iterable[_Track]) -> list[_Landmark]:
+        """Return the landmarks to which the visible markers belong."""
+        tracks = sorted(seen, key=lambda track: (track.number, *track.corners[0]))
+        numbers = [track.number for track in tracks]
+        self._shared |= {number for number in numbers if numbers.count(number) > 1}
+        landmarks, boards = [], dict[TargetId, list[_Track]]()
+        for track in tracks:
+            target = self._markers.target(track.number)
+            if track.number in self._shared or target == track.number:
+                points = self._markers.own_points(track.number)
+                landmarks.append(_Landmark(track.number, [track], [points], track.flips, track.number in self._shared))
+            else:
+                boards.setdefault(target, []).append(track)
+        for name, group in boards.items():
+            points_of = [self._markers.points(track.number) for track in group]
+            landmarks.append(_Landmark(name, group, points_of, self._board_flips.setdefault(name, Flips())))
+        return landmarks
 
-    def _starts(self, landmarks: Iterable[list[int]], fits: Mapping[int, Fit]) -> list[list[Pose]]:
-        """Return the start poses for each landmark: the possible poses of its single markers.
-
-        A landmark is given by the numbers of its visible markers.
-        """
-        if not fits:
-            return []
-        points = np.stack([self._markers.points(number) for number in fits])
-        poses = dict(zip(fits, square_poses(points, np.stack([fit.rays for fit in fits.values()]))))
-        return [[pose for number in numbers for pose in poses[number]] for numbers in landmarks]
-
-    def _sight(
-        self, target: TargetId, numbers: list[int], seen: Corners, solutions: Sequence[Solution], stamp: int
-    ) -> Sighting:
+    def _sight(self, landmark: _Landmark, seen: Corners, solutions: Sequence[Solution]) -> Sighting:
+        stamp = landmark.tracks[0].stamp
         seen, solutions = with_model_error(seen, solutions[:2])
-        chosen = self._flips.setdefault(target, Flips()).decide(solutions, stamp)
+        chosen = landmark.flips.decide(solutions, stamp)
         best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
         other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
         return Sighting(
-            id=target,
+            id=landmark.id,
             stamp=stamp,
-            corners=np.concatenate([self._tracks[number].corners for number in numbers]),
+            corners=np.concatenate([track.corners for track in landmark.tracks]),
             pose=best.pose,
             covariance=best.covariance,
             ambiguity=other / max(best.error, 1e-12),
             error=best.error * focal,
             seen=seen,
             solutions=tuple(solutions),
+            shared=landmark.shared,
         )
 
 
-def _extent(detection: Detection) -> float:
-    return float(np.ptp(detection.corners, axis=0).sum())
+def _distinct(found: Iterable[Detection], seen: Iterable[_Track]) -> list[Detection]:
+    """Return the detections of markers that are not seen yet; of several detections of a marker, the largest one."""
+    distinct: list[Detection | _Track] = list(seen)
+    known = len(distinct)
+    for one in sorted(found, key=lambda one: -extent(one.corners)):
+        if not any(_is_same(one, other) for other in distinct):
+            distinct.append(one)
+    return [one for one in distinct[known:] if isinstance(one, Detection)]
 
 
-def _followed(old: _Track | None, corners: Floats, stamp: int, blur: float) -> _Track:
-    """Return the new track of a marker, with its velocity, after the marker was found at `corners`."""
-    if old is None or stamp <= old.stamp:
-        return _Track(corners, np.zeros((4, 2)), stamp, blur)
-    return _Track(corners, (corners - old.corners) / ((stamp - old.stamp) / 1e9), stamp, blur)
+def _is_same(one: Detection | _Track, other: Detection | _Track) -> bool:
+    """Return true if these are the same marker, and not two markers with the same number."""
+    apart = _distance(one.corners, other.corners)
+    return one.number == other.number and apart < max(extent(one.corners), extent(other.corners)) / 2
 
 
-def _predicted(track: _Track, stamp: int) -> tuple[Floats, float]:
-    """Return the corners of a marker predicted for `stamp`, and the largest error of the prediction in pixels."""
-    seconds = (stamp - track.stamp) / 1e9
-    return track.corners + track.velocity * seconds, float(np.abs(track.velocity).max()) * seconds / 2
+def _distance(corners: Floats, others: Floats) -> float:
+    return float(np.linalg.norm(corners.mean(axis=0) - others.mean(axis=0)))
 
 
 def _region(predicted: tuple[Floats, float], shape: tuple[int, ...]) -> Region:
@@ -289,3 +325,22 @@ def _region(predicted: tuple[Floats, float], shape: tuple[int, ...]) -> Region:
     left, top = np.floor(np.maximum(low - margin, 0)).astype(int)
     right, bottom = np.ceil(np.minimum(high + margin, (shape[1], shape[0]))).astype(int)
     return Region(int(left), int(top), max(int(right), 0), max(int(bottom), 0))
+
+
+def _seen(landmark: _Landmark) -> Corners:
+    """Return the corners of a landmark with their covariance."""
+    fits = [track.fit for track in landmark.tracks]
+    covariance = np.zeros((8 * len(fits), 8 * len(fits)))
+    for place, fit in enumerate(fits):
+        covariance[8 * place : 8 * place + 8, 8 * place : 8 * place + 8] = fit.covariance
+    return Corners(np.concatenate(landmark.points), np.concatenate([fit.rays for fit in fits]), covariance)
+
+
+def _starts(landmarks: Sequence[_Landmark]) -> list[list[Pose]]:
+    """Return the start poses for each landmark: the possible poses of its single markers."""
+    if not landmarks:
+        return []
+    points = np.stack([points for landmark in landmarks for points in landmark.points])
+    rays = np.stack([track.fit.rays for landmark in landmarks for track in landmark.tracks])
+    poses = iter(square_poses(points, rays))
+    return [[pose for _ in landmark.tracks for pose in next(poses)] for landmark in landmarks]
