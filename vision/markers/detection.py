@@ -19,12 +19,6 @@ from roverlink.vision.opencv import cv2
 
 Image = NDArray[np.uint8]
 
-CELL = 5
-"""Side in pixels to which OpenCV resamples each black or white cell of a marker before it reads the cell.
-
-With OpenCV's default of 4, it misses small markers. From 8 on, it does not read the rim of a cell, and misses a third
-of the markers of 96 pixels that are crossed by thin bars.
-"""
 _SMALLEST_SIDE = 9
 """Side in pixels of the smallest marker that can be read."""
 _STEP = 64
@@ -50,30 +44,44 @@ class Region:
 
 
 @dataclass(frozen=True, slots=True)
-class _Threshold:
-    """Adaptive threshold: a pixel is black if it is darker than the mean of a window around it by `contrast` levels.
+class _Search:
+    """Way to search an image.
 
-    OpenCV tries each of the windows from `smallest` to `largest` pixels in steps of `step`.
+    A pixel is black if it is darker than the mean of a window around it by `contrast` levels. OpenCV tries each of the
+    windows from `smallest` to `largest` pixels in steps of `step`. Each black or white cell of a marker is resampled to
+    `cell` x `cell` pixels before it is read.
     """
 
     contrast: int
     smallest: int
     largest: int
     step: int
+    cell: int
 
 
-# CPU time of OpenCV's detector for a textured scene of 720p: 15 to 18 ms with `_THOROUGH`, 3 to 5 ms with one of
-# `_QUICK`. It spends most of its time on the contours of noise, and a larger contrast leaves fewer of them. At half
-# resolution with a small contrast, it takes 6 ms and misses most markers below 25 pixels.
-_THOROUGH = _Threshold(7, 3, 23, 10)
-"""OpenCV's default."""
-_QUICK = tuple(_Threshold(15, window, window, 2) for window in (7, 23))
-"""Thresholds of successive quick scans: small markers need the first one, large and blurred ones the second one.
+CELL = 8
+"""Side in pixels to which OpenCV resamples each black or white cell of a marker before it reads the cell.
 
-Markers whose white and black differ by less than about 60 grey levels need a thorough scan.
+With OpenCV's default of 4, cells of markers below 30 pixels are often misread.
 """
-_REGION = _Threshold(7, 15, 15, 2)
-"""Threshold in a region: it is usually enough; if not, `_THOROUGH` is tried."""
+_WHOLE_CELL = 5
+"""As `CELL`, for partly covered markers: from 8 pixels on, OpenCV does not read the rim of a cell.
+
+Without the rim, a third of the markers of 96 pixels that are crossed by thin bars are not found.
+"""
+# CPU time of OpenCV's detector for a textured scene of 720p: 15 to 18 ms with `_THOROUGH`, 2 with `_SHARP`, 5 with
+# `_BLURRED`. It spends most of its time on the contours of noise, and a larger contrast leaves fewer of them. At half
+# resolution with a contrast of 7, it takes 6 ms and misses most markers below 25 pixels.
+_THOROUGH = _Search(7, 3, 23, 10, _WHOLE_CELL)
+"""The threshold is OpenCV's default."""
+_SHARP = _Search(15, 5, 5, 2, CELL)
+"""Finds sharp markers of all sizes whose white and black differ by 60 grey levels or more."""
+_BLURRED = _Search(15, 23, 23, 2, _WHOLE_CELL)
+"""Finds markers that are blurred, partly covered or of less contrast, down to 30 pixels."""
+_BLURRED_EVERY = 3
+"""Number of quick scans of which one searches for blurred markers, too."""
+_REGION = _Search(7, 15, 15, 2, CELL)
+"""Enough for most regions; if nothing is found, `_THOROUGH` is tried."""
 
 
 def to_grey(image: Image) -> Image:
@@ -86,7 +94,7 @@ class Detector:
 
     def __init__(self, markers: MarkerSet) -> None:
         self._markers = markers
-        self._detectors: dict[tuple[_Threshold, int], Any] = {}
+        self._detectors: dict[tuple[_Search, int], Any] = {}
         self._scans = 0
 
     def scan(self, image: Image) -> list[Detection]:
@@ -94,12 +102,13 @@ class Detector:
         return self._detect(image, _THOROUGH)
 
     def scan_quickly(self, image: Image) -> list[Detection]:
-        """Return the markers of good contrast in a whole grey image, in a quarter of the time.
+        """Return the sharp markers in a whole grey image, in a fifth of the time; a marker may be returned twice.
 
-        Successive scans use different thresholds, because no single one finds all markers.
+        Every third scan finds markers that are blurred, partly covered or of little contrast, too.
         """
         self._scans += 1
-        return self._detect(image, _QUICK[self._scans % len(_QUICK)])
+        found = self._detect(image, _SHARP)
+        return found if self._scans % _BLURRED_EVERY else found + self._detect(image, _BLURRED)
 
     def look(self, image: Image, region: Region) -> list[Detection]:
         """Return the markers in a part of a grey image (H, W); their corners are in pixels of the whole image."""
@@ -108,12 +117,12 @@ class Detector:
         found = self._detect(part, _REGION) or self._detect(part, _THOROUGH)
         return [Detection(one.number, one.corners + offset) for one in found]
 
-    def _detect(self, image: Image, threshold: _Threshold) -> list[Detection]:
+    def _detect(self, image: Image, search: _Search) -> list[Detection]:
         height, width = image.shape
         if min(height, width) < 2 * _SMALLEST_SIDE:
             return []
         # shapes differ between OpenCV versions: ids are (N, 1), (N,) or None
-        corners, numbers, _ = self._detector(threshold, max(height, width)).detectMarkers(image)
+        corners, numbers, _ = self._detector(search, max(height, width)).detectMarkers(image)
         found = [] if numbers is None else np.reshape(numbers, -1).tolist()
         return [
             Detection(number, np.reshape(corner, (4, 2)).astype(float))
@@ -121,22 +130,20 @@ class Detector:
             if number in self._markers
         ]
 
-    def _detector(self, threshold: _Threshold, longest: int) -> Any:
+    def _detector(self, search: _Search, longest: int) -> Any:
         longest = -(-longest // _STEP) * _STEP
-        if (threshold, longest) not in self._detectors:
-            self._detectors[threshold, longest] = cv2.aruco.ArucoDetector(
-                self._markers.bits, _parameters(threshold, longest)
-            )
-        return self._detectors[threshold, longest]
+        if (search, longest) not in self._detectors:
+            self._detectors[search, longest] = cv2.aruco.ArucoDetector(self._markers.bits, _parameters(search, longest))
+        return self._detectors[search, longest]
 
 
-def _parameters(threshold: _Threshold, longest: int) -> Any:
+def _parameters(search: _Search, longest: int) -> Any:
     parameters = cv2.aruco.DetectorParameters()
-    parameters.adaptiveThreshConstant = threshold.contrast
-    parameters.adaptiveThreshWinSizeMin = threshold.smallest
-    parameters.adaptiveThreshWinSizeMax = threshold.largest
-    parameters.adaptiveThreshWinSizeStep = threshold.step
-    parameters.perspectiveRemovePixelPerCell = CELL
+    parameters.adaptiveThreshConstant = search.contrast
+    parameters.adaptiveThreshWinSizeMin = search.smallest
+    parameters.adaptiveThreshWinSizeMax = search.largest
+    parameters.adaptiveThreshWinSizeStep = search.step
+    parameters.perspectiveRemovePixelPerCell = search.cell
     # OpenCV wants the perimeter relative to the longer side of the image.
     parameters.minMarkerPerimeterRate = 4 * _SMALLEST_SIDE / longest
     return parameters

@@ -26,7 +26,7 @@ from roverlink.vision.poses.pose import Pose
 
 SCAN_EVERY = 3
 """Number of frames between searches of the whole frame; at 30 frames a second, a new marker is seen after 0.1 s."""
-THOROUGH_EVERY = 10
+THOROUGH_EVERY = 20
 """Number of searches of the whole frame of which one, the first, is thorough; the others are quick."""
 FORGOTTEN_S = 0.5
 """Time in seconds for which a lost marker is still searched at its predicted position."""
