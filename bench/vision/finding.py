@@ -84,7 +84,7 @@ Finder = Callable[[Grey], Sequence[int]]
 def measure(scenes: int, frames: int, say: Callable[[str], None]) -> SectionResult:
     """Measure all kinds of markers with `scenes` frames each, and the cost of many markers with `frames` frames."""
     shares = []
-    for kind, sizes, film in (("covered", COVERED, covered), ("large", LARGE, large), ("twice", TWICE, twice)):
+    for kind, (sizes, film) in _KINDS.items():
         for side_px in sizes:
             shares.append(_share(kind, side_px, film(side_px, scenes)))
             say(f"{kind} markers of {side_px} px: found {shares[-1].ours:.0f} %, OpenCV {shares[-1].plain:.0f} %")
@@ -158,6 +158,13 @@ def moving(count: int, markers: int) -> Iterator[DriveFrame]:
         yield DriveFrame(render(camera, scene, planes, rng), frame * _FRAME_NS, poses)
 
 
+_KINDS: dict[str, tuple[Sequence[int], Callable[[int, int], Iterator[Shown]]]] = {
+    "covered": (COVERED, covered),
+    "large": (LARGE, large),
+    "twice": (TWICE, twice),
+}
+
+
 def _generators(side_px: int, count: int) -> Iterator[np.random.Generator]:
     return (np.random.default_rng([SEED, side_px, index]) for index in range(count))
 
@@ -192,8 +199,8 @@ def _crossed(plane: Print, rng: np.random.Generator) -> Print:
     for _ in range(_BARS):
         middle, angle = rng.uniform(0, len(inside), 2), rng.uniform(0, np.pi)
         reach = len(inside) * np.array([np.cos(angle), np.sin(angle)])
-        ends = [tuple(np.rint(end).astype(int).tolist()) for end in (middle - reach, middle + reach)]
-        cv2.line(drawn, *ends, float(rng.uniform(25, 225)), max(1, round(_BAR * module)))
+        start, end = (np.rint(point).astype(int).tolist() for point in (middle - reach, middle + reach))
+        cv2.line(drawn, start, end, float(rng.uniform(25, 225)), max(1, round(_BAR * module)))
     inside[:] = drawn
     return Print(image, plane.metres_per_pixel)
 

@@ -55,8 +55,9 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
         # Only now: the size is known from the first frame, since a camera may not give the size that was requested.
         camera = _fitted(camera, size, arguments.rescale, logger)
         outputs = list(_outputs(arguments, source, camera, ros, logger, stack))
-        log = stack.enter_context(TrackingLog(logger))
-        for view in look(log.timed(_frames(source, arguments)), Tracker(camera, markers), landmarks):
+        log = stack.enter_context(TrackingLog(logger, camera, markers.dictionary))
+        tracker = Tracker(camera, markers, scan_every=arguments.scan_every)
+        for view in look(log.timed(_frames(source, arguments)), tracker, landmarks):
             log.add(view)
             for output in outputs:
                 output(view)

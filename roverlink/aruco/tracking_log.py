@@ -1,4 +1,4 @@
-"""Log of ``roverlink aruco track``: new landmarks (markers and boards), misplaced landmarks, and totals at the end."""
+"""Log of ``roverlink aruco track``: new landmarks (markers and boards), problems with them, and totals."""
 
 from __future__ import annotations
 
@@ -10,23 +10,32 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from roverlink.console import counted
+from roverlink.vision import CameraParameters
 from roverlink.vision.field.view import View
 from roverlink.vision.frames import Frame
+from roverlink.vision.markers.detection import Image
+from roverlink.vision.markers.dictionaries import other_dictionary
 from roverlink.vision.markers.marker_set import TargetId
+
+_HINT_EVERY = 100
+"""Number of frames between searches for other dictionaries, while no marker has been found; a search stops the rest."""
 
 
 class TrackingLog:
     """Log of a tracker. A context manager: on exit it logs the totals.
 
-    It logs each landmark when it is seen for the first time, and each landmark that is not at its position on the
-    field.
+    It logs each landmark when it is seen for the first time, each landmark that is not at its position on the field,
+    and each number that several markers share. If no marker is found, it names the dictionary
+    of those that are visible.
     """
 
-    def __init__(self, logger: logging.Logger) -> None:
-        self._logger = logger
+    def __init__(self, logger: logging.Logger, camera: CameraParameters, dictionary: str) -> None:
+        self._logger, self._camera, self._dictionary = logger, camera, dictionary
         self._frames = self._with_landmarks = 0
         self._seen: set[TargetId] = set()
         self._rejected: tuple[TargetId, ...] = ()
+        self._shared: set[TargetId] = set()
+        self._hinted = False
         self._begin = 0.0
         self._times: list[float] = []
 
@@ -37,7 +46,7 @@ class TrackingLog:
             yield frame
 
     def add(self, view: View) -> None:
-        """Log the landmarks of a frame that were not seen before, and those that are not at their known position.
+        """Log the landmarks of a frame that were not seen before, and problems with its markers.
 
         Call this once for each frame.
         """
@@ -49,10 +58,33 @@ class TrackingLog:
                 self._seen.add(one.id)
                 distance = np.linalg.norm(one.pose.translation)
                 self._logger.info("found landmark %s at a distance of %.2f m", one.id, distance)
+            if one.shared and one.id not in self._shared:
+                self._shared.add(one.id)
+                self._logger.warning(
+                    "several markers with the number %s are visible; their frames are not on /tf, and none of them is "
+                    "used as a landmark; print each marker with a number of its own",
+                    one.id,
+                )
+        if not self._seen and not self._hinted and self._frames % _HINT_EVERY == 1:
+            self._hint(view.frame.image)
         rejected = view.place.rejected if view.place else ()
         for target in set(rejected) - set(self._rejected):
             self._logger.warning("landmark %s is not at the position in the landmarks file; ignoring it", target)
         self._rejected = rejected
+
+    def _hint(self, image: Image) -> None:
+        """Log the dictionary of the markers in an image in which no marker of the chosen dictionary was found."""
+        if found := other_dictionary(image, self._camera):
+            dictionary, numbers = found
+            self._hinted = True
+            self._logger.warning(
+                "no marker of %s was found, but the image shows %s of %s (%s); use --dictionary %s",
+                self._dictionary,
+                counted(len(numbers), "marker"),
+                dictionary,
+                ", ".join(map(str, numbers)),
+                dictionary,
+            )
 
     def __enter__(self) -> TrackingLog:
         return self

@@ -50,12 +50,15 @@ class FieldPose:
 def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose | None:
     """Return the camera's pose on the field; None if no landmark with a known pose is visible.
 
-    `sightings` are the markers and boards found in one frame; the pose is computed from all that are in `landmarks`.
+    `sightings` are the markers and boards found in one frame; the pose is computed from all that are in `landmarks`. A
+    marker whose number others share is no landmark.
 
     If only two landmarks are visible and contradict each other, it is unknown which one is wrong. Then the more
     accurate one is used.
     """
-    known = [_known(one, landmarks.places[one.id]) for one in sightings if one.id in landmarks.places]
+    known = [
+        _known(one, landmarks.places[one.id]) for one in sightings if one.id in landmarks.places and not one.shared
+    ]
     starts = [
         solution.pose @ landmarks.places[one.sighting.id].pose.inverse()
         for one in known

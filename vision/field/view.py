@@ -46,6 +46,7 @@ def _sighting(one: Sighting) -> Mapping[str, Any]:
         "corners": [_numbers(corner) for corner in one.corners],
         "error": _number(one.error),
         "other_pose": _other(one),
+        "shared": one.shared,
     }
 
 

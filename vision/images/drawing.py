@@ -17,7 +17,7 @@ Colour = tuple[int, int, int]
 SEEN: Colour = (80, 220, 60)
 """Colour (BGR) of a landmark's outline."""
 REJECTED: Colour = (40, 40, 235)
-"""Colour (BGR) of the outline of a landmark that does not fit the others."""
+"""Colour (BGR) of the outline of a landmark that does not fit the others, or that shares its number."""
 AXES: tuple[Colour, Colour, Colour] = ((40, 40, 235), (60, 200, 60), (235, 120, 40))
 """Colours (BGR) of the axes: x red, y green, z blue, as in RViz."""
 _INK, _PAPER = (255, 255, 255), (30, 30, 30)
@@ -34,7 +34,7 @@ def draw(image: Image, camera: CameraParameters, sightings: Sequence[Sighting], 
     drawn: Image = image.copy()
     rejected = place.rejected if place else ()
     for one in sightings:
-        _outline(drawn, one, REJECTED if one.id in rejected else SEEN)
+        _outline(drawn, one, REJECTED if one.shared or one.id in rejected else SEEN)
         _axes(drawn, camera, one)
         low = one.corners.min(axis=0)
         _write(drawn, f"{one.id}: {np.linalg.norm(one.pose.translation):.2f} m", (low[0], low[1] - 4 * _width(drawn)))

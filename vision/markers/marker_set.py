@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,13 @@ SIDE = 0.05
 
 TargetId = int | str
 """Identifier of a landmark: the number of a single marker, or the name of a board."""
+
+
+@cache
+def dictionaries() -> Mapping[str, int]:
+    """Return the names of OpenCV's dictionaries, each with its number of markers. Of two spellings, one is returned."""
+    by_value = {getattr(cv2.aruco, name): name for name in dir(cv2.aruco) if name.startswith("DICT_")}
+    return {name: len(cv2.aruco.getPredefinedDictionary(value).bytesList) for value, name in by_value.items()}
 
 
 def square(side: float) -> Floats:

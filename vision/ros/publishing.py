@@ -60,11 +60,15 @@ class Publishing:
         self._poses: dict[str, _Output] = {}
 
     def publish(self, view: View) -> None:
-        """Publish the results of a frame on all topics. If the frame has no landmarks, nothing is published on /tf."""
+        """Publish the results of a frame on all topics. Without landmarks, nothing is published on /tf.
+
+        Markers that share a number are only in the detections and in the drawn image.
+        """
         names, stamp, sightings = self._names, view.frame.stamp, view.sightings
-        if sightings:
-            self._transforms.put(lambda: sighting_messages.transforms_of(sightings, names))
-        for one in sightings:
+        # With two frames of the same name, a listener to /tf would see one marker that jumps.
+        if unique := [one for one in sightings if not one.shared]:
+            self._transforms.put(lambda: sighting_messages.transforms_of(unique, names))
+        for one in unique:
             self._pose_of(names.of(one.id)).put(partial(sighting_messages.marker_pose_of, one, names))
         self._detections.put(lambda: sighting_messages.detections_of(sightings, stamp, names))
         self._camera_info.put(lambda: sighting_messages.camera_info_of(self._camera, view.frame.size, stamp, names))

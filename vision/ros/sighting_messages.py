@@ -124,7 +124,7 @@ def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.
         header,
         results,
         vision_msgs.BoundingBox3D(_pose(centre), geometry_msgs.Vector3(*_plain(high - low))),
-        names.of(one.id),
+        "" if one.shared else names.of(one.id),  # the id of an object, so two objects cannot have the same one
     )
 
 

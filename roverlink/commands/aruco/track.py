@@ -90,6 +90,14 @@ def _add_markers(parser: argparse.ArgumentParser) -> None:
         help="YAML file with the poses of the landmarks (markers and boards) on the field",
     )
     parser.add_argument(
+        "--scan-every",
+        type=count,
+        default=3,
+        metavar="N",
+        help="search the whole image for new markers in every N-th image; known markers are followed in all images "
+        "(default: %(default)s)",
+    )
+    parser.add_argument(
         "--marker-frame",
         default="aruco_",
         metavar="PREFIX",

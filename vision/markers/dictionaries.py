@@ -1,0 +1,48 @@
+"""Search for the dictionary to which the visible markers belong, if the chosen one has none of them."""
+
+from __future__ import annotations
+
+from roverlink.vision.camera.camera_model import CameraParameters
+from roverlink.vision.markers.detection import Detector, Image, to_grey
+from roverlink.vision.markers.edges import Guess
+from roverlink.vision.markers.fitting import fit_markers
+from roverlink.vision.markers.marker_set import MarkerSet, dictionaries
+
+
+def other_dictionary(image: Image, camera: CameraParameters) -> tuple[str, list[int]] | None:
+    """Return the dictionary with the most markers in an image, (H, W) or (H, W, 3), and the numbers of these markers.
+
+    Of several dictionaries that contain them, it is the smallest one. The result is None if no dictionary matches. This
+    takes some tenths of a second.
+    """
+    grey = to_grey(image)
+    found = {name: _numbers(grey, camera, MarkerSet(name)) for name in _families().values()}
+    largest = max(found, key=lambda name: len(found[name]))
+    numbers = found[largest]
+    return (_smallest(largest, max(numbers)), numbers) if numbers else None
+
+
+def _numbers(grey: Image, camera: CameraParameters, markers: MarkerSet) -> list[int]:
+    """Return the numbers of the markers that match without a wrong bit, and whose edges fit."""
+    markers.bits.maxCorrectionBits = 0  # with correction, small dictionaries match many other squares
+    found = Detector(markers).scan(grey)
+    fitted = fit_markers(grey, camera, [Guess(markers.pattern(one.number), one.corners) for one in found])
+    return sorted({one.number for one, fit in zip(found, fitted) if fit})
+
+
+def _families() -> dict[str, str]:
+    """Return the largest dictionary of each family; the smaller ones of a family contain its first markers."""
+    sizes = dictionaries()
+    return {_family(name): name for name in sorted(sizes, key=lambda name: sizes[name])}
+
+
+def _smallest(dictionary: str, number: int) -> str:
+    """Return the smallest dictionary of the same family that contains a marker with this number."""
+    sizes = dictionaries()
+    fitting = [name for name in sizes if _family(name) == _family(dictionary) and sizes[name] > number]
+    return min(fitting, key=lambda name: sizes[name])
+
+
+def _family(name: str) -> str:
+    start, _, end = name.rpartition("_")
+    return start if end.isdecimal() else name
