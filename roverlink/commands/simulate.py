@@ -152,7 +152,7 @@ def _throw_away_keys(registry: Registry, bridge: str | None, stack: contextlib.E
         cure = "give a copy of the bridge's key file with --key-file FILE, or let --bridge start a bridge"
         raise SetupError(f"the peer {must_sign[0]!r} must sign (table key `sign`), but there is no key; {cure}")
     folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="roverlink-keys-"))
-    return make_throw_away_keys(registry, Path(folder))
+    return [*make_throw_away_keys(registry, Path(folder)).values()]
 
 
 def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:

@@ -18,11 +18,11 @@ from roverlink.runtime.core.translator import Translator, VerifyingTranslator
 from roverlink.runtime.keys.key_file import BRIDGE, SUFFIX, make_key_file, read_keys
 
 
-def make_throw_away_keys(registry: Registry, folder: Path) -> list[Path]:
-    """Make a key file for each peer that must sign, and return the files. Only this user should see the folder."""
-    files = [folder / f"{peer.name}{SUFFIX}" for peer in registry.peers if peer.must_sign]
-    for file in files:
-        make_key_file(file, file.stem, datetime.now(timezone.utc))
+def make_throw_away_keys(registry: Registry, folder: Path) -> dict[str, Path]:
+    """Make a key file for each peer that must sign, and return the files by the names of the peers."""
+    files = {peer.name: folder / f"{peer.name}{SUFFIX}" for peer in registry.peers if peer.must_sign}
+    for name, file in files.items():
+        make_key_file(file, name, datetime.now(timezone.utc))
     return files
 
 
