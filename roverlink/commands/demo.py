@@ -83,9 +83,8 @@ def run(arguments: argparse.Namespace) -> int:
         keys = make_throw_away_keys(registry, folder)
         peers = {peer.name: stack.enter_context(_on_loopback(peer.name, registry, keys)) for peer in registry.peers}
         given = on_loopback(registry, {name: peers[name.peer].port for name in registry.ends})
-        host = stack.enter_context(
-            bridge_with(arguments.middleware, project, registry, given, key_files=[*keys.values()])
-        )
+        host = bridge_with(arguments.middleware, project, registry, given, key_files=[*keys.values()])
+        stack.enter_context(host)
         for peer in peers.values():
             peer.direct_to("127.0.0.1", host.port)
         middleware = stack.enter_context(host.middleware(topic_types.identity("demo")))
@@ -136,8 +135,8 @@ class _Rig:
     ) -> None:
         """Create the ROS 2 publishers and subscribers.
 
-        ``peers`` holds a program in place of each peer and all its boards. ``published_elsewhere`` holds the names of rows on
-        whose topics another ROS 2 node publishes, so this object does not.
+        ``peers`` holds a program in place of each peer with all its boards. ``published_elsewhere`` holds the names of
+        rows on whose topics another ROS 2 node publishes, so this object does not.
         """
         self._registry, self._peers = registry, peers
         self._published_elsewhere = published_elsewhere
