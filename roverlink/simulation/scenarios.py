@@ -15,9 +15,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from google.protobuf.message import DecodeError
+
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry, SetupError
-from roverlink.runtime.core.envelope import strip_trailing_zeros
+from roverlink.runtime.core.envelope import restore, strip_trailing_zeros
 from roverlink.runtime.core.link_message import NAME, PERIOD_S, LinkWriter
 from roverlink.runtime.core.registry import AnyHandler, EndName
 from roverlink.runtime.core.wire_format import DELIMITED, VARINT
@@ -213,9 +215,13 @@ def _of_other_protos(emission: Emission, world: World) -> bytes:
 
 def _with_other_hashes(end: EndName, datagram: bytes, world: World) -> bytes:
     """Return a link message of an end with other hashes of the rows that come from peers."""
-    envelope: Any = world.registry.envelope.FromString(world.unsigned(end, datagram))
-    for index, number in enumerate(envelope.link.numbers):
-        if world.registry.by_number[number].route.inbound:
+    try:
+        envelope: Any = world.registry.envelope.FromString(restore(world.unsigned(end, datagram)))
+    except DecodeError:
+        return datagram  # the scenario malformed has damaged it
+    for index, number in zip(range(len(envelope.link.hashes)), envelope.link.numbers):
+        handler = world.registry.by_number.get(number)
+        if handler is not None and handler.route.inbound:
             envelope.link.hashes[index] ^= 1
     return world.signed(end, envelope.SerializeToString())
 
