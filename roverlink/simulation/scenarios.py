@@ -67,6 +67,11 @@ class World:
             self.writers[end, life] = LinkWriter(self.registry.envelope, self.rng.getrandbits(32), told)
         return self.writers[end, life]
 
+    def count_sent(self, end: EndName, life: int = 0) -> None:
+        """Count a datagram that the program at an end sends, for its link messages."""
+        if self.registry.link is not None:
+            self.writer(end, life).count_sent(1)
+
     def datagram(self, name: str, seconds: float) -> bytes:
         """Return a serialized envelope with the payload of the row ``name``, signed if the row's peer must sign.
 
@@ -127,8 +132,7 @@ def steady(world: World, rate: float) -> Stream:
         for end in ends if at >= told else ():
             yield Emission(at, end.peer, NAME, world.link_message(end, at), end=end)
         told += PERIOD_S if at >= told else 0.0
-        if ends:
-            world.writer(end_of(handler)).count_sent(1)
+        world.count_sent(end_of(handler))
         yield Emission(at, handler.route.peer, name, world.datagram(name, at))
 
 
@@ -300,6 +304,7 @@ def flood(stream: Stream, world: World) -> Stream:
     for emission in stream:
         yield emission
         for _ in range(_MANY - 1 if emission.name == mad else 0):
+            world.count_sent(world.sender_of(emission), emission.life)
             yield _sent_anew(emission, emission.datagram, world)
 
 
@@ -323,6 +328,7 @@ def _of_life(emission: Emission, life: int, born: float, world: World) -> bytes:
     """Return the datagram that a peer sends after ``life`` restarts, the last one at the time ``born``."""
     if emission.end is not None:
         return world.link_message(emission.end, emission.at - born, life)
+    world.count_sent(world.sender_of(emission), life)
     return world.datagram(emission.name, emission.at - born)
 
 

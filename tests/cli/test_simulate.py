@@ -240,6 +240,25 @@ def test_peers_of_a_table_with_the_link_message_send_it(names: list[str]) -> Non
     assert same == ({3, 5} if "old-schema" in names else {1, 2, 3, 4, 5})
 
 
+@pytest.mark.parametrize(
+    "names", [[], ["stale"], ["reboot"], ["flood"], ["reboot", "flood"], ["flood", "reboot"]], ids=str
+)
+def test_link_messages_count_what_the_program_has_sent_since_its_start(names: list[str]) -> None:
+    """Otherwise the bridge would see losses that there are not, or would not see losses."""
+    registry = linked_registry()
+    world = World(registry, random.Random(1), _LONGEST)  # noqa: S311  # repeatable, not secret
+    sent, told = Counter[Any](), 0
+    for emission in itertools.takewhile(lambda emission: emission.at < 9, emissions(world, 30, names)):
+        program = world.sender_of(emission), emission.life
+        if emission.end is not None:
+            link = registry.envelope.FromString(emission.datagram).link  # type: ignore[attr-defined]
+            assert link.sent == sent[program]
+            told += 1
+        sent[program] += 1
+    assert told > 20
+    assert any(life for _, life in sent) == ("reboot" in names)
+
+
 def test_a_simulated_board_with_old_protos_is_named(done: Start, tmp_path: Path) -> None:
     """The report names each board whose schema differs, with its rows, and all sums agree."""
     project = write_project(tmp_path / "rover")
