@@ -57,7 +57,7 @@ class SimulatedKeys(contextlib.ExitStack):
         for handler in registry.handlers:
             peer, board = handler.route.peer, handler.route.board
             if registry.peers_by_name[peer].must_sign:
-                self._by_end[EndName(peer, board)] = self._sender(board if board in known else peer)
+                self._by_end[EndName(peer, board)] = self._sender(EndName(peer, board if board in known else ""))
         self._size = len(Signer(self._number, Key(0, "", bytes(KEY_BYTES)), SigningClock()).sign(b""))
 
     def __enter__(self) -> SimulatedKeys:
@@ -65,14 +65,15 @@ class SimulatedKeys(contextlib.ExitStack):
             self.enter_context(sender.signatures)
         return self
 
-    def _sender(self, name: str) -> _Sender:
+    def _sender(self, end: EndName) -> _Sender:
+        name = end.board or end.peer
         if name not in self._senders:
             own = [(one.key, file) for one, file in self._keys if one.key.sender == name and one.send_with]
             if not own:
                 cure = "make one with `roverlink link keygen`, or leave out --key-file if simulate starts the bridge"
                 raise SetupError(f"{name!r} must sign (table key `sign`), but no key file has a key of it; {cure}")
             key, file = own[0]
-            self._senders[name] = _Sender(self._number, key, Signatures(self._registry, name, [file]))
+            self._senders[name] = _Sender(self._number, key, Signatures(self._registry, end, [file]))
         return self._senders[name]
 
     def translator(self) -> Translator:

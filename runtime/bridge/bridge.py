@@ -298,12 +298,11 @@ class Bridge:
         for refusal in translation.refusals:
             self._counters.count_dropped(refusal)
         self._publish(translation, stamp)
-        if self._link is not None:
-            self._link.take(translation)
+        speakers = self._link.take(translation, translator.peers) if self._link is not None else []
         # Forward after publishing: topics have priority, and the policy `mapping` needs the names.
         self._forwarding.forward(fitting, translation.names, translation.restored)
         if self._sender is not None:
-            self._ends.learn(translation.names, self._sender.address)
+            self._ends.learn(translation.names, speakers, self._sender.address)
 
     def _without_oversized(self, batch: udp.Batch) -> udp.Batch:
         longest = self._parameters.max_datagram
