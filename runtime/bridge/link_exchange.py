@@ -203,8 +203,9 @@ class LinkExchange:
                 sender = self._senders[message.session] = self._new_sender(message.session, now)
             sender.heard = now
             sender.hashes.update((number, hash) for number, hash in message.hashes.items() if number in self._hashes)
-            sender.end = self._end_of(sender.hashes)
-            end = sender.end
+            end = self._end_of(sender.hashes)
+            if end != sender.end:  # the first rows of a sender may fit another end, whose datagrams are others
+                sender.end, sender.statistics = end, LinkStatistics()
             if end is None:
                 if is_new:
                     self._warnings.warn(

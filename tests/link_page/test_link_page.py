@@ -245,9 +245,9 @@ def test_a_row_at_rest_is_noalarm_in() -> None:
     """Until its first command, a row with a deadman is at rest: its stop goes out, but nobody has to be woken."""
     rows = [_inbound(None, direction="ros_to_hardware", deadman_after=0.5, stops=3, stopping=1, count=0)]
     node = {"level": "OK", "message": ""}
-    assert conditions_of({"quiet": False, "node": node, "peers": [], "rows": rows, "links": []}) == {}
+    assert conditions_of({"quiet": False, "node": node, "peers": [], "rows": rows}) == {}
     rows[0]["count"] = 1
-    assert list(conditions_of({"quiet": False, "node": node, "peers": [], "rows": rows, "links": []})) == ["stop a"]
+    assert list(conditions_of({"quiet": False, "node": node, "peers": [], "rows": rows})) == ["stop a"]
 
 
 def test_a_bridge_that_no_longer_reports_is_analarm_in() -> None:
