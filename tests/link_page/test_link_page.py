@@ -288,7 +288,8 @@ def test_an_address_that_cannot_be_served_is_told(link: WatchedLink, capsys: pyt
         "listen_port:=0",
     ]
     assert main(arguments) == 2
-    assert f"cannot serve the page on TCP port {port_of(link.url)} of 127.0.0.1" in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert f"cannot serve the page on TCP port {port_of(link.url)} of 127.0.0.1: another program uses it" in error
     for wrong in ("70000", "::1:80", "page"):
         with pytest.raises(SystemExit) as ended:
             main(["run", "--page", wrong])
