@@ -143,7 +143,9 @@ def resolve(host: str, port: int) -> tuple[str, int]:
         # Names are resolved once, at the start: a lookup can block for seconds.
         found = hosts.look_up(host, port)
     except (OSError, UnicodeError) as error:
-        raise SetupError(f"the destination {host!r} does not resolve to an IP address: {error}") from error
+        raise SetupError(
+            f"the destination {host!r} does not resolve to an IP address: {hosts.reason_of(error)}"
+        ) from error
     # `localhost` is ::1 first, where a bridge that listens on 0.0.0.0 hears nothing.
     return min(found, key=lambda address: hosts.family_of(address) != socket.AF_INET)[0], port
 
