@@ -265,6 +265,7 @@ byId("unlock-cancel").onclick = () => byId("unlock-dialog").close();
 byId("unlock-form").onsubmit = async (event) => {
   event.preventDefault();
   token = byId("token").value.trim();
+  setText(byId("unlock-note"), ""); // it is about the last attempt
   try {
     await showParameters();
     useToken(token);
