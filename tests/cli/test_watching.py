@@ -25,6 +25,7 @@ from typing import Any
 
 import pytest
 import websockets
+from linked import TABLE, write_project
 from needs import needs_dds
 from polling import wait_until
 from prometheus_client.parser import text_string_to_metric_families
@@ -390,6 +391,21 @@ def test_doctor_finds_what_is_wrong(done: Start, taken: int) -> None:
     assert found["dst_ip"]["verdict"] == "warning"
     assert "rover.invalid, the host of basestation, hardware, cannot be resolved" in found["dst_ip"]["says"]
     assert found["generated code"]["verdict"] == "ok"
+
+
+def test_doctor_warns_if_the_table_was_changed_and_not_generated(done: Start, tmp_path: Path) -> None:
+    """The bridge uses the generated code, so a row or a host that is only in the table has no effect."""
+    project = write_project(tmp_path / "rover")
+    table = project / "mapping.yaml"
+    free = ("--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
+    said = []
+    for text in (TABLE, TABLE.replace("topic: mode", "topic: wanted_mode"), TABLE.replace("topic: mode", "topc: mode")):
+        table.write_text(text, encoding="utf-8")
+        found = json.loads(done("doctor", "--json", "--project", project, *free)[1])
+        said.append([one["says"] for one in found if one["check"] == "mapping.yaml"])
+    assert said[0] == []
+    assert "the generated code is not that of this table" in said[1][0]
+    assert said[2] == ["the table has errors, so it was not compared with the generated code"]
 
 
 def test_doctor_warns_of_small_buffers(done: Start) -> None:
