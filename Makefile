@@ -7,6 +7,7 @@ OPENCV_PIN := $(if $(OPENCV),'opencv-contrib-python-headless==$(OPENCV).*') $(if
 BIN := $(VENV)/bin
 ROS2 ?=
 SOAK_SECONDS ?= 600
+SOAK_FAULTS := $(addprefix --scenario ,reboot old-schema malformed padded lossy)
 FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime vision roverlink bench tests docs
 
@@ -43,9 +44,11 @@ test-dist: dist  ## the wheel and the sdist in an empty environment and an empty
 ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
 	$(BIN)/python tests/ros/build.py
 
-soak: $(VENV)/ready  ## 20,000 datagrams a second for ten minutes, each of them accounted for, in flat memory
-	$(BIN)/roverlink simulate --bridge dds --rate 20000 --seconds $(SOAK_SECONDS) \
-		--scenario malformed --scenario old-schema --scenario padded --scenario lossy --scenario reboot
+soak: $(VENV)/ready  ## five minutes of datagrams for the sample rover, and five with all of the table switched on: each accounted for, in flat memory
+	$(BIN)/roverlink simulate --bridge dds --rate 20000 --seconds $$(($(SOAK_SECONDS) / 2)) $(SOAK_FAULTS)
+	$(BIN)/python tests/soak/full_project.py build/soak
+	$(BIN)/roverlink simulate --project build/soak --bridge dds --rate 5000 --seconds $$(($(SOAK_SECONDS) / 2)) \
+		$(SOAK_FAULTS) --scenario hostile
 
 fuzz: $(VENV)/ready-fuzz  ## every parser of bytes from outside, a minute each
 	for target in datagram trailing-zeros sample message; do \

@@ -346,6 +346,18 @@ def test_a_missing_key_is_an_error_at_the_start() -> None:
         Bridge(signing({"basestation": {"must_sign": True}}), settings, MemoryMiddleware(Graph()), str, LOGGER)
 
 
+def test_boards_at_one_address_need_a_key_of_their_peer_for_link_messages(tmp_path: Path) -> None:
+    """Each board has a key, but the bridge's link messages go to all of them: unsigned ones would be sent."""
+    registry = signing({"hardware": {"must_sign": True}}, linked_registry())
+    files = [tmp_path / f"{board}.keys" for board in ("Arm", "Drive")]
+    for file in files:
+        make_key_file(file, file.stem, datetime.now(timezone.utc))
+    links = open_links(registry, files, LOGGER)
+    settings = parameters.read(registry, {"listen_port": 0})
+    with pytest.raises(SetupError, match=r"datagrams of 'hardware' must be signed .*roverlink link keygen hardware"):
+        Bridge(registry, settings, MemoryMiddleware(Graph()), lambda topic: f"/{topic}", LOGGER, links=links)
+
+
 def test_a_key_file_without_signing_is_an_error(tmp_path: Path) -> None:
     """Whoever gives a key expects signatures."""
     with pytest.raises(SetupError, match="the table has no `signing`"):
