@@ -18,6 +18,10 @@ CAMERAS = {
     "4 coefficients": CameraParameters(MATRIX, np.array([0.1, -0.2, 0.001, -0.002]), (1920, 1200)),
     "rover": CameraParameters(MATRIX, np.array(ROVER), (1920, 1200)),
     "rational": CameraParameters(MATRIX, np.array([0.3, 0.1, 1e-3, -2e-3, 0.02, 0.4, 0.15, 0.03]), (1920, 1200)),
+    "thin prism": CameraParameters(
+        MATRIX, np.array([0.3, 0.1, 1e-3, -2e-3, 0.02, 0.4, 0.15, 0.03, 0.01, -0.02, -0.015, 0.01]), (1920, 1200)
+    ),
+    "tilted": CameraParameters(MATRIX, np.array([*ROVER, *[0.0] * 7, 0.05, -0.08]), (1920, 1200)),
     "fisheye": CameraParameters(MATRIX, np.array([0.1, -0.02, 0.01, -0.002]), (1920, 1200), fisheye=True),
 }
 rays = st.tuples(st.floats(-0.6, 0.6), st.floats(-0.5, 0.5)).map(np.array)

@@ -94,17 +94,22 @@ def test_the_file_is_the_same_whichever_opencv_is_installed(tmp_path: Path) -> N
     assert path.read_text() == WRITTEN
 
 
-def test_what_opencv_writes_is_read(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["camera.yml", "camera.xml"])
+def test_what_opencv_writes_is_read(tmp_path: Path, name: str) -> None:
     """Files of whichever version is installed, whose first line differs."""
-    path = tmp_path / "camera.yml"
+    path = tmp_path / name
     file = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
     file.write("camera_matrix", MATRIX)
     file.write("distortion_coefficients", np.array(ROVER)[:, None])
+    file.write("image_width", 1920)
+    file.write("image_height", 1200)
+    file.write("distortion_model", "plumb_bob")
+    file.write("calibration_time", "Sat 22 Nov")
     file.release()
     camera = read_parameters(path)
     assert (camera.matrix == MATRIX).all()
     assert (camera.distortion == ROVER).all()
-    assert camera.size is None
+    assert camera.size == (1920, 1200)
 
 
 @pytest.mark.parametrize(("text", "size"), [(OLD, None), (ROS, (1920, 1200))])
@@ -169,6 +174,45 @@ def test_mistakes_are_told_with_their_place(tmp_path: Path, old: str, new: str, 
     with pytest.raises(SetupError, match=words) as raised:
         read_parameters(path)
     assert str(raised.value).count(str(path)) == 1
+
+
+XML = """<?xml version="1.0"?>
+<opencv_storage>
+<camera_matrix type_id="opencv-matrix">
+  <rows>3</rows>
+  <cols>3</cols>
+  <dt>d</dt>
+  <data>
+    1163.311 0. 941.628 0. 1168.458
+    618.535 0. 0. 1.</data></camera_matrix>
+<distortion_coefficients type_id="opencv-matrix">
+  <rows>1</rows> <cols>5</cols> <dt>d</dt> <data>0.1 -0.2 0.001 0.0002 0.2</data>
+</distortion_coefficients>
+</opencv_storage>
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("618.535 0.", "618.535 zero", r"xml:9:13: a number of camera_matrix is zero"),
+        ("<rows>3", "<rows>2", r"xml:7:3: camera_matrix is 2x3, but has 9 numbers"),
+        ("camera_matrix type", "camera_matrx type", r"xml:9:30: not valid XML: mismatched tag"),
+        ("<?xml", "<!DOCTYPE x [<!ENTITY a 'b'>]>\n<?xml", r"xml:1:\d+: the file has a document type"),
+        ("opencv_storage", "calibration", r"xml:2:1: the file is <calibration>, and no FileStorage"),
+        ("<rows>1</rows>", "<rows>1</rows> <rows>2</rows>", r"xml:11:18: the key rows occurs twice"),
+        (XML, "<opencv_storage></opencv_storage>", r"no camera parameters found"),
+        (XML, "<a", r"xml:1:\d+: not valid XML: unclosed token"),
+    ],
+)
+def test_mistakes_in_xml_are_told_with_their_place(tmp_path: Path, old: str, new: str, words: str) -> None:
+    """The file, the line and the column, as for YAML."""
+    path = tmp_path / "camera.xml"
+    path.write_text(XML)
+    assert read_parameters(path).matrix == pytest.approx(MATRIX)
+    path.write_text(XML.replace(old, new))
+    with pytest.raises(SetupError, match=words):
+        read_parameters(path)
 
 
 def test_missing_parameters_say_how_to_make_them(tmp_path: Path) -> None:

@@ -16,7 +16,8 @@ from roverlink.runtime.core.errors import SetupError
 
 Floats = NDArray[np.floating[Any]]
 
-_MODELS = {0: "no distortion", 4: "k1 k2 p1 p2", 5: "k1 k2 p1 p2 k3", 8: "k1 k2 p1 p2 k3 k4 k5 k6"}
+_NAMES = ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tx", "ty"]
+_MODELS = {0: "no distortion"} | {count: " ".join(_NAMES[:count]) for count in (4, 5, 8, 12, 14)}
 _FISHEYE = 4
 _NEWTON_STEPS = 20
 _CONVERGED = 1e-10  # in the plane z = 1; less than a millionth of a pixel
@@ -26,9 +27,9 @@ _CONVERGED = 1e-10  # in the plane z = 1; less than a millionth of a pixel
 class CameraParameters:
     """Intrinsic parameters of a camera; the methods convert rays to pixels and back.
 
-    `matrix` is the 3x3 camera matrix in pixels. `distortion` has 0, 4, 5 or 8 coefficients in OpenCV's order, or the 4
-    of OpenCV's fisheye model if `fisheye` is true. `size` is (width, height) of the images of the calibration, if
-    known. Raises `SetupError` for impossible values.
+    `matrix` is the 3x3 camera matrix in pixels. `distortion` has 0, 4, 5, 8, 12 or 14 coefficients in OpenCV's order,
+    or the 4 of OpenCV's fisheye model if `fisheye` is true. `size` is (width, height) of the images of the calibration,
+    if known. Raises `SetupError` for impossible values.
     """
 
     matrix: Floats
@@ -132,10 +133,11 @@ def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
     """Return the distorted rays (..., 2) by OpenCV's rational model, and their derivative (..., 2, 2).
 
     The derivative is with respect to the rays. The model is a quotient of polynomials in r^2 = x^2 + y^2, with
-    tangential distortion by Brown and Conrady.
+    tangential distortion by Brown and Conrady, and with thin prism distortion and a tilted sensor if there are 12 or 14
+    coefficients. The formulas are in the documentation of OpenCV's module calib3d.
     """
     given: list[float] = coefficients.tolist()
-    k1, k2, p1, p2, k3, k4, k5, k6 = given + [0.0] * (8 - len(given))
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tilt_x, tilt_y = given + [0.0] * (len(_NAMES) - len(given))
     x, y = rays[..., 0], rays[..., 1]
     xx, yy, xy = x * x, y * y, x * y
     r2 = xx + yy
@@ -152,7 +154,32 @@ def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
     slope[..., 0, 0] = radial + xx * growth + 2 * p1 * y + 6 * p2 * x
     slope[..., 1, 1] = radial + yy * growth + 6 * p1 * y + 2 * p2 * x
     slope[..., 0, 1] = slope[..., 1, 0] = xy * growth + 2 * p1 * x + 2 * p2 * y
+    if s1 or s2 or s3 or s4:
+        linear, square = np.array([s1, s3]), np.array([s2, s4])
+        bent += r2[..., None] * (linear + r2[..., None] * square)
+        slope += ((linear + 2 * r2[..., None] * square)[..., :, None]) * (2 * rays[..., None, :])
+    if tilt_x or tilt_y:
+        return _tilt(bent, slope, tilt_x, tilt_y)
     return bent, slope
+
+
+def _tilt(rays: Floats, slope: Floats, tilt_x: float, tilt_y: float) -> tuple[Floats, Floats]:
+    """Return the rays (..., 2) as a sensor sees them that is tilted by two angles in radians, with their derivative.
+
+    ``slope`` (..., 2, 2) is the derivative before. The tilt is a perspective mapping (Louhichi et al., 2007).
+    """
+    (sin_x, sin_y), (cos_x, cos_y) = np.sin([tilt_x, tilt_y]), np.cos([tilt_x, tilt_y])
+    about_x = np.array([[1, 0, 0], [0, cos_x, sin_x], [0, -sin_x, cos_x]])
+    about_y = np.array([[cos_y, 0, -sin_y], [0, 1, 0], [sin_y, 0, cos_y]])
+    turn = about_y @ about_x
+    along_z = np.array([[turn[2, 2], 0, -turn[0, 2]], [0, turn[2, 2], -turn[1, 2]], [0, 0, 1]])
+    mapping = along_z @ turn
+    seen = rays @ mapping[:, :2].T + mapping[:, 2]
+    depth = seen[..., 2:]
+    tilted: Floats = seen[..., :2] / depth
+    # Quotient rule, for both coordinates at once.
+    by_ray = (mapping[:2, :2] - tilted[..., :, None] * mapping[2, :2]) / depth[..., None]
+    return tilted, by_ray @ slope
 
 
 def _bend_fisheye(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:

@@ -16,10 +16,10 @@
        dt: d
        data: [ 0.100096, -0.256227, 0.00111085, 0.000269882, 0.203651 ]
 
-Only `camera_matrix` and `distortion_coefficients` are required; unknown keys are ignored. Image size and distortion
-model have the keys of ROS's `camera_calibration`, so its files can be read as well. The text is parsed as YAML and not
-by OpenCV, because errors then have a line number. It is not written by OpenCV either, because 5.0 writes another first
-line than 4.x.
+The XML of OpenCV's FileStorage is read as well. Only `camera_matrix` and `distortion_coefficients` are required;
+unknown keys are ignored. Image size and distortion model have the keys of ROS's `camera_calibration`, so its files can
+be read as well. The text is parsed as YAML and not by OpenCV, because errors then have a line number. It is not written
+by OpenCV either, because 5.0 writes another first line than 4.x.
 """
 
 from __future__ import annotations
@@ -33,11 +33,12 @@ import numpy as np
 from roverlink.runtime.atomic_files import write_whole
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
-from roverlink.vision.yaml_file import LARGEST, Item, parse
+from roverlink.vision.camera.file_storage_xml import compose_xml
+from roverlink.vision.yaml_file import LARGEST, Item, parse, parse_with
 
 PLUMB_BOB, RATIONAL, EQUIDISTANT = "plumb_bob", "rational_polynomial", "equidistant"
 """Names of the distortion models in ROS (sensor_msgs/distortion_models.hpp)."""
-_MODELS = {PLUMB_BOB: (4, 5), RATIONAL: (8,), EQUIDISTANT: (4,)}
+_MODELS = {PLUMB_BOB: (4, 5), RATIONAL: (8, 12, 14), EQUIDISTANT: (4,)}
 """Allowed numbers of distortion coefficients of each model."""
 
 _LINE = 120  # columns; OpenCV before 4.5.4 rejects lines longer than 4096
@@ -126,9 +127,11 @@ class _Entries:
 
     def __init__(self, path: Path, text: str) -> None:
         self._path = path
-        if text.startswith("%YAML"):  # "%YAML:1.0" is not valid YAML; as a comment it keeps the line numbers
-            text = "#" + text
-        whole = parse(path, text)
+        if text.lstrip("\ufeff \t\r\n").startswith("<"):
+            whole = parse_with(compose_xml, path, text)
+        else:
+            # "%YAML:1.0" is not valid YAML; as a comment it keeps the line numbers.
+            whole = parse(path, "#" + text if text.startswith("%YAML") else text)
         self._items = whole.entries() if whole.is_mapping else {}
         if not self._items:
             raise SetupError(f"{path}: no camera parameters found; the file needs keys such as camera_matrix")
