@@ -31,6 +31,7 @@ _MARGIN = 0.005
 """Border in metres that printers cannot reach."""
 _STRIP = 0.004
 """Width in metres of the strip at the edge of a sheet for a ruler with its text."""
+_RIM = _MARGIN + _STRIP
 _LINE, _TICK, _LONG_TICK = 0.0003, 0.0012, 0.002
 _CAPITALS = 0.0022
 _STEP = 0.01  # between ticks
@@ -39,7 +40,8 @@ _STEP = 0.01  # between ticks
 def board_sheet(board: CharucoBoard, paper: str) -> Sheet:
     """Return a sheet with a ChArUco board in the centre, and rulers. Raises `SetupError` if the board does not fit."""
     width, height = board.size
-    page_width, page_height = _page(paper, width, height, f"a board of {board.columns}x{board.rows} squares")
+    what = f"a board of {board.columns}x{board.rows} squares"
+    page_width, page_height = _page(paper, width, height, _RIM, what)
     left, top = (page_width - width) / 2, (page_height - height) / 2
     words = (
         f"{board.columns}x{board.rows} squares of {_mm(board.square)}, markers of {_mm(board.marker)}, "
@@ -52,23 +54,29 @@ def board_sheet(board: CharucoBoard, paper: str) -> Sheet:
 def marker_sheets(markers: MarkerSet, numbers: Sequence[int], paper: str) -> list[Sheet]:
     """Return sheets with markers and rulers. Each marker has a white border, and its number below it.
 
-    The border is as wide as one module, which is one black or white cell of the marker. Raises `SetupError` if a marker
-    is larger than the sheet.
+    The border is as wide as one module, which is one black or white cell of the marker. It may reach into the margin of
+    the paper, which is white as well. Raises `SetupError` if a marker is larger than the sheet.
     """
     sides = {number: float(markers.points(number)[1, 0] - markers.points(number)[0, 0]) for number in numbers}
     modules = markers.bits.markerSize + 2
     largest = max(sides.values())
+    border = min(sides.values()) / modules
     cell = largest * (modules + 2) / modules
-    page_width, page_height = _page(paper, cell, cell + _STRIP, f"a marker of {_mm(largest)} with its white border")
-    inside = (page_width - 2 * (_MARGIN + _STRIP), page_height - 2 * (_MARGIN + _STRIP))
+    # The rulers are at the left and at the lower edge.
+    far_rim = max(0.0, _MARGIN - border)
+    what = f"a marker of {_mm(largest)} with its white border"
+    page_width, page_height = _page(paper, cell, cell + _STRIP, far_rim, what)
+    inside = (page_width - _RIM - far_rim, page_height - _RIM - far_rim)
     columns, rows = max(1, int(inside[0] / cell)), max(1, int(inside[1] / (cell + _STRIP)))
     sheets = []
     for first in range(0, len(numbers), columns * rows):
         rectangles, labels = _rulers(page_height, markers.dictionary)
         for place, number in enumerate(numbers[first : first + columns * rows]):
             row, column = divmod(place, columns)
-            left = (page_width - columns * cell) / 2 + column * cell + (cell - sides[number]) / 2
-            top = (page_height - rows * (cell + _STRIP)) / 2 + row * (cell + _STRIP) + (cell - sides[number]) / 2
+            left = _RIM + (inside[0] - columns * cell) / 2 + column * cell + (cell - sides[number]) / 2
+            top = (
+                far_rim + (inside[1] - rows * (cell + _STRIP)) / 2 + row * (cell + _STRIP) + (cell - sides[number]) / 2
+            )
             rectangles += moved(_marker(_bits(markers.bits, number), sides[number]), left, top)
             base = top + sides[number] + sides[number] / modules + _CAPITALS
             labels += (Label(left, base, _CAPITALS, f"{number}: {_mm(sides[number])}"),)
@@ -76,12 +84,13 @@ def marker_sheets(markers: MarkerSet, numbers: Sequence[int], paper: str) -> lis
     return sheets
 
 
-def _page(paper: str, width: float, height: float, what: str) -> tuple[float, float]:
+def _page(paper: str, width: float, height: float, far_rim: float, what: str) -> tuple[float, float]:
     """Return width and height of the paper: upright, or turned if the content fits only then.
 
-    Raises `SetupError` if the content is too large; `what` names the content.
+    `far_rim` is what has to stay free at the right and at the upper edge. Raises `SetupError` if the content is too
+    large; `what` names the content.
     """
-    rim = 2 * (_MARGIN + _STRIP)
+    rim = _RIM + far_rim
     upright = PAPERS[paper]
     for page in (upright, upright[::-1]):
         if width + rim <= page[0] + 1e-9 and height + rim <= page[1] + 1e-9:
