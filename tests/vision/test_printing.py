@@ -73,6 +73,21 @@ def test_markers_on_paper_are_as_large_as_they_should_be() -> None:
         assert sides == pytest.approx(0.03 if number == 7 else 0.05, abs=2.5e-4)  # OpenCV's corners are whole pixels
 
 
+def test_a_marker_of_150_mm_fits_on_a4() -> None:
+    """It has a whole module of white on each side, and the rulers are outside of this border."""
+    markers = MarkerSet(side=0.15)
+    page = drawn(to_pdf(marker_sheets(markers, [7], "A4")))
+    corners, ids, _ = cv2.aruco.ArucoDetector(markers.bits).detectMarkers(page)
+    assert np.ravel(ids).tolist() == [7]
+    (left, top), (right, bottom) = np.rint(np.reshape(corners, (4, 2))[[0, 2]]).astype(int)
+    assert right - left == pytest.approx(0.15 * SCALE, abs=2)
+    border = int(0.15 * SCALE / 7) - 2
+    with_border = page[top - border : bottom + border, left - border : right + border].copy()
+    with_border[border - 2 : 2 - border, border - 2 : 2 - border] = 255
+    assert with_border.shape == (bottom - top + 2 * border, right - left + 2 * border)
+    assert with_border.min() == 255
+
+
 @pytest.mark.parametrize("paper", ["A4", "letter"])
 def test_rulers_are_as_long_as_they_say(paper: str) -> None:
     """Both, in PDFium's drawing: they meet in a corner, so they are one shape, 100 mm to each side."""

@@ -6,6 +6,7 @@ y) in which it meets the plane z = 1. Integer pixel coordinates are the centres 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -133,11 +134,11 @@ def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
     """Return the distorted rays (..., 2) by OpenCV's rational model, and their derivative (..., 2, 2).
 
     The derivative is with respect to the rays. The model is a quotient of polynomials in r^2 = x^2 + y^2, with
-    tangential distortion by Brown and Conrady, and with thin prism distortion and a tilted sensor if there are 12 or 14
-    coefficients. The formulas are in the documentation of OpenCV's module calib3d.
+    tangential distortion by Brown and Conrady, a thin prism (s1 to s4), and an image sensor that is tilted by the angles
+    tx and ty.
     """
     given: list[float] = coefficients.tolist()
-    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tilt_x, tilt_y = given + [0.0] * (len(_NAMES) - len(given))
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tx, ty = given + [0.0] * (max(_MODELS) - len(given))
     x, y = rays[..., 0], rays[..., 1]
     xx, yy, xy = x * x, y * y, x * y
     r2 = xx + yy
@@ -156,30 +157,31 @@ def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
     slope[..., 0, 1] = slope[..., 1, 0] = xy * growth + 2 * p1 * x + 2 * p2 * y
     if s1 or s2 or s3 or s4:
         linear, square = np.array([s1, s3]), np.array([s2, s4])
-        bent += r2[..., None] * (linear + r2[..., None] * square)
-        slope += ((linear + 2 * r2[..., None] * square)[..., :, None]) * (2 * rays[..., None, :])
-    if tilt_x or tilt_y:
-        return _tilt(bent, slope, tilt_x, tilt_y)
-    return bent, slope
+        r2 = r2[..., None]
+        bent += r2 * (linear + r2 * square)
+        slope += (2 * (linear + 2 * r2 * square))[..., None] * rays[..., None, :]
+    return _tilt(bent, slope, tx, ty) if tx or ty else (bent, slope)
 
 
-def _tilt(rays: Floats, slope: Floats, tilt_x: float, tilt_y: float) -> tuple[Floats, Floats]:
-    """Return the rays (..., 2) as a sensor sees them that is tilted by two angles in radians, with their derivative.
+def _tilt(bent: Floats, slope: Floats, tx: float, ty: float) -> tuple[Floats, Floats]:
+    """Return distorted rays (..., 2) and their derivative (..., 2, 2), projected onto a tilted image sensor.
 
-    ``slope`` (..., 2, 2) is the derivative before. The tilt is a perspective mapping (Louhichi et al., 2007).
+    The sensor is turned by `tx` about its x axis and then by `ty` about its y axis, in radians, as in OpenCV.
     """
-    (sin_x, sin_y), (cos_x, cos_y) = np.sin([tilt_x, tilt_y]), np.cos([tilt_x, tilt_y])
-    about_x = np.array([[1, 0, 0], [0, cos_x, sin_x], [0, -sin_x, cos_x]])
-    about_y = np.array([[cos_y, 0, -sin_y], [0, 1, 0], [sin_y, 0, cos_y]])
-    turn = about_y @ about_x
-    along_z = np.array([[turn[2, 2], 0, -turn[0, 2]], [0, turn[2, 2], -turn[1, 2]], [0, 0, 1]])
-    mapping = along_z @ turn
-    seen = rays @ mapping[:, :2].T + mapping[:, 2]
-    depth = seen[..., 2:]
-    tilted: Floats = seen[..., :2] / depth
-    # Quotient rule, for both coordinates at once.
-    by_ray = (mapping[:2, :2] - tilted[..., :, None] * mapping[2, :2]) / depth[..., None]
-    return tilted, by_ray @ slope
+    sin_x, cos_x, sin_y, cos_y = math.sin(tx), math.cos(tx), math.sin(ty), math.cos(ty)
+    turn = np.array(
+        [
+            [cos_y, sin_y * sin_x, -sin_y * cos_x],
+            [0, cos_x, sin_x],
+            [sin_y, -cos_y * sin_x, cos_y * cos_x],
+        ]
+    )
+    # Along the optical axis onto the plane z = 1 again, with the centre of the image where it was.
+    onto = np.array([[turn[2, 2], 0, -turn[0, 2]], [0, turn[2, 2], -turn[1, 2]], [0, 0, 1]]) @ turn
+    above, below = bent @ onto[:2, :2].T + onto[:2, 2], bent @ onto[2, :2] + onto[2, 2]
+    tilted = above / below[..., None]
+    by_bent = (onto[:2, :2] - tilted[..., None] * onto[2, :2]) / below[..., None, None]
+    return tilted, by_bent @ slope
 
 
 def _bend_fisheye(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
