@@ -19,10 +19,6 @@ CAMERAS = {
     "4 coefficients": CameraParameters(MATRIX, np.array([0.1, -0.2, 0.001, -0.002]), (1920, 1200)),
     "rover": CameraParameters(MATRIX, np.array(ROVER), (1920, 1200)),
     "rational": CameraParameters(MATRIX, np.array(RATIONAL), (1920, 1200)),
-    "thin prism": CameraParameters(
-        MATRIX, np.array([0.3, 0.1, 1e-3, -2e-3, 0.02, 0.4, 0.15, 0.03, 0.01, -0.02, -0.015, 0.01]), (1920, 1200)
-    ),
-    "tilted": CameraParameters(MATRIX, np.array([*ROVER, *[0.0] * 7, 0.05, -0.08]), (1920, 1200)),
     "thin prism": CameraParameters(MATRIX, np.array([*RATIONAL, 0.01, -0.004, -0.008, 0.003]), (1920, 1200)),
     "tilt": CameraParameters(MATRIX, np.array([*RATIONAL, 0.01, -0.004, -0.008, 0.003, 0.05, -0.08]), (1920, 1200)),
     "fisheye": CameraParameters(MATRIX, np.array([0.1, -0.02, 0.01, -0.002]), (1920, 1200), fisheye=True),
@@ -60,7 +56,8 @@ def test_undistorting_is_that_of_opencv(kind: str, ray: np.ndarray) -> None:
     camera = CAMERAS[kind]
     pixel = camera.distort(ray)
     criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 500, 1e-13)
-    expected = cv2.undistortPointsIter(pixel.reshape(1, 1, 2), MATRIX, camera.distortion, None, None, criteria)
+    undistort = getattr(cv2, "undistortPointsIter", cv2.undistortPoints)  # OpenCV 4 has its own function for criteria
+    expected = undistort(pixel.reshape(1, 1, 2), MATRIX, camera.distortion, R=np.eye(3), P=np.eye(3), criteria=criteria)
     assert camera.undistort(pixel) == pytest.approx(expected.ravel(), abs=1e-7)
 
 

@@ -134,11 +134,10 @@ def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
     """Return the distorted rays (..., 2) by OpenCV's rational model, and their derivative (..., 2, 2).
 
     The derivative is with respect to the rays. The model is a quotient of polynomials in r^2 = x^2 + y^2, with
-    tangential distortion by Brown and Conrady, a thin prism (s1 to s4), and an image sensor that is tilted by the angles
-    tx and ty.
+    tangential distortion by Brown and Conrady, thin prism distortion (s1 to s4), and a sensor that is tilted (tx, ty).
     """
     given: list[float] = coefficients.tolist()
-    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tx, ty = given + [0.0] * (max(_MODELS) - len(given))
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tx, ty = given + [0.0] * (len(_NAMES) - len(given))
     x, y = rays[..., 0], rays[..., 1]
     xx, yy, xy = x * x, y * y, x * y
     r2 = xx + yy
