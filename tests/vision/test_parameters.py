@@ -105,6 +105,12 @@ def test_what_opencv_writes_is_read(tmp_path: Path, name: str) -> None:
     file.write("image_height", 1200)
     file.write("distortion_model", "plumb_bob")
     file.write("calibration_time", "Sat 22 Nov")
+    file.startWriteStruct("views", cv2.FileNode_SEQ)
+    for number in range(2):
+        file.startWriteStruct("", cv2.FileNode_MAP)
+        file.write("number", number)
+        file.endWriteStruct()
+    file.endWriteStruct()
     file.release()
     camera = read_parameters(path)
     assert (camera.matrix == MATRIX).all()
@@ -121,6 +127,31 @@ def test_files_of_others_are_read(tmp_path: Path, text: str, size: tuple[int, in
     assert (camera.matrix == MATRIX).all()
     assert (camera.distortion == ROVER).all()
     assert camera.size == size
+
+
+@pytest.mark.parametrize(
+    ("model", "coefficients", "as_here"),
+    [
+        ("radtan", "0.1, -0.2, 0.001, 0.002", "plumb_bob"),
+        ("plumb_bob", "", "plumb_bob"),
+        ("none", "", "plumb_bob"),
+        ('""', "0, 0, 0, 0, 0", "plumb_bob"),
+        ("rational_polynomial", ", ".join(["0.01"] * 12), "rational_polynomial"),
+        ("rational_polynomial", ", ".join(["0.01"] * 14), "rational_polynomial"),
+        ("fisheye", "0.1, -0.02, 0.01, -0.002", "equidistant"),
+        ("kannala_brandt", "0.1, -0.02, 0.01, -0.002", "equidistant"),
+    ],
+)
+def test_models_have_the_names_that_others_use(tmp_path: Path, model: str, coefficients: str, as_here: str) -> None:
+    """Those of ROS, OpenCV and Kalibr; drivers leave out the coefficients or the name where nothing is distorted."""
+    path = tmp_path / "camera.yml"
+    numbers = [float(one) for one in coefficients.split(",") if one]
+    start = ROS[: ROS.index("distortion_model")]
+    coefficients = f"distortion_coefficients: {{rows: 1, cols: {len(numbers)}, data: [{coefficients}]}}\n"
+    path.write_text(f"{start}distortion_model: {model}\n{coefficients}")
+    camera = read_parameters(path)
+    assert camera.distortion.tolist() == numbers
+    assert model_name(camera) == as_here
 
 
 def test_a_camera_without_distortion_is_written_as_zeros(tmp_path: Path) -> None:
@@ -160,6 +191,7 @@ def test_a_camera_without_distortion_is_written_as_zeros(tmp_path: Path) -> None
         ),
         ("   dt: d\n", "   dt: d\n   dt: f\n", r"yml:7:4: the key dt occurs twice"),
         ("distortion_coef", "distortion_model: fishy\ndistortion_coef", r"yml:9:19: unknown distortion model 'fishy'"),
+        ("distortion_coef", "distortion_model: none\ndistortion_coef", r"yml:9:19: .* is none, but there are coeff"),
         (
             "distortion_coef",
             "distortion_model: equidistant\ndistortion_coef",

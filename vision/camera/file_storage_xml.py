@@ -20,6 +20,8 @@ import yaml
 from roverlink.runtime.text.strict_yaml import YamlTextError
 
 _WORD = re.compile(r'"(?:\\.|[^"\\])*"|\S+')
+_OF_A_LIST = "_"
+"""Name of the elements of a list. Parameters have no such lists, so only the last element is kept."""
 
 
 @dataclass
@@ -28,13 +30,13 @@ class _Element:
 
     name: str
     mark: yaml.Mark
-    entries: list[tuple[yaml.Node, yaml.Node]] = field(default_factory=list)
+    entries: dict[str, tuple[yaml.Node, yaml.Node]] = field(default_factory=dict)
     words: list[yaml.Node] = field(default_factory=list)
 
     def node(self) -> yaml.Node:
         """Return the content as a YAML node: a mapping, a list, or one word."""
         if self.entries:
-            return yaml.MappingNode("tag:yaml.org,2002:map", self.entries, self.mark, self.mark)
+            return yaml.MappingNode("tag:yaml.org,2002:map", [*self.entries.values()], self.mark, self.mark)
         if len(self.words) == 1 and self.name != "data":
             return self.words[0]
         return yaml.SequenceNode("tag:yaml.org,2002:seq", self.words, self.mark, self.mark)
@@ -54,10 +56,10 @@ def compose_xml(text: str) -> yaml.Node:
 
     def end(name: str) -> None:
         element = open_elements.pop()
-        parent = open_elements[-1]
-        if any(key.value == name for key, _ in parent.entries):
+        entries = open_elements[-1].entries
+        if name in entries and name != _OF_A_LIST:
             raise YamlTextError(f"the key {name} occurs twice; keep one of them", element.mark)
-        parent.entries.append((_scalar(name, element.mark), element.node()))
+        entries[name] = (_scalar(name, element.mark), element.node())
 
     def characters(line: str) -> None:  # expat calls it for each line of a text
         place = here()
@@ -76,7 +78,7 @@ def compose_xml(text: str) -> yaml.Node:
     except expat.ExpatError as error:
         place = _mark(error.lineno - 1, error.offset)
         raise YamlTextError(f"not valid XML: {expat.ErrorString(error.code)}", place) from error
-    ((root, content),) = whole.entries
+    ((root, content),) = whole.entries.values()
     if root.value != "opencv_storage":
         raise YamlTextError(
             f"the file is <{root.value}>, and no FileStorage of OpenCV (<opencv_storage>)", root.start_mark
