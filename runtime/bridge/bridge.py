@@ -96,7 +96,9 @@ class Bridge:
         self._signed_peers = SignedPeers(registry, links)
         self._translator = self._signed_peers.translator()
         self._logger = logger
-        self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
+        self._socket = udp.bind(
+            parameters.listen_address, parameters.listen_port, parameters.receive_buffer, "parameter listen_port"
+        )
         self._counters = Counters(self._socket, logger)
         self.account = self._counters.account
         self._sending = self._send if registry.link is None else self._send_counted

@@ -231,7 +231,7 @@ class _Steering:
                 is_news = wanted is self._wanted and host not in self._missing
                 self._missing.add(host)
             if is_news:
-                self._note(LinkEvent.NOT_RESOLVED, f"{host} cannot be resolved: {_reason(error)}")
+                self._note(LinkEvent.NOT_RESOLVED, f"{host} cannot be resolved: {hosts.reason_of(error)}")
             raise
         text = hosts.text_of(target.address)
         if was_missing or (before is None and not is_literal(host)):
@@ -278,7 +278,3 @@ def _with_port(address: SocketAddress, port: int) -> SocketAddress:
 
 def _moved(before: SocketAddress, after: SocketAddress) -> str:
     return f"the address is now {hosts.text_of(after)} (it was {hosts.text_of(before)})"
-
-
-def _reason(error: OSError | UnicodeError) -> str:
-    return str(error.strerror or error) if isinstance(error, OSError) else str(error)

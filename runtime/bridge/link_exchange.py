@@ -221,7 +221,9 @@ class LinkExchange:
                 return None
             if sender is None:
                 sender = self._senders[message.session] = self._new_sender(message.session, now)
-            sender.heard, sender.hashes, sender.end = now, hashes, end
+            sender.heard, sender.hashes = now, hashes
+            if end != sender.end:  # the first rows of a sender may fit another end, whose datagrams are others
+                sender.end, sender.statistics = end, LinkStatistics()
             writer = self._writers[self._destination(end)]
             if is_new:
                 self._asked.add(self._destination(end))

@@ -30,6 +30,7 @@ class LinkEnd:
         self.statistics = LinkStatistics()
         """Statistics of the link, of this start of the bridge."""
         self._registry, self._hashes, self._clock = registry, registry.link.hashes, clock
+        self._began_ns = time.time_ns() - clock()
         spoken = {number: self._hashes[number] for number in link_message.rows_in_turn(registry, end)}
         self._writer = LinkWriter(registry.envelope, link_message.new_session(), spoken)
         self._written = b""
@@ -72,4 +73,5 @@ class LinkEnd:
             self._received += 1
 
     def _now_us(self) -> int:
-        return self._clock() // 1000
+        # It starts at the system's time, so that the bridge can tell how far the two clocks are apart.
+        return (self._began_ns + self._clock()) // 1000

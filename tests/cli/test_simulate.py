@@ -140,6 +140,7 @@ def test_a_bridge_in_memory_adds_up(done: Start) -> None:
     assert account["commands"] > 0
 
 
+@pytest.mark.slow
 def test_the_account_is_told_in_words(done: Start) -> None:
     """Line by line, with the verdict at the end."""
     code, output, _ = done("simulate", "--bridge", "memory", "--seconds", 0.5)
@@ -299,6 +300,7 @@ def test_attacks_are_refused_each_for_its_reason(done: Start, signed_project: Pa
     assert account["bridge"]["links_received"] == account["sent"]["link message"]
 
 
+@pytest.mark.slow
 def test_a_radio_that_reorders_signed_datagrams_loses_the_overtaken_ones(done: Start, signed_project: Path) -> None:
     """A signed datagram that comes twice is a replay, and one that comes late is outdated."""
     options = ("--scenario", "lossy", "--scenario", "padded", "--seconds", 1, "--rate", 1000, "--json")
@@ -307,6 +309,7 @@ def test_a_radio_that_reorders_signed_datagrams_loses_the_overtaken_ones(done: S
     assert json.loads(output)["bridge"]["dropped"].keys() >= {"outdated", "replayed"}
 
 
+@pytest.mark.slow
 def test_each_board_signs_with_its_own_key(done: Start, signed_project: Path, tmp_path: Path) -> None:
     """The keys in the files are used, and both ends store their timestamps beside them."""
     files = [tmp_path / f"{name}.keys" for name in ("Arm", "Drive", "hardware")]

@@ -245,9 +245,9 @@ def test_a_row_at_rest_is_noalarm_in() -> None:
     """Until its first command, a row with a deadman is at rest: its stop goes out, but nobody has to be woken."""
     rows = [_inbound(None, direction="ros_to_hardware", deadman_after=0.5, stops=3, stopping=1, count=0)]
     node = {"level": "OK", "message": ""}
-    assert conditions_of({"quiet": False, "node": node, "peers": [], "rows": rows, "links": []}) == {}
+    assert conditions_of({"quiet": False, "node": node, "peers": [], "rows": rows}) == {}
     rows[0]["count"] = 1
-    assert list(conditions_of({"quiet": False, "node": node, "peers": [], "rows": rows, "links": []})) == ["stop a"]
+    assert list(conditions_of({"quiet": False, "node": node, "peers": [], "rows": rows})) == ["stop a"]
 
 
 def test_a_bridge_that_no_longer_reports_is_analarm_in() -> None:
@@ -288,7 +288,8 @@ def test_an_address_that_cannot_be_served_is_told(link: WatchedLink, capsys: pyt
         "listen_port:=0",
     ]
     assert main(arguments) == 2
-    assert f"cannot serve the page on TCP port {port_of(link.url)} of 127.0.0.1" in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert f"cannot serve the page on TCP port {port_of(link.url)} of 127.0.0.1: another program uses it" in error
     for wrong in ("70000", "::1:80", "page"):
         with pytest.raises(SystemExit) as ended:
             main(["run", "--page", wrong])

@@ -270,6 +270,23 @@ def test_loss_and_round_trip_are_measured(registry: Registry) -> None:
         assert report.clock_offset_us == pytest.approx(-wall_us, abs=500_000)
 
 
+def test_the_loss_is_that_of_the_end_that_the_sender_turns_out_to_be(registry: Registry) -> None:
+    """A basestation whose first link message lists only forwarded rows is taken for their board until the next one."""
+    assert registry.link is not None
+    with _Rig(registry) as rig:
+        rig.send(*[_payload(registry, "arm_state")] * 3)
+        session = link_message.new_session()
+        begun, base = (
+            LinkWriter(registry.envelope, session, {number: registry.link.hashes[number] for number in numbers})
+            for numbers in ([1], [4, 5])
+        )
+        rig.send(begun.write(1))
+        assert rig.report(_ARM).senders == 1
+        base.write(1)
+        rig.send(base.write(2), base.write(3))
+        assert (rig.report(_BASE).lost_in, rig.report(_BASE).loss_in) == (0, 0.0)
+
+
 def test_lost_commands_are_counted_by_what_the_board_received(registry: Registry) -> None:
     """The board tells how many datagrams came before the link message that it answers; the rest is lost."""
     with _Rig(registry) as rig:
@@ -348,6 +365,7 @@ def test_a_client_exchanges_link_messages_by_itself(registry: Registry) -> None:
             report = rig.report(_BASE)
             assert (report.schema, report.differing) == (schema, rows)
             assert peer.link.statistics.inbound.lost == 0
+            assert peer.link.statistics.clock_offset_us == pytest.approx(0, abs=500_000)
 
 
 def test_a_client_can_be_one_board(registry: Registry) -> None:

@@ -8,6 +8,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+import pytest
 from full_project import write_project
 
 from roverlink.simulation.scenarios import SCENARIOS
@@ -15,6 +16,7 @@ from roverlink.simulation.scenarios import SCENARIOS
 Start = Callable[..., Any]
 
 
+@pytest.mark.slow
 def test_everything_adds_up_with_everything_switched_on(done: Start, tmp_path: Path) -> None:
     """Signatures, link messages, a learned address, rate limits and attacks: every datagram is found by its reason."""
     write_project(tmp_path / "rover")
