@@ -41,14 +41,15 @@ def for_images(
     in messages; ``warn`` is called with warnings. Raises `SetupError` if the parameters do not fit.
     """
     width, height = size
-    _check_principal_point(camera, camera.size or size, name, warn)
+    own = camera.size or size
+    _check_principal_point(camera, own, name, warn)
     if camera.size == size or (camera.size is None and not rescale):
         if camera.size is None:
             warn(f"{name} names no image size; assuming {width}x{height}")
         return camera
     if not rescale:
         raise SetupError(
-            f"{name}: the camera parameters are for images of {_text(camera.size)} pixels, but the images have "
+            f"{name}: the camera parameters are for images of {_text(own)} pixels, but the images have "
             f"{width}x{height}; calibrate at this size, or use --rescale if the camera scales its images and does not "
             "crop them"
         )
@@ -57,10 +58,10 @@ def for_images(
     ratio = float(scaled.focal[0] / scaled.focal[1] / (camera.focal[0] / camera.focal[1]))
     if abs(ratio - 1) > _SAME_SHAPE:
         raise SetupError(
-            f"{name}: images of {width}x{height} pixels are not scaled images of {_text(camera.size)}: they were "
+            f"{name}: images of {width}x{height} pixels are not scaled images of {_text(own)}: they were "
             "cropped or stretched; calibrate at this size"
         )
-    warn(f"{name}: the parameters were scaled from images of {_text(camera.size)} pixels to {width}x{height}")
+    warn(f"{name}: the parameters were scaled from images of {_text(own)} pixels to {width}x{height}")
     return scaled
 
 
@@ -104,5 +105,5 @@ def _distances(centre: Floats, sizes: list[tuple[int, int]]) -> Floats:
     return distances
 
 
-def _text(size: tuple[int, int] | None) -> str:
-    return "an unknown size" if size is None else f"{size[0]}x{size[1]}"
+def _text(size: tuple[int, int]) -> str:
+    return "{}x{}".format(*size)
