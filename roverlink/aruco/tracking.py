@@ -24,6 +24,7 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision import CameraParameters, Landmarks, MarkerSet, Tracker, read_landmarks
+from roverlink.vision.camera.image_size import for_images
 from roverlink.vision.camera.parameters_file import read_parameters
 from roverlink.vision.field.view import View, look
 from roverlink.vision.frames import Frame, FrameSource, play
@@ -34,9 +35,6 @@ from roverlink.vision.markers.marker_set import SIDE
 from roverlink.vision.ros.publishing import Publishing
 from roverlink.vision.ros.rover_position import position_publisher
 from roverlink.vision.ros.sighting_messages import FrameNames
-
-_SAME_SHAPE = 0.01
-"""Largest relative change of the ratio fx / fy at which images count as scaled, and not as cropped or stretched."""
 
 Output = Callable[[View], None]
 
@@ -53,7 +51,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
         size = next(iter(source)).size
         logger.info("%s: %dx%d pixels", source.name, *size)
         # Only now: the size is known from the first frame, since a camera may not give the size that was requested.
-        camera = _fitted(camera, size, arguments.rescale, logger)
+        camera = for_images(camera, size, str(arguments.parameters), rescale=arguments.rescale, warn=logger.warning)
         outputs = list(_outputs(arguments, source, camera, ros, logger, stack))
         log = stack.enter_context(TrackingLog(logger))
         for view in look(log.timed(_frames(source, arguments)), Tracker(camera, markers), landmarks):
@@ -99,35 +97,6 @@ def _frames(source: FrameSource, arguments: argparse.Namespace) -> Iterator[Fram
         for done, frame in enumerate(frames, 1):
             yield frame
             report(done, source.total)
-
-
-def _fitted(camera: CameraParameters, size: tuple[int, int], rescale: bool, logger: logging.Logger) -> CameraParameters:
-    """Return the camera's parameters for images of ``size`` (width, height).
-
-    Raises `SetupError` if the parameters are for images of another size and cannot be rescaled.
-    """
-    width, height = size
-    if camera.size == size:
-        return camera
-    if camera.size is None and not rescale:
-        logger.warning("the camera parameters name no image size; assuming %dx%d", width, height)
-        return camera
-    scaled = camera.scaled(size) if rescale else None
-    was = "{}x{}".format(*(camera.size or ()))
-    if scaled is None:
-        raise SetupError(
-            f"the camera parameters are for images of {was} pixels, but the images have {width}x{height}; calibrate at "
-            "this size, or use --rescale if the camera scales its images and does not crop them"
-        )
-    # Scaling keeps the ratio of the focal lengths; cropping or stretching in one direction changes it.
-    ratio = float(scaled.focal[0] / scaled.focal[1] / (camera.focal[0] / camera.focal[1]))
-    if abs(ratio - 1) > _SAME_SHAPE:
-        raise SetupError(
-            f"images of {width}x{height} pixels are not scaled images of {was}: they were cropped or stretched; "
-            "calibrate at this size"
-        )
-    logger.warning("the camera parameters were scaled from images of %s pixels to %dx%d", was, width, height)
-    return scaled
 
 
 def _outputs(
