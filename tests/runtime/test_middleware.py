@@ -263,9 +263,16 @@ class _Ros:
 
     def create_subscription(
         self, msg_type: Any, topic: str, callback: Any, qos_profile: Any, *, raw: bool = False
-    ) -> None:
+    ) -> str:
         self.calls.append(("create_subscription", msg_type, topic, qos_profile, raw))
         self.subscriptions[topic] = callback
+        return topic
+
+    def destroy_subscription(self, subscription: Any) -> None:
+        del self.subscriptions[subscription]
+
+    def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
+        return [("/cmd", ["comms/msg/Command"]), ("/imu", ["comms/msg/Imu"])]
 
     def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[Any]:
         return [self.endpoint] if topic_name == "/cmd" else []
