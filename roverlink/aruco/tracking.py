@@ -65,8 +65,10 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
         size = next(iter(source)).size
         logger.info("%s: %dx%d pixels", source.name, *size)
         if camera is None:
-            topic = ros.topic(arguments.camera_info) if arguments.camera_info else ""
-            camera = cast(TopicSource, source).read_camera(topic)
+            images = cast(TopicSource, source)
+            topic = ros.topic(arguments.camera_info) if arguments.camera_info else images.camera_info_topic
+            logger.info("reading the camera's parameters from %s", topic)
+            camera = images.read_camera(topic)
         # Only now: the size is known from the first frame, since a camera may not give the size that was requested.
         camera = _fitted(camera, size, arguments.rescale, logger)
         outputs = list(_outputs(arguments, source, camera, ros, logger, stack, middleware))

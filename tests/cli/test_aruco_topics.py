@@ -78,7 +78,9 @@ def _repeated(publish: Callable[[int], None]) -> Iterator[None]:
 
 
 @contextmanager
-def _driving(film: Film, qos: Qos = Qos(depth=5), info: Any = None) -> Iterator[Middleware]:  # noqa: B008
+def _driving(
+    film: Film, qos: Qos = Qos(depth=5), info: Any = None, *, grey: bool = False  # noqa: B008
+) -> Iterator[Middleware]:
     """A camera driver that publishes the drive: the stamp of a frame says which one it is."""
     with ExitStack() as held:
         node = held.enter_context(open_middleware("dds", NodeIdentity("driver")))
@@ -86,7 +88,10 @@ def _driving(film: Film, qos: Qos = Qos(depth=5), info: Any = None) -> Iterator[
 
         def publish(number: int) -> None:
             stamp = _BEGAN + _PERIOD * number
-            images.publish(image(film.frames[number % _FRAMES], "bgr8", stamp))
+            picture = film.frames[number % _FRAMES]
+            images.publish(
+                image(picture[:, :, 0], "mono8", stamp, padding=3) if grey else image(picture, "bgr8", stamp)
+            )
             infos.publish(info or camera_info(parameters(), stamp))
 
         held.enter_context(_repeated(publish))
@@ -154,13 +159,14 @@ def test_parameters_from_a_file_need_no_camera_info(
 
 
 def test_a_film_has_the_stamp_and_frame_of_its_images(film: Film, words: list[str], tmp_path: Path) -> None:
-    """They are written into the upper left corner."""
-    with _driving(film):
+    """They are written into the upper left corner, and the landmarks in colour, also if the camera is grey."""
+    with _driving(film, grey=True):
         assert main([*words, "--save", str(tmp_path / "seen.avi"), "--count", "1"]) == 0
     _, picture = cv2.VideoCapture(str(tmp_path / "seen.avi")).read()
     corner = picture[:18, :300].astype(int)
     assert (corner.min(axis=2) > 200).sum() > 200  # light letters
     assert (corner.max(axis=2) < 60).sum() > 1000  # in a dark box
+    assert (np.ptp(picture.astype(int), axis=2) > 80).sum() > 300
 
 
 @pytest.mark.parametrize(

@@ -203,9 +203,9 @@ def test_a_topic_of_another_type_is_refused(read: _Reader, ros: MemoryMiddleware
 # --- the camera's parameters ----------------------------------------------------------------------------------------
 
 
-def _camera_of(source: TopicSource, camera: Camera, *messages: Any, info_topic: str = "") -> CameraParameters:
+def _camera_of(source: TopicSource, topic: str, camera: Camera, *messages: Any) -> CameraParameters:
     """What the source reads while a driver publishes."""
-    reader = _Reader(source.read_camera(info_topic) for _ in range(1))
+    reader = _Reader(source.read_camera(topic) for _ in range(1))
     _publish_until(camera, lambda: reader.taken or reader.error, *messages)
     reader.join()
     if reader.error:
@@ -220,14 +220,15 @@ def test_the_parameters_come_from_the_topic_beside_the_images(
 ) -> None:
     """Or from the one that is given."""
     camera = Camera(ros, given or "/camera/camera_info", CameraInfo)
-    assert _camera_of(source, camera, camera_info(_CAMERA), info_topic=given).matrix.tolist() == _CAMERA.matrix.tolist()
+    found = _camera_of(source, given or source.camera_info_topic, camera, camera_info(_CAMERA))
+    assert found.matrix.tolist() == _CAMERA.matrix.tolist()
 
 
 def test_a_camera_that_is_not_calibrated_is_told(source: TopicSource, ros: MemoryMiddleware) -> None:
     """The error names the topic, and what to do."""
     camera = Camera(ros, "/camera/camera_info", CameraInfo)
     with pytest.raises(SetupError, match=r"/camera/camera_info: the camera is not calibrated: K .*--parameters"):
-        _camera_of(source, camera, CameraInfo(width=6, height=4))
+        _camera_of(source, source.camera_info_topic, camera, CameraInfo(width=6, height=4))
 
 
 # --- several topics -------------------------------------------------------------------------------------------------
