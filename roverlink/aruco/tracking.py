@@ -17,7 +17,7 @@ from dataclasses import replace
 from functools import cache
 from typing import cast
 
-from roverlink.aruco.camera_source import CAMERA_FRAME, PARAMETERS, open_source, source_of
+from roverlink.aruco.camera_source import CAMERA_FRAME, PARAMETERS, full_topic, open_source, source_of
 from roverlink.aruco.tracking_log import TrackingLog
 from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.generated_code import load_project
@@ -66,8 +66,8 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
         logger.info("%s: %dx%d pixels", source.name, *size)
         if camera is None:
             images = cast(TopicSource, source)
-            topic = ros.topic(arguments.camera_info) if arguments.camera_info else images.camera_info_topic
-            logger.info("reading the camera's parameters from %s", topic)
+            topic = full_topic(arguments.camera_info, ros) if arguments.camera_info else images.camera_info_topic
+            logger.info("camera parameters: from %s; --camera-info TOPIC or --parameters FILE overrides this", topic)
             camera = images.read_camera(topic)
         # Only now: the size is known from the first frame, since a camera may not give the size that was requested.
         camera = _fitted(camera, size, arguments.rescale, logger)

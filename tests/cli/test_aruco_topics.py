@@ -120,7 +120,7 @@ def test_poses_have_the_stamp_and_frame_of_their_image(
         assert view["frame_id"] == FRAME
         assert {one["id"] for one in view["markers"]} <= {7, 8, 9, 10}  # the drive begins again every third frame
         assert _off(film, view) < 0.01
-    assert f"reading the camera's parameters from {_INFO}" in told.err
+    assert f"camera parameters: from {_INFO}" in told.err
 
 
 @pytest.mark.parametrize("given", [(), ("--camera-frame", "eye")])

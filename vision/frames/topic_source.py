@@ -63,9 +63,6 @@ class TopicSource:
 
         Raises `SetupError` if the camera is not calibrated.
         """
-        self._say(
-            f"reading the camera's parameters from {topic}; --parameters FILE or --camera-info TOPIC overrides it"
-        )
         with TopicSets(self._middleware, [topic], self._say, types=[CameraInfo]) as infos:
             (info,) = cast("tuple[CameraInfo]", next(iter(infos)))
         try:
