@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from polling import PATIENCE_S, wait_until
 
-from roverlink.runtime import MiddlewareError, SetupError
+from roverlink.runtime import MiddlewareError, Qos, SetupError
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, CompressedImage, Image
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.vision import CameraParameters
@@ -170,12 +170,23 @@ def test_a_camera_that_goes_comes_back(read: _Reader, ros: MemoryMiddleware, sai
     with MemoryMiddleware(ros._graph) as node:
         camera = Camera(node, _TOPIC)
         _publish_until(camera, lambda: read.taken, image(_GREY, "mono8"))
-        wait_until(lambda: any("has stalled, but no message came" in text for text in said), "the stall")
+        wait_until(lambda: any("has stalled: no message came" in text for text in said), "the stall")
         _publish_until(camera, lambda: any("is back after" in text for text in said), image(_GREY, "mono8"))
         del said[:]
     wait_until(lambda: any("has ended: it has no publisher any more" in text for text in said), "the end")
     count = len(read.taken)
     _publish_until(Camera(ros, _TOPIC), lambda: len(read.taken) > count, image(_GREY, "mono8"))
+
+
+def test_a_source_that_is_closed_leaves_nothing_behind(ros: MemoryMiddleware, said: list[str]) -> None:
+    """Its iteration ends, also where somebody waits for a frame, and the topic has no subscriber any more."""
+    publisher = ros.publisher(_TOPIC, Image, Qos())
+    with TopicSource(ros, _TOPIC, said.append) as source:
+        reader = _Reader(source)
+        assert publisher.has_subscribers()
+    reader.join()
+    assert list(source) == []
+    assert not publisher.has_subscribers()
 
 
 @pytest.mark.usefixtures("soon")
