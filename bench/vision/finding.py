@@ -77,8 +77,8 @@ class Cost:
     seen: float
 
 
-Finder = Callable[[Grey], Sequence[int]]
-"""Function that returns the numbers of the markers in a frame."""
+Finder = Callable[[Grey, int], Sequence[int]]
+"""Function that returns the numbers of the markers in a frame with a stamp in nanoseconds."""
 
 
 def measure(scenes: int, frames: int, say: Callable[[str], None]) -> SectionResult:
@@ -94,8 +94,12 @@ def measure(scenes: int, frames: int, say: Callable[[str], None]) -> SectionResu
         say(f"new markers of {side_px} px: {waits[-2].soon:.0f} % within {SOON} frames, OpenCV {waits[-1].soon:.0f} %")
     costs = _costs(frames)
     tables = [_share_table(shares, scenes), _wait_table(waits), _cost_table(costs)]
-    data = {"shares": shares, "waits": waits, "costs": costs}
-    return SectionResult(tables, (), {name: [asdict(one) for one in rows] for name, rows in data.items()})
+    data = {
+        "shares": [asdict(one) for one in shares],
+        "waits": [asdict(one) for one in waits],
+        "costs": [asdict(one) for one in costs],
+    }
+    return SectionResult(tables, (), data)
 
 
 # --- scenes ---
@@ -122,13 +126,10 @@ def covered(side_px: int, count: int) -> Iterator[Shown]:
 def large(side_px: int, count: int) -> Iterator[Shown]:
     """Yield frames with a large marker whose modules differ in size, because its printed image has few pixels."""
     camera = lens(*_WIDE)
-    bits = cv2.aruco.getPredefinedDictionary(DICTIONARY)
     for rng in _generators(side_px, count):
         number = int(rng.integers(250))
-        image = np.pad(np.asarray(bits.generateImageMarker(number, _RASTER)), _RASTER // 7, constant_values=255)
-        plane = Print(np.where(image > 127, 225, 25).astype(np.uint8), SIDE / _RASTER)
         pose = _facing(camera, (0.5, 0.5), side_px, rng, tilt=0.1)
-        yield Shown(_rendered(camera, [(plane, pose)], rng), camera, [number])
+        yield Shown(_rendered(camera, [(raster_print(number, _RASTER), pose)], rng), camera, [number])
 
 
 def twice(side_px: int, count: int) -> Iterator[Shown]:
@@ -205,10 +206,17 @@ def _crossed(plane: Print, rng: np.random.Generator) -> Print:
     return Print(image, plane.metres_per_pixel)
 
 
+def raster_print(number: int, pixels: int) -> Print:
+    """Return a printed marker whose image has a side of `pixels`, so its modules differ by a pixel of the image."""
+    bits = cv2.aruco.getPredefinedDictionary(DICTIONARY)
+    image = np.pad(np.asarray(bits.generateImageMarker(number, pixels)), pixels // 7, constant_values=255)
+    return Print(np.where(image > 127, 225, 25).astype(np.uint8), SIDE / pixels)
+
+
 # --- measurements ---
 
 
-def _ours(tracker: Tracker) -> Callable[[Grey, int], list[int]]:
+def _ours(tracker: Tracker) -> Finder:
     return lambda frame, stamp: [one.id for one in tracker.track(frame, stamp) if isinstance(one.id, int)]
 
 
@@ -259,7 +267,7 @@ def _noisy(frame: Floats, rng: np.random.Generator) -> Grey:
 def _costs(frames: int) -> list[Cost]:
     """Return the cost of many moving markers. CPU time, so that other load on the machine changes little."""
     tracker = Tracker(camera_of(lens(*_WIDE)), MarkerSet(side=SIDE))
-    looks = {OURS: _ours(tracker), "OpenCV, default scan": lambda frame, _: _plain(frame)}
+    looks: dict[str, Finder] = {OURS: _ours(tracker), "OpenCV, default scan": lambda frame, _: _plain(frame)}
     times: dict[str, list[float]] = {name: [] for name in looks}
     seen = dict.fromkeys(looks, 0)
     for shot in moving(frames + _WARM_UP, MANY):

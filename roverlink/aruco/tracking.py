@@ -71,7 +71,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
         # Only now: the size is known from the first frame, since a camera may not give the size that was requested.
         camera = for_images(camera, size, origin, rescale=arguments.rescale, warn=logger.warning)
         outputs = list(_outputs(arguments, source, camera, ros, logger, stack, middleware))
-        log = stack.enter_context(TrackingLog(logger, camera, markers.dictionary))
+        log = stack.enter_context(TrackingLog(logger, camera, markers))
         tracker = Tracker(camera, markers, scan_every=arguments.scan_every)
         for view in look(log.timed(_frames(source, arguments)), tracker, landmarks):
             log.add(view)

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from roverlink.console import counted
-from roverlink.vision import CameraParameters
+from roverlink.vision import CameraParameters, MarkerSet
 from roverlink.vision.field.view import View
 from roverlink.vision.frames import Frame
 from roverlink.vision.markers.detection import Image
@@ -18,19 +18,21 @@ from roverlink.vision.markers.dictionaries import other_dictionary
 from roverlink.vision.markers.marker_set import TargetId
 
 _HINT_EVERY = 100
-"""Number of frames between searches for other dictionaries, while no marker has been found; a search stops the rest."""
+"""Number of frames between searches for other dictionaries, while no marker has been found.
+
+A search takes as long as some tens of frames. Frames 1, 2, 4, 8 and so on are searched, too: a recording may be short.
+"""
 
 
 class TrackingLog:
     """Log of a tracker. A context manager: on exit it logs the totals.
 
     It logs each landmark when it is seen for the first time, each landmark that is not at its position on the field,
-    and each number that several markers share. If no marker is found, it names the dictionary
-    of those that are visible.
+    and each number that several markers share. If no marker is found, it names the dictionary of the visible ones.
     """
 
-    def __init__(self, logger: logging.Logger, camera: CameraParameters, dictionary: str) -> None:
-        self._logger, self._camera, self._dictionary = logger, camera, dictionary
+    def __init__(self, logger: logging.Logger, camera: CameraParameters, markers: MarkerSet) -> None:
+        self._logger, self._camera, self._markers = logger, camera, markers
         self._frames = self._with_landmarks = 0
         self._seen: set[TargetId] = set()
         self._rejected: tuple[TargetId, ...] = ()
@@ -65,7 +67,7 @@ class TrackingLog:
                     "used as a landmark; print each marker with a number of its own",
                     one.id,
                 )
-        if not self._seen and not self._hinted and self._frames % _HINT_EVERY == 1:
+        if not (self._seen or self._hinted) and (self._frames.bit_count() == 1 or self._frames % _HINT_EVERY == 0):
             self._hint(view.frame.image)
         rejected = view.place.rejected if view.place else ()
         for target in set(rejected) - set(self._rejected):
@@ -74,12 +76,12 @@ class TrackingLog:
 
     def _hint(self, image: Image) -> None:
         """Log the dictionary of the markers in an image in which no marker of the chosen dictionary was found."""
-        if found := other_dictionary(image, self._camera):
+        if found := other_dictionary(image, self._camera, self._markers):
             dictionary, numbers = found
             self._hinted = True
             self._logger.warning(
                 "no marker of %s was found, but the image shows %s of %s (%s); use --dictionary %s",
-                self._dictionary,
+                self._markers.dictionary,
                 counted(len(numbers), "marker"),
                 dictionary,
                 ", ".join(map(str, numbers)),

@@ -114,6 +114,46 @@ def test_a_landmark_that_was_moved_is_named(field: Field, tmp_path: Path, capsys
     assert told.err.count("9 is not at the position in the landmarks file") == 1
 
 
+def test_markers_that_share_a_number_are_told_and_no_landmarks(
+    field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each has its pose, the position comes from the others, and the log warns once."""
+    image = field.film.frames[0].copy()
+    image[150:202, 350:402] = image[150:202, 176:228]  # a second marker 7
+    frames = tmp_path / "frames"
+    frames.mkdir()
+    for number in range(2):
+        cv2.imwrite(str(frames / f"{number}.png"), image)
+    assert main([word.replace(str(field.folder / "frames"), str(frames)) for word in field.words("--json")]) == 0
+    told = capsys.readouterr()
+    for view in map(json.loads, told.out.splitlines()):
+        assert [(one["id"], one["shared"]) for one in view["markers"]] == [
+            (number, number == 7) for number in (7, 7, 8, 9, 10)
+        ]
+        assert (view["camera"]["used"], view["camera"]["rejected"]) == ([8, 9, 10], [])
+    assert told.err.count("several markers with the number 7 are visible") == 1
+
+
+def test_another_dictionary_is_suggested(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """Once, if markers are visible and none is of the chosen dictionary."""
+    assert main(field.words("--json", "--dictionary", "DICT_6X6_250")) == 0
+    expected = (
+        "no marker of DICT_6X6_250 was found, but the image shows 4 markers of DICT_5X5_50 (7, 8, 9, 10); "
+        "use --dictionary DICT_5X5_50"
+    )
+    assert capsys.readouterr().err.count(expected) == 1
+
+
+def test_new_markers_are_searched_for_as_often_as_asked(
+    field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With `--scan-every 2` in every second frame."""
+    for number, image in enumerate([np.full_like(field.film.frames[0], 128), *field.film.frames[:3]]):
+        cv2.imwrite(str(tmp_path / f"{number}.png"), image)
+    words = [word.replace(str(field.folder / "frames"), str(tmp_path)) for word in field.words("--json")]
+    assert [len(view["markers"]) for view in _lines(capsys, [*words, "--scan-every", "2"])] == [0, 0, 4, 4]
+
+
 def test_a_film_is_saved_without_ros(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It has every frame, and what was seen drawn into it; the sums are told."""
     film = tmp_path / "seen.avi"

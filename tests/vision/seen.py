@@ -17,14 +17,16 @@ NOISE = 2e-5
 """In the plane z = 1: a fiftieth of a pixel at a focal length of 1000."""
 
 
-def sighting(number: int, to_camera: Pose, rng: np.random.Generator, side: float = 0.15) -> Sighting:
+def sighting(
+    number: int, to_camera: Pose, rng: np.random.Generator, side: float = 0.15, *, shared: bool = False
+) -> Sighting:
     """What a marker at a pose looks like."""
     points = square(side)
     rays, _ = predict(to_camera, points)
     seen = Corners(points, rays + rng.normal(0, NOISE, rays.shape), np.eye(8) * NOISE**2)
     (solutions,) = solve([seen], square_poses(points[None], seen.rays[None]))
     best = solutions[0]
-    return Sighting(number, 0, seen.rays, best.pose, best.covariance, math.inf, 0.0, seen, tuple(solutions))
+    return Sighting(number, 0, seen.rays, best.pose, best.covariance, math.inf, 0.0, seen, tuple(solutions), shared)
 
 
 def wall() -> dict[TargetId, Pose]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -80,6 +82,18 @@ def test_strangers_are_ignored() -> None:
     assert found.rejected == ()
     assert localize(view(camera, {3: places[3]}, rng), known) is None
     assert localize([], known) is None
+
+
+def test_a_number_that_others_share_is_no_landmark() -> None:
+    """It is neither used nor rejected; alone, it gives no position."""
+    rng = np.random.default_rng(4)
+    camera = camera_on_field(rng)
+    first, *others = view(camera, wall(), rng)
+    doubtful = replace(first, shared=True)
+    found = localize([doubtful, doubtful, *others], landmarks(wall()))
+    assert found
+    assert (found.used, found.rejected) == (tuple(one.id for one in others), ())
+    assert localize([doubtful], landmarks(wall())) is None
 
 
 def test_the_covariance_is_symmetric_and_positive() -> None:

@@ -10,12 +10,14 @@ import pytest
 
 from bench.vision.accuracy import miss_of
 from bench.vision.contestants import Estimate, camera_of
+from bench.vision.finding import covered, moving, raster_print
 from bench.vision.scenes import DICTIONARY, SIDE, DriveFrame, drive, lens
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision import Board, MarkerSet, Sighting, Tracker
+from roverlink.vision.images.rendering import Grey, Print, marker_print, render, texture
 from roverlink.vision.images.rendering import Pose as TruePose
-from roverlink.vision.images.rendering import marker_print, render
 from roverlink.vision.markers.marker_set import square
+from roverlink.vision.markers.tracker import TOGETHER
 from roverlink.vision.poses.pose import Pose, rotation_of
 
 SIZE = (640, 480)
@@ -40,7 +42,7 @@ def off_by(sighting: Sighting, truth: TruePose) -> float:
 
 @pytest.mark.parametrize("scan_every", [1, 4, 1000])
 def test_every_marker_is_seen_in_every_frame(film: Sequence[DriveFrame], scan_every: int) -> None:
-    """However it was found - scan, half scan or region - its pose is the same to a thousandth of the distance."""
+    """However it was found - scan, quick scan or region - its pose is the same to a thousandth of the distance."""
     following = tracker(scan_every=scan_every, thorough_every=3)
     for shot in film:
         sightings = following.track(shot.frame, shot.stamp)
@@ -126,3 +128,85 @@ def test_a_board_is_one_landmark() -> None:
         assert found.corners.shape == (4 * len(planes), 2)
         assert found.pose.translation == pytest.approx(pose.translation, abs=1e-3)
         assert found.pose.angle_to(pose) < np.radians(0.5)
+
+
+# --- markers that are difficult to find ---------------------------------------------------------------------------
+
+
+def facing_us(number: int, x: float, side_px: float = 40, side: float = SIDE) -> tuple[Print, TruePose]:
+    """A marker as it hangs on a wall; `x` is relative to the half width of the image."""
+    distance = side * LENS.matrix[0, 0] / side_px
+    place = np.array([x * SIZE[0] / 2 / LENS.matrix[0, 0] * distance, 0, distance])
+    return marker_print(DICTIONARY, number, side, texels=8), TruePose(np.diag([1.0, -1, -1]), place)
+
+
+def photograph(*planes: tuple[Print, TruePose]) -> Grey:
+    rng = np.random.default_rng(3)
+    return render(LENS, texture(SIZE, rng), planes, rng)
+
+
+def test_a_covered_marker_is_found() -> None:
+    """Bars over its bits are corrected, and what remains of the edges gives its pose."""
+    found = [[one.id for one in tracker().track(shown.frame, 0)] == list(shown.numbers) for shown in covered(96, 6)]
+    assert sum(found) >= 5
+
+
+def test_a_large_marker_is_found_and_followed() -> None:
+    """A raster of 40 pixels has modules of 5 and 6: at 300 pixels, edges are 3 pixels from where they should be."""
+    following, (_, pose) = tracker(), facing_us(5, 0, side_px=300)
+    for stamp in (0, FRAME):
+        (found,) = following.track(photograph((raster_print(5, 40), pose)), stamp)
+        assert found.id == 5
+        assert off_by(found, pose) < 0.02
+
+
+def test_a_small_marker_is_found_by_the_next_scan() -> None:
+    """At 20 pixels, too: the quick scan is one of the whole frame at full resolution."""
+    following = tracker()
+    following.track(photograph(), 0)
+    shown = photograph(facing_us(5, 0.3, side_px=20))
+    seen = [[one.id for one in following.track(shown, stamp)] for stamp in range(FRAME, 4 * FRAME, FRAME)]
+    assert seen == [[], [], [5]]
+
+
+def test_markers_on_circles_are_followed() -> None:
+    """No scan is needed for what changes its velocity by some pixels from frame to frame."""
+    camera = lens(1280, 720)
+    following = Tracker(camera_of(camera), MarkerSet(side=SIDE), scan_every=1000)
+    for shot in moving(4, 4):
+        assert {one.id for one in following.track(shot.frame, shot.stamp)} == set(shot.poses)
+
+
+# --- markers that share a number ----------------------------------------------------------------------------------
+
+
+def test_all_markers_that_share_a_number_have_poses() -> None:
+    """Each at its place, and marked; another marker is not."""
+    planes = [facing_us(7, -0.5), facing_us(7, 0.5), facing_us(9, 0)]
+    following = tracker()
+    for stamp in (0, FRAME):
+        found = following.track(photograph(*planes), stamp)
+        assert [(one.id, one.shared) for one in found] == [(7, True), (7, True), (9, False)]
+        for one, (_, truth) in zip(found, planes, strict=True):
+            assert one.pose.translation == pytest.approx(truth.translation, abs=1e-3)
+
+
+@pytest.mark.parametrize(("together", "shared"), [(1, False), (TOGETHER, True)])
+def test_a_shared_number_is_remembered(together: int, shared: bool) -> None:
+    """If only one of them is left, nobody knows which. But a single frame with two may have been a mistake."""
+    following = tracker()
+    both, one = photograph(facing_us(7, -0.5), facing_us(7, 0.5)), photograph(facing_us(7, 0.5))
+    for frame in range(together):
+        assert len(following.track(both, frame * FRAME)) == 2
+    assert [(found.id, found.shared) for found in following.track(one, together * FRAME)] == [(7, shared)]
+
+
+def test_a_board_does_without_markers_that_share_a_number() -> None:
+    """Its pose comes from the others; of the two, each has the pose of its own frame, with the side on the board."""
+    corners = {number: square(0.08) + np.array([x, 0, 0]) for number, x in ((1, -0.06), (2, 0.06))}
+    following = tracker(MarkerSet(side=SIDE, boards=(Board("gate", corners),)))
+    planes = [facing_us(number, x, side=0.08) for number, x in ((1, -0.7), (1, 0.7), (2, 0))]
+    found = following.track(photograph(*planes), 0)
+    assert [(one.id, one.shared) for one in found] == [(1, True), (1, True), ("gate", False)]
+    for one, (_, truth), offset in zip(found, planes, (0, 0, -0.06), strict=True):
+        assert one.pose.translation - np.array([offset, 0, 0]) == pytest.approx(truth.translation, abs=2e-3)

@@ -9,25 +9,27 @@ from roverlink.vision.markers.fitting import fit_markers
 from roverlink.vision.markers.marker_set import MarkerSet, dictionaries
 
 
-def other_dictionary(image: Image, camera: CameraParameters) -> tuple[str, list[int]] | None:
+def other_dictionary(image: Image, camera: CameraParameters, chosen: MarkerSet) -> tuple[str, list[int]] | None:
     """Return the dictionary with the most markers in an image, (H, W) or (H, W, 3), and the numbers of these markers.
 
-    Of several dictionaries that contain them, it is the smallest one. The result is None if no dictionary matches. This
-    takes some tenths of a second.
+    Markers of the chosen dictionary do not count. Of several dictionaries that contain the others, it is the smallest
+    one. The result is None if no dictionary matches. This takes some tenths of a second.
     """
     grey = to_grey(image)
-    found = {name: _numbers(grey, camera, MarkerSet(name)) for name in _families().values()}
+    found = {name: _numbers(grey, camera, MarkerSet(name), chosen) for name in _families().values()}
     largest = max(found, key=lambda name: len(found[name]))
     numbers = found[largest]
     return (_smallest(largest, max(numbers)), numbers) if numbers else None
 
 
-def _numbers(grey: Image, camera: CameraParameters, markers: MarkerSet) -> list[int]:
-    """Return the numbers of the markers that match without a wrong bit, and whose edges fit."""
+def _numbers(grey: Image, camera: CameraParameters, markers: MarkerSet, others: MarkerSet) -> list[int]:
+    """Return the numbers of the markers that match without a wrong bit, whose edges fit, and that `others` has not."""
+    known = others.bits.bytesList.tolist()
     markers.bits.maxCorrectionBits = 0  # with correction, small dictionaries match many other squares
     found = Detector(markers).scan(grey)
     fitted = fit_markers(grey, camera, [Guess(markers.pattern(one.number), one.corners) for one in found])
-    return sorted({one.number for one, fit in zip(found, fitted) if fit})
+    numbers = {one.number for one, fit in zip(found, fitted) if fit}
+    return sorted(number for number in numbers if markers.bits.bytesList[number].tolist() not in known)
 
 
 def _families() -> dict[str, str]:

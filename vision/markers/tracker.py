@@ -8,6 +8,7 @@ whole frame. Every marker is fitted at full resolution, so the accuracy of its p
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -34,6 +35,11 @@ NEAR = 1.0
 """Largest distance in pixels between fitted and predicted corners.
 
 A fit that ends farther away may have started with wrong pixels.
+"""
+TOGETHER = 3
+"""Number of frames with several markers of one number after which each of them counts as shared, even if it is alone.
+
+In a single frame, something else may have been taken for a marker.
 """
 _SURPRISE = 0.5
 """Error in pixels of the last prediction from the velocity above which the next one comes from the image."""
@@ -73,9 +79,10 @@ class Sighting:
     solutions: tuple[Solution, ...]
     """All possible poses that were found, the best fitting first; `pose` is one of them."""
     shared: bool = False
-    """True if several markers with this number were seen at once, now or earlier; then it does not say which one it is.
+    """True if several markers have this number, so the number does not say which one it is.
 
-    Such a marker is never part of a board: `id` is its own number, and `pose` that of its own frame.
+    They are in this frame, or they were together in `TOGETHER` earlier ones. Such a marker is never part of a board:
+    `id` is its own number, and `pose` that of its own frame.
     """
 
 
@@ -142,7 +149,7 @@ class Tracker:
     def reset(self) -> None:
         """Forget all markers of earlier frames. Called when the time of the frames jumps back."""
         self._tracks: list[_Track] = []
-        self._shared: set[int] = set()
+        self._together = Counter[int]()
         self._board_flips: dict[TargetId, Flips] = {}
         self._frames = self._scans = 0
         self._stamp = 0
@@ -263,14 +270,15 @@ class Tracker:
     def _landmarks(self, seen: Iterable[_Track]) -> list[_Landmark]:
         """Return the landmarks to which the visible markers belong."""
         tracks = sorted(seen, key=lambda track: (track.number, *track.corners[0]))
-        numbers = [track.number for track in tracks]
-        self._shared |= {number for number in numbers if numbers.count(number) > 1}
+        counts = Counter(track.number for track in tracks)
+        self._together.update(number for number, count in counts.items() if count > 1)
         landmarks, boards = [], dict[TargetId, list[_Track]]()
         for track in tracks:
             target = self._markers.target(track.number)
-            if track.number in self._shared or target == track.number:
+            shared = counts[track.number] > 1 or self._together[track.number] >= TOGETHER
+            if shared or target == track.number:
                 points = self._markers.own_points(track.number)
-                landmarks.append(_Landmark(track.number, [track], [points], track.flips, track.number in self._shared))
+                landmarks.append(_Landmark(track.number, [track], [points], track.flips, shared))
             else:
                 boards.setdefault(target, []).append(track)
         for name, group in boards.items():
