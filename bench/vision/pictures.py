@@ -18,7 +18,7 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.field.view import View, look
 from roverlink.vision.images.drawing import SEEN, draw
 from roverlink.vision.images.film import Film as Writer
-from roverlink.vision.markers.detection import Detection, Detector, Image, Region
+from roverlink.vision.markers.detection import Detection, Detector, Image, to_grey
 
 FOLDER = Path("docs/vision")
 POSES = 100
@@ -26,24 +26,10 @@ POSES = 100
 _LEVELS = 16  # grey levels that are merged, so that noise does not make the files large
 _ROUGH = (40, 40, 235)
 _REGION = (235, 160, 40)
+_AROUND = 6  # pixels around a marker
 _ZOOM = 12
 _AXES = ("x, m", "y, m")
 _SURE = 2.4477  # radius in standard deviations that holds 95 % of a bivariate normal distribution
-
-
-class _Watched(Detector):
-    """Detector that records its search regions and detections."""
-
-    def __init__(self, markers: MarkerSet) -> None:
-        super().__init__(markers)
-        self.regions: list[Region] = []
-        self.found: list[Detection] = []
-
-    def look(self, image: Image, region: Region) -> list[Detection]:
-        found = super().look(image, region)
-        self.regions.append(region)
-        self.found += found
-        return found
 
 
 def main(words: list[str]) -> int:
@@ -74,22 +60,23 @@ def write_recording(folder: Path, film: Film) -> None:
 def draw_steps(folder: Path, film: Film) -> None:
     """Draw a picture for each step from a frame to a position on the field."""
     tracker = Tracker(parameters(), MarkerSet(side=SIDE))
-    watched = tracker._detector = _Watched(MarkerSet(side=SIDE))
     _, second = look(list(film)[:2], tracker, landmarks())  # the first frame is searched completely
     _write(folder / "frame.png", second.frame.image)
-    _write(folder / "looks.png", _with_looks(second.frame.image, watched))
-    _write(folder / "edges.png", _with_edges(second, watched.found[0]))
+    _write(folder / "looks.png", _with_looks(second))
+    rough, *_ = Detector(MarkerSet(side=SIDE)).scan(to_grey(second.frame.image))
+    _write(folder / "edges.png", _with_edges(second, rough))
     _write(folder / "seen.png", draw(second.frame.image, parameters(), second.sightings, second.place))
     _draw_field(folder / "field.png", film)
 
 
-def _with_looks(image: Image, watched: _Watched) -> Image:
-    """Return the frame, darkened except in the regions that were searched."""
-    shown: Image = image // 3
-    for one in watched.regions:
-        part = slice(one.top, one.bottom), slice(one.left, one.right)
-        shown[part] = image[part]
-        cv2.rectangle(shown, (one.left, one.top), (one.right - 1, one.bottom - 1), _REGION, 1)
+def _with_looks(view: View) -> Image:
+    """Return the frame, darkened except around the markers, whose edges are fitted where they were expected."""
+    shown: Image = view.frame.image // 3
+    for one in view.sightings:
+        left, top = np.floor(one.corners.min(axis=0)).astype(int) - _AROUND
+        right, bottom = np.ceil(one.corners.max(axis=0)).astype(int) + _AROUND
+        shown[top:bottom, left:right] = view.frame.image[top:bottom, left:right]
+        cv2.rectangle(shown, (left, top), (right - 1, bottom - 1), _REGION, 1)
     return shown
 
 

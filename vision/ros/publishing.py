@@ -10,7 +10,8 @@
 | aruco/camera_pose       | geometry_msgs/PoseWithCovarianceStamped | pose of the camera on the field                 |
 
 A landmark is a marker or a board. A flat marker has two possible poses. A message is made only if its topic has a
-subscriber, because making some of the messages takes long.
+subscriber, because making some of the messages takes long. Markers that share a number are only in the detections and in
+the drawn image.
 """
 
 from __future__ import annotations
@@ -62,10 +63,7 @@ class Publishing:
         self._poses: dict[str, _Output] = {}
 
     def publish(self, view: View) -> None:
-        """Publish the results of a frame on all topics. If the frame has no landmarks, nothing is published on /tf.
-
-        Markers that share a number are only in the detections and in the drawn image.
-        """
+        """Publish the results of a frame on all topics. If the frame has no landmarks, nothing is published on /tf."""
         stamp, sightings = view.frame.stamp, view.sightings
         names = FrameNames(view.frame.frame_id, self._marker_frame)
         # With two frames of the same name, a listener to /tf would see one marker that jumps.
