@@ -10,8 +10,8 @@
 | aruco/camera_pose       | geometry_msgs/PoseWithCovarianceStamped | pose of the camera on the field                 |
 
 A landmark is a marker or a board. A flat marker has two possible poses. A message is made only if its topic has a
-subscriber, because making some of the messages takes long. Markers that share a number are only in the detections and in
-the drawn image.
+subscriber, because making some of the messages takes long. Markers that share a number are only in the detections and
+in the drawn image.
 """
 
 from __future__ import annotations
