@@ -43,6 +43,10 @@ In a single frame, something else may have been taken for a marker.
 """
 _SURPRISE = 0.5
 """Error in pixels of the last prediction from the velocity above which the next one comes from the image."""
+_BENT = 0.15
+"""Difference between the motions of a marker's corners, relative to its size, above which the optical flow is wrong."""
+_REGIONS = 4
+"""Number of regions that are searched in less time than the whole frame is searched quickly."""
 _FLOW = {"winSize": (15, 15), "maxLevel": 3, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW}
 """Optical flow at the corners: it follows them over some tens of pixels from where they are expected."""
 _MARGIN = 0.3  # border around the predicted position, as a fraction of the marker's size
@@ -199,13 +203,18 @@ class Tracker:
         due = self._frames % self._scan_every == 0
         self._frames += 1
         seen = self._follow(grey, stamp)
-        found = self._scan(grey) if due else []
         # A marker that has left the image is lost, too; `FORGOTTEN_S` limits how long frames pay for its search.
-        if lost := [track for track in self._tracks if track not in seen]:
-            for track in lost:
+        lost = [track for track in self._tracks if track not in seen]
+        scanned = due or len(lost) > _REGIONS
+        found = self._scan(grey) if due else self._detector.scan_quickly(grey) if scanned else []
+        numbers = [one.number for one in _distinct(found, seen)]
+        for track in lost:
+            if track.number in numbers:
+                numbers.remove(track.number)
+            else:
                 found += self._detector.look(grey, _region(track.predicted(stamp), grey.shape))
-            if not due and len(_distinct(found, seen)) < len(lost):
-                found += self._detector.scan_quickly(grey)
+        if not scanned and len(_distinct(found, seen)) < len(lost):
+            found += self._detector.scan_quickly(grey)
         seen += self._fit_found(grey, _distinct(found, seen), stamp)
         return seen
 
@@ -217,36 +226,34 @@ class Tracker:
     def _follow(self, grey: Image, stamp: int) -> list[_Track]:
         """Fit the markers of earlier frames at their predicted positions; return those that are there."""
         places = self._predicted(grey, stamp)
-        guesses = [
-            Guess(self._markers.pattern(track.number), place, track.blur) for track, place in zip(self._tracks, places)
-        ]
+        guesses = [Guess(self._markers.pattern(track.number), place, track.blur) for track, place in places]
         seen: list[_Track] = []
-        for track, place, one in zip(self._tracks, places, fit_markers(grey, self._camera, guesses)):
+        for (track, place), one in zip(places, fit_markers(grey, self._camera, guesses)):
             if one and np.abs(one.corners - place).max() <= NEAR * one.shrunk:
                 track.moved(one, stamp)
                 seen.append(track)
         return seen
 
-    def _predicted(self, grey: Image, stamp: int) -> list[Floats]:
-        """Return the corners (4, 2) at which each marker of earlier frames is expected.
+    def _predicted(self, grey: Image, stamp: int) -> list[tuple[_Track, Floats]]:
+        """Return the markers of earlier frames that are expected somewhere, with their expected corners (4, 2).
 
-        They come from the marker's velocity, or from optical flow if the last prediction from the velocity was bad.
+        These come from the marker's velocity, or from optical flow if the last prediction from the velocity was bad. If
+        the flow is wrong, the marker is left out, because a fit that starts at a wrong place takes long.
         """
-        places = [track.predicted(stamp)[0] for track in self._tracks]
-        doubtful = [
-            index
-            for index, track in enumerate(self._tracks)
-            if track.surprise > _SURPRISE and track.stamp == self._stamp
-        ]
+        steady, doubtful = [], []
+        for track in self._tracks:
+            by_flow = track.surprise > _SURPRISE and track.stamp == self._stamp
+            (doubtful if by_flow else steady).append((track, track.predicted(stamp)[0]))
         if not doubtful or self._before is None or self._before.shape != grey.shape:
-            return places
-        corners = np.concatenate([self._tracks[index].corners for index in doubtful]).astype(np.float32)
-        expected = np.concatenate([places[index] for index in doubtful]).astype(np.float32)
+            return steady + doubtful
+        corners = np.concatenate([track.corners for track, _ in doubtful]).astype(np.float32)
+        expected = np.concatenate([place for _, place in doubtful]).astype(np.float32)
         flow, good, _ = cv2.calcOpticalFlowPyrLK(self._before, grey, corners, expected, **_FLOW)
-        for index, place, known in zip(doubtful, flow.reshape(-1, 4, 2), good.reshape(-1, 4)):
-            if known.all():
-                places[index] = place.astype(float)
-        return places
+        for (track, _), place, known in zip(doubtful, flow.reshape(-1, 4, 2).astype(float), good.reshape(-1, 4)):
+            motion = place - track.corners
+            if known.all() and np.abs(motion - motion.mean(axis=0)).max() < _BENT * extent(track.corners):
+                steady.append((track, place))
+        return steady
 
     def _fit_found(self, grey: Image, found: Sequence[Detection], stamp: int) -> list[_Track]:
         """Fit detected markers, and return their tracks: those of lost markers with the same numbers, or new ones."""
@@ -318,8 +325,9 @@ def _distinct(found: Iterable[Detection], seen: Iterable[_Track]) -> list[Detect
 
 def _is_same(one: Detection | _Track, other: Detection | _Track) -> bool:
     """Return true if these are the same marker, and not two markers with the same number."""
-    apart = _distance(one.corners, other.corners)
-    return one.number == other.number and apart < max(extent(one.corners), extent(other.corners)) / 2
+    if one.number != other.number:
+        return False
+    return _distance(one.corners, other.corners) < max(extent(one.corners), extent(other.corners)) / 2
 
 
 def _distance(corners: Floats, others: Floats) -> float:
