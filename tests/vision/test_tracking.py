@@ -177,6 +177,15 @@ def test_markers_on_circles_are_followed() -> None:
         assert {one.id for one in following.track(shot.frame, shot.stamp)} == set(shot.poses)
 
 
+def test_many_markers_that_jump_are_found_again() -> None:
+    """More than four are searched for in the whole frame at once."""
+    camera = lens(1280, 720)
+    following = Tracker(camera_of(camera), MarkerSet(side=SIDE), scan_every=1000)
+    (shot,) = moving(1, 8)
+    for stamp, frame in enumerate([shot.frame, np.ascontiguousarray(shot.frame[::-1, ::-1])]):
+        assert {one.id for one in following.track(frame, stamp * FRAME)} == set(shot.poses)
+
+
 # --- markers that share a number ----------------------------------------------------------------------------------
 
 
