@@ -240,7 +240,8 @@ class Tracker:
         These come from the marker's velocity, or from optical flow if the last prediction from the velocity was bad. If
         the flow is wrong, the marker is left out, because a fit that starts at a wrong place takes long.
         """
-        steady, doubtful = [], []
+        steady: list[tuple[_Track, Floats]] = []
+        doubtful: list[tuple[_Track, Floats]] = []
         for track in self._tracks:
             by_flow = track.surprise > _SURPRISE and track.stamp == self._stamp
             (doubtful if by_flow else steady).append((track, track.predicted(stamp)[0]))
