@@ -16,11 +16,13 @@ from pathlib import Path
 from roverlink.aruco.board_options import board_of
 from roverlink.aruco.calibration_page import serve_page
 from roverlink.aruco.calibration_text import CalibrationText, JsonText, PlainText
-from roverlink.aruco.camera_source import open_source
+from roverlink.aruco.camera_source import open_source, source_of
 from roverlink.console import FINDINGS, OK
 from roverlink.installed_packages import installed_version
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.middleware import Middleware, open_middleware
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision.calibration import (
     BoardDetector,
     Calibration,
@@ -37,7 +39,7 @@ from roverlink.vision.calibration.writing import write_calibration
 from roverlink.vision.frames import Frame, FrameSource, ImageFiles
 
 
-def calibrate(arguments: argparse.Namespace) -> int:
+def calibrate(arguments: argparse.Namespace, ros: RosArguments) -> int:
     """Collect views, calibrate, write the files, and return the exit code.
 
     Raises `SetupError` if the source of frames, the board or the folder for the files is not usable.
@@ -46,7 +48,14 @@ def calibrate(arguments: argparse.Namespace) -> int:
     if not arguments.out.resolve().parent.is_dir():  # checked before the work, not after it
         raise SetupError(f"{arguments.out}: the folder {arguments.out.parent} does not exist")
     text = JsonText() if arguments.json else PlainText()
-    with open_source(arguments, say=text.note) as source:
+    with contextlib.ExitStack() as stack:
+
+        def middleware() -> Middleware:
+            return stack.enter_context(open_middleware(arguments.middleware, ros.node))
+
+        source = stack.enter_context(
+            open_source(source_of(arguments, text.note), arguments, ros, middleware, say=text.note)
+        )
         if arguments.page:
             try:
                 text.calibrated(*_on_page(source, board, arguments, text.note))

@@ -347,7 +347,7 @@ def test_it_asks_for_the_source(
 ) -> None:
     """ENTER is camera 0, a number another; anything else that is a source will do."""
     code, shown = _typed(answer.format(field.folder / "frames"), monkeypatch, _without_source(field))
-    assert "Camera number, URL, video file or folder (ENTER for camera 0): " in shown
+    assert "Camera number, URL, topic:NAME, video file or folder (ENTER for camera 0): " in shown
     assert expected in shown
     assert code == (0 if answer == "{}" else 2)
     assert len(capsys.readouterr().out.splitlines()) == (_FRAMES if answer == "{}" else 0)
