@@ -57,6 +57,10 @@ class Pose:
         return 2 * math.asin(min(math.sqrt(float(apart @ apart) / 8), 1.0))
 
 
+IDENTITY = Pose(np.eye(3), np.zeros(3))
+"""Transform that changes nothing."""
+
+
 def rotation_of(angles: Floats) -> Floats:
     """Return the rotations (..., 3, 3) about axes (..., 3), whose lengths are the angles in radians (Rodrigues)."""
     axes = np.asarray(angles, dtype=float)
