@@ -1,4 +1,4 @@
-"""Results of one frame: the landmarks in it, and the camera's pose."""
+"""Results of one frame: the landmarks in it, the camera's pose, and the rover's pose."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.field.landmarks import Landmarks
 from roverlink.vision.field.localization import FieldPose, localize
+from roverlink.vision.field.rover import RoverPose
 from roverlink.vision.frames import Frame
 from roverlink.vision.markers.tracker import Sighting, Tracker
 from roverlink.vision.poses.pose import Pose, quaternion_of
@@ -24,13 +25,19 @@ class View:
     sightings: tuple[Sighting, ...]
     place: FieldPose | None = None
     """Camera's pose on the field; None if the frame shows no known landmark."""
+    rover: RoverPose | None = None
+    """Rover's pose, if the frame completes what its cameras have seen at one time; None if it is unknown."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the results as JSON values: metres, pixels, quaternions x y z w, covariances row by row."""
         markers = [_sighting(one) for one in self.sightings]
         frame = {"stamp": self.frame.stamp, "frame": self.frame.number, "frame_id": self.frame.frame_id}
         found = {**frame, "markers": markers}
-        return {**found, "camera": _place(self.place)} if self.place else found
+        if self.place:
+            found["camera"] = _place(self.place)
+        if self.rover:
+            found["rover"] = {"stamp": self.rover.stamp, **_place(self.rover.place)}
+        return found
 
 
 def look(frames: Iterable[Frame], tracker: Tracker, landmarks: Landmarks | None = None) -> Iterator[View]:
@@ -62,8 +69,8 @@ def _other(one: Sighting) -> Mapping[str, Any] | None:
 
 
 def _place(place: FieldPose) -> Mapping[str, Any]:
-    known = {"used": list(place.used), "rejected": list(place.rejected)}
-    return {"frame": place.frame, **_pose(place.pose, place.covariance), **known}
+    pose = _pose(place.pose, place.covariance) if place.agreed else {}
+    return {"frame": place.frame, **pose, "used": list(place.used), "rejected": list(place.rejected)}
 
 
 def _pose(pose: Pose, covariance: Floats) -> Mapping[str, Any]:

@@ -88,6 +88,18 @@ def angles_of(rotation: Floats) -> Floats:
     return np.array([f - d, b - e, c - a]) * factor
 
 
+def rotation_of_quaternion(quaternion: Floats) -> Floats:
+    """Return the rotation (3, 3) of a quaternion x y z w of any length. This is the inverse of `quaternion_of`."""
+    x, y, z, w = quaternion / np.linalg.norm(quaternion)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
 def quaternion_of(rotation: Floats) -> Floats:
     """Return the unit quaternion x y z w of a rotation (3, 3); w is never negative."""
     angles = angles_of(rotation)

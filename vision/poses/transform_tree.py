@@ -58,7 +58,7 @@ class _Link:
         place = bisect_left(self.stamped, stamp, key=itemgetter(0))
         around = self.stamped[max(place - 1, 0) : place + 1]
         if len(around) == 2:
-            return _between(*around, stamp)
+            return _between(around[0], around[1], stamp)
         ((at, pose),) = around
         return pose if abs(at - stamp) <= NEAR_NS else None
 
