@@ -25,6 +25,8 @@ class View:
     sightings: tuple[Sighting, ...]
     place: FieldPose | None = None
     """Camera's pose on the field; None if the frame shows no known landmark."""
+    camera: str = ""
+    """Name of the camera, if the rover has several."""
     rover: RoverPose | None = None
     """Rover's pose, if the frame completes what its cameras have seen at one time; None if it is unknown."""
 
@@ -32,7 +34,7 @@ class View:
         """Return the results as JSON values: metres, pixels, quaternions x y z w, covariances row by row."""
         markers = [_sighting(one) for one in self.sightings]
         frame = {"stamp": self.frame.stamp, "frame": self.frame.number, "frame_id": self.frame.frame_id}
-        found = {**frame, "markers": markers}
+        found = {**({"name": self.camera} if self.camera else {}), **frame, "markers": markers}
         if self.place:
             found["camera"] = _place(self.place)
         if self.rover:
