@@ -36,7 +36,9 @@ MESSAGES: dict[str, Fields] = {
         (6, "jaw_motor", "MotorInformation"),
         (7, "state", "ArmBoardDiagnostics.State"),
     ),
-    "ArmBoardMovementFeedback": ((1, "arm_error", "ArmBoardMovementFeedback.ArmError"),),
+    "ArmBoardMovementFeedback": (
+        (1, "arm_error", "ArmBoardMovementFeedback.ArmError"),
+    ),
     "ArmBoardObstructions": ((1, "obstructions_list", "float"),),
     "ArmBoardTargetMovement": (
         (1, "target_x", "float"),

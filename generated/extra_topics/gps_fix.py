@@ -28,7 +28,9 @@ FIX_QUALITY = Counterparts(
 )
 
 
-class GpsFixTopic(StandardHandler[gps_sensor_pb2.SensorBoardGPSInfo, sensor_msgs.NavSatFix]):
+class GpsFixTopic(
+    StandardHandler[gps_sensor_pb2.SensorBoardGPSInfo, sensor_msgs.NavSatFix]
+):
     """One fix of the GPS receiver.
 
     Extra topic of the row gps_info, number 12 of the envelope, from the peer hardware

@@ -15,7 +15,9 @@ from roverlink.runtime.interfaces import Time
 DEG_TO_RAD = math.pi / 180
 
 
-class ImuDataRawTopic(StandardHandler[imu_sensor_pb2.SensorBoardIMUInfo, sensor_msgs.Imu]):
+class ImuDataRawTopic(
+    StandardHandler[imu_sensor_pb2.SensorBoardIMUInfo, sensor_msgs.Imu]
+):
     """One sample of the inertial measurement unit.
 
     Extra topic of the row imu_info, number 13 of the envelope, from the peer hardware
@@ -46,7 +48,9 @@ class ImuDataRawTopic(StandardHandler[imu_sensor_pb2.SensorBoardIMUInfo, sensor_
                 y=payload.gyro_y * DEG_TO_RAD,
                 z=payload.gyro_z * DEG_TO_RAD,
             ),
-            linear_acceleration=geometry_msgs.Vector3(x=payload.accel_x, y=payload.accel_y, z=payload.accel_z),
+            linear_acceleration=geometry_msgs.Vector3(
+                x=payload.accel_x, y=payload.accel_y, z=payload.accel_z
+            ),
         )
 
     @staticmethod

@@ -11,7 +11,9 @@ from roverlink.runtime.core.standard_handler import UNSTAMPED, StandardHandler, 
 from roverlink.runtime.interfaces import Time
 
 
-class ImuMagTopic(StandardHandler[imu_sensor_pb2.SensorBoardIMUInfo, sensor_msgs.MagneticField]):
+class ImuMagTopic(
+    StandardHandler[imu_sensor_pb2.SensorBoardIMUInfo, sensor_msgs.MagneticField]
+):
     """One sample of the inertial measurement unit.
 
     Extra topic of the row imu_info, number 13 of the envelope, from the peer hardware

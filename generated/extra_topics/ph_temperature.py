@@ -11,7 +11,9 @@ from roverlink.runtime.core.standard_handler import UNSTAMPED, StandardHandler, 
 from roverlink.runtime.interfaces import Time
 
 
-class PhTemperatureTopic(StandardHandler[ph_sensor_pb2.SensorBoardPHInfo, sensor_msgs.Temperature]):
+class PhTemperatureTopic(
+    StandardHandler[ph_sensor_pb2.SensorBoardPHInfo, sensor_msgs.Temperature]
+):
     """One reading of the pH probe.
 
     Extra topic of the row ph_info, number 1 of the envelope, from the peer hardware to

@@ -12,7 +12,9 @@ from roverlink.runtime.interfaces import Time
 
 
 class PressureFluidPressureTopic(
-    StandardHandler[pressure_sensor_pb2.SensorBoardPressureInfo, sensor_msgs.FluidPressure]
+    StandardHandler[
+        pressure_sensor_pb2.SensorBoardPressureInfo, sensor_msgs.FluidPressure
+    ]
 ):
     """One reading of a pressure sensor.
 

@@ -11,7 +11,11 @@ from roverlink.runtime.core.standard_handler import UNSTAMPED, StandardHandler, 
 from roverlink.runtime.interfaces import Time
 
 
-class PressureTemperatureTopic(StandardHandler[pressure_sensor_pb2.SensorBoardPressureInfo, sensor_msgs.Temperature]):
+class PressureTemperatureTopic(
+    StandardHandler[
+        pressure_sensor_pb2.SensorBoardPressureInfo, sensor_msgs.Temperature
+    ]
+):
     """One reading of a pressure sensor.
 
     Extra topic of the row pressure_info, number 15 of the envelope, from the peer

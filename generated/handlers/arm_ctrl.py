@@ -9,7 +9,9 @@ from generated.pb2.components.arm_board import movement_control_in_pb2
 from roverlink.runtime.core.handler import Deadman, Handler, Route
 
 
-class ArmCtrlHandler(Handler[movement_control_in_pb2.ArmBoardControlSignals, ArmBoardControlSignals]):
+class ArmCtrlHandler(
+    Handler[movement_control_in_pb2.ArmBoardControlSignals, ArmBoardControlSignals]
+):
     """Direct control of the arm: one signal an actuator, as an operator drives it by hand.
 
     Number 2 of the envelope, from the topic arm_ctrl to the peer hardware.

@@ -10,7 +10,9 @@ from generated.pb2.components.arm_board import motor_diagnostics_pb2
 from roverlink.runtime.core.handler import Handler, Route
 
 
-class ArmDiagHandler(Handler[motor_diagnostics_pb2.ArmBoardDiagnostics, ArmBoardDiagnostics]):
+class ArmDiagHandler(
+    Handler[motor_diagnostics_pb2.ArmBoardDiagnostics, ArmBoardDiagnostics]
+):
     """State of the arm board and of each of its motors.
 
     Number 3 of the envelope, from the peer hardware to the topic arm_diag.
@@ -33,7 +35,9 @@ class ArmDiagHandler(Handler[motor_diagnostics_pb2.ArmBoardDiagnostics, ArmBoard
     ) -> ArmBoardDiagnostics:
         """Convert ArmBoardDiagnostics to comms/msg/ArmBoardDiagnostics."""
         return ArmBoardDiagnostics(
-            gripper_rotation_motor=motor_information.to_ros(payload.gripper_rotation_motor),
+            gripper_rotation_motor=motor_information.to_ros(
+                payload.gripper_rotation_motor
+            ),
             gripper_pitch_motor=motor_information.to_ros(payload.gripper_pitch_motor),
             base_motor=motor_information.to_ros(payload.base_motor),
             top_motor=motor_information.to_ros(payload.top_motor),
@@ -48,7 +52,9 @@ class ArmDiagHandler(Handler[motor_diagnostics_pb2.ArmBoardDiagnostics, ArmBoard
     ) -> motor_diagnostics_pb2.ArmBoardDiagnostics:
         """Convert comms/msg/ArmBoardDiagnostics to ArmBoardDiagnostics."""
         return motor_diagnostics_pb2.ArmBoardDiagnostics(
-            gripper_rotation_motor=motor_information.from_ros(message.gripper_rotation_motor),
+            gripper_rotation_motor=motor_information.from_ros(
+                message.gripper_rotation_motor
+            ),
             gripper_pitch_motor=motor_information.from_ros(message.gripper_pitch_motor),
             base_motor=motor_information.from_ros(message.base_motor),
             top_motor=motor_information.from_ros(message.top_motor),

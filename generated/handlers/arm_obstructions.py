@@ -9,7 +9,9 @@ from generated.pb2.components.arm_board import movement_software_target_pb2
 from roverlink.runtime.core.handler import Handler, Route
 
 
-class ArmObstructionsHandler(Handler[movement_software_target_pb2.ArmBoardObstructions, ArmBoardObstructions]):
+class ArmObstructionsHandler(
+    Handler[movement_software_target_pb2.ArmBoardObstructions, ArmBoardObstructions]
+):
     """Obstacles in the way of the arm.
 
     Number 7 of the envelope, from the peer hardware to the topic arm_obstructions.

@@ -9,7 +9,11 @@ from generated.pb2.components.arm_board import movement_software_feedback_pb2
 from roverlink.runtime.core.handler import Handler, Route
 
 
-class ArmPosHandler(Handler[movement_software_feedback_pb2.ArmBoardActualPositions, ArmBoardActualPositions]):
+class ArmPosHandler(
+    Handler[
+        movement_software_feedback_pb2.ArmBoardActualPositions, ArmBoardActualPositions
+    ]
+):
     """Positions of the arm's joints.
 
     Number 5 of the envelope, from the peer hardware to the topic arm_pos.

@@ -9,7 +9,9 @@ from generated.pb2.components.arm_board import movement_software_target_pb2
 from roverlink.runtime.core.handler import Handler, Route
 
 
-class ArmTargetHandler(Handler[movement_software_target_pb2.ArmBoardTargetMovement, ArmBoardTargetMovement]):
+class ArmTargetHandler(
+    Handler[movement_software_target_pb2.ArmBoardTargetMovement, ArmBoardTargetMovement]
+):
     """A pose that the arm is to reach by itself.
 
     Number 6 of the envelope, from the topic arm_target to the peer hardware.

@@ -9,7 +9,9 @@ from generated.pb2.components.basestation import control_mode_pb2
 from roverlink.runtime.core.handler import Handler, Route
 
 
-class ControlModeHandler(Handler[control_mode_pb2.BasestationControlMode, BasestationControlMode]):
+class ControlModeHandler(
+    Handler[control_mode_pb2.BasestationControlMode, BasestationControlMode]
+):
     """Choice of the driver: the operator or the rover itself.
 
     Number 16 of the envelope, from the peer basestation to the topic control_mode.

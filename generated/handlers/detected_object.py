@@ -10,7 +10,9 @@ from generated.pb2.components.basestation import detected_object_pb2
 from roverlink.runtime.core.handler import Handler, Route
 
 
-class DetectedObjectHandler(Handler[detected_object_pb2.BasestationDetectedObject, BasestationDetectedObject]):
+class DetectedObjectHandler(
+    Handler[detected_object_pb2.BasestationDetectedObject, BasestationDetectedObject]
+):
     """One object seen in one camera frame. A frame with N objects travels as N messages.
 
     Number 17 of the envelope, from the topic detected_object to the peer basestation.

@@ -10,7 +10,9 @@ from generated.pb2.components.driving_board import motor_diagnostics_pb2
 from roverlink.runtime.core.handler import Handler, Route
 
 
-class DriveDiagHandler(Handler[motor_diagnostics_pb2.DrivingBoardDiagnostics, DrivingBoardDiagnostics]):
+class DriveDiagHandler(
+    Handler[motor_diagnostics_pb2.DrivingBoardDiagnostics, DrivingBoardDiagnostics]
+):
     """State of the driving board and of each wheel and steering motor.
 
     Number 8 of the envelope, from the peer hardware to the topic drive_diag.
@@ -40,10 +42,18 @@ class DriveDiagHandler(Handler[motor_diagnostics_pb2.DrivingBoardDiagnostics, Dr
             front_right_motor=motor_information.to_ros(payload.front_right_motor),
             middle_right_motor=motor_information.to_ros(payload.middle_right_motor),
             back_right_motor=motor_information.to_ros(payload.back_right_motor),
-            steering_front_left_motor=motor_information.to_ros(payload.steering_front_left_motor),
-            steering_back_left_motor=motor_information.to_ros(payload.steering_back_left_motor),
-            steering_front_right_motor=motor_information.to_ros(payload.steering_front_right_motor),
-            steering_back_right_motor=motor_information.to_ros(payload.steering_back_right_motor),
+            steering_front_left_motor=motor_information.to_ros(
+                payload.steering_front_left_motor
+            ),
+            steering_back_left_motor=motor_information.to_ros(
+                payload.steering_back_left_motor
+            ),
+            steering_front_right_motor=motor_information.to_ros(
+                payload.steering_front_right_motor
+            ),
+            steering_back_right_motor=motor_information.to_ros(
+                payload.steering_back_right_motor
+            ),
         )
 
     @staticmethod
@@ -59,8 +69,16 @@ class DriveDiagHandler(Handler[motor_diagnostics_pb2.DrivingBoardDiagnostics, Dr
             front_right_motor=motor_information.from_ros(message.front_right_motor),
             middle_right_motor=motor_information.from_ros(message.middle_right_motor),
             back_right_motor=motor_information.from_ros(message.back_right_motor),
-            steering_front_left_motor=motor_information.from_ros(message.steering_front_left_motor),
-            steering_back_left_motor=motor_information.from_ros(message.steering_back_left_motor),
-            steering_front_right_motor=motor_information.from_ros(message.steering_front_right_motor),
-            steering_back_right_motor=motor_information.from_ros(message.steering_back_right_motor),
+            steering_front_left_motor=motor_information.from_ros(
+                message.steering_front_left_motor
+            ),
+            steering_back_left_motor=motor_information.from_ros(
+                message.steering_back_left_motor
+            ),
+            steering_front_right_motor=motor_information.from_ros(
+                message.steering_front_right_motor
+            ),
+            steering_back_right_motor=motor_information.from_ros(
+                message.steering_back_right_motor
+            ),
         )

@@ -9,7 +9,9 @@ from generated.pb2.components.driving_board import motor_msg_pb2
 from roverlink.runtime.core.handler import Deadman, Handler, Route
 
 
-class DriveMotorHandler(Handler[motor_msg_pb2.DrivingBoardMotorMessage, DrivingBoardMotorMessage]):
+class DriveMotorHandler(
+    Handler[motor_msg_pb2.DrivingBoardMotorMessage, DrivingBoardMotorMessage]
+):
     """A drive command: how far to go, and along which arc.
 
     Number 9 of the envelope, from the topic drive_motor to the peer hardware.

@@ -9,7 +9,9 @@ from generated.pb2.components.sensor_board import load_cell_pb2
 from roverlink.runtime.core.handler import Handler, Route
 
 
-class LoadCellInfoHandler(Handler[load_cell_pb2.SensorBoardLoadCellInfo, SensorBoardLoadCellInfo]):
+class LoadCellInfoHandler(
+    Handler[load_cell_pb2.SensorBoardLoadCellInfo, SensorBoardLoadCellInfo]
+):
     """One reading of a load cell.
 
     Number 14 of the envelope, from the peer hardware to the topic load_cell_info.

@@ -9,7 +9,9 @@ from generated.pb2.components.basestation import object_selection_pb2
 from roverlink.runtime.core.handler import Handler, Route
 
 
-class ObjectSelectionHandler(Handler[object_selection_pb2.BasestationObjectSelection, BasestationObjectSelection]):
+class ObjectSelectionHandler(
+    Handler[object_selection_pb2.BasestationObjectSelection, BasestationObjectSelection]
+):
     """The object that the operator picked among the detected ones.
 
     Number 18 of the envelope, from the peer basestation to the topic object_selection.

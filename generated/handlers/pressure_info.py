@@ -9,7 +9,9 @@ from generated.pb2.components.sensor_board import pressure_sensor_pb2
 from roverlink.runtime.core.handler import Handler, Route
 
 
-class PressureInfoHandler(Handler[pressure_sensor_pb2.SensorBoardPressureInfo, SensorBoardPressureInfo]):
+class PressureInfoHandler(
+    Handler[pressure_sensor_pb2.SensorBoardPressureInfo, SensorBoardPressureInfo]
+):
     """One reading of a pressure sensor.
 
     Number 15 of the envelope, from the peer hardware to the topic pressure_info.

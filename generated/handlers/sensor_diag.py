@@ -14,7 +14,9 @@ from generated.pb2.components.sensor_board import diagnostics_pb2
 from roverlink.runtime.core.handler import Handler, Route
 
 
-class SensorDiagHandler(Handler[diagnostics_pb2.SensorBoardDiagnostics, SensorBoardDiagnostics]):
+class SensorDiagHandler(
+    Handler[diagnostics_pb2.SensorBoardDiagnostics, SensorBoardDiagnostics]
+):
     """State of the sensor board, with the latest reading of each of its sensors.
 
     Number 11 of the envelope, from the peer hardware to the topic

@@ -46,15 +46,23 @@ class Imu(Message):
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/Imu"
 
     header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
-    orientation: geometry_msgs.Quaternion = dataclasses.field(default_factory=geometry_msgs.Quaternion)
-    orientation_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(default_factory=lambda: [0.0] * 9)
-    angular_velocity: geometry_msgs.Vector3 = dataclasses.field(default_factory=geometry_msgs.Vector3)
-    angular_velocity_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(
+    orientation: geometry_msgs.Quaternion = dataclasses.field(
+        default_factory=geometry_msgs.Quaternion
+    )
+    orientation_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(
         default_factory=lambda: [0.0] * 9
     )
-    linear_acceleration: geometry_msgs.Vector3 = dataclasses.field(default_factory=geometry_msgs.Vector3)
-    linear_acceleration_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(
-        default_factory=lambda: [0.0] * 9
+    angular_velocity: geometry_msgs.Vector3 = dataclasses.field(
+        default_factory=geometry_msgs.Vector3
+    )
+    angular_velocity_covariance: Annotated[list[Float64], Length(9)] = (
+        dataclasses.field(default_factory=lambda: [0.0] * 9)
+    )
+    linear_acceleration: geometry_msgs.Vector3 = dataclasses.field(
+        default_factory=geometry_msgs.Vector3
+    )
+    linear_acceleration_covariance: Annotated[list[Float64], Length(9)] = (
+        dataclasses.field(default_factory=lambda: [0.0] * 9)
     )
 
 
@@ -65,7 +73,9 @@ class MagneticField(Message):
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/MagneticField"
 
     header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
-    magnetic_field: geometry_msgs.Vector3 = dataclasses.field(default_factory=geometry_msgs.Vector3)
+    magnetic_field: geometry_msgs.Vector3 = dataclasses.field(
+        default_factory=geometry_msgs.Vector3
+    )
     magnetic_field_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(
         default_factory=lambda: [0.0] * 9
     )
@@ -106,7 +116,9 @@ class NavSatFix(Message):
     latitude: Float64 = 0.0
     longitude: Float64 = 0.0
     altitude: Float64 = 0.0
-    position_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(default_factory=lambda: [0.0] * 9)
+    position_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(
+        default_factory=lambda: [0.0] * 9
+    )
     position_covariance_type: UInt8 = 0
 
 

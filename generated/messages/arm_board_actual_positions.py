@@ -15,7 +15,9 @@ class ArmBoardActualPositions(Message):
     """Positions of the arm's joints."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ArmBoardActualPositions"
-    __typehash__: ClassVar[str] = "RIHS01_febf1447b0a5936f2574ce8d4dbec75686753aed1bc4504606cf675d579c201a"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_febf1447b0a5936f2574ce8d4dbec75686753aed1bc4504606cf675d579c201a"
+    )
 
     jaw_open: Bool = False
     jaw_actual_position: Float32 = 0.0

@@ -15,7 +15,9 @@ class ArmBoardControlSignals(Message):
     """Direct control of the arm: one signal an actuator, as an operator drives it by hand."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ArmBoardControlSignals"
-    __typehash__: ClassVar[str] = "RIHS01_563834da43b1e94f28ea327bf8c4efb82579cc62a127d556f307a91eebdb8145"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_563834da43b1e94f28ea327bf8c4efb82579cc62a127d556f307a91eebdb8145"
+    )
 
     control_gripper_rotation: Float32 = 0.0
     control_gripper_pitch: Float32 = 0.0

@@ -17,7 +17,9 @@ class ArmBoardDiagnostics(Message):
     """State of the arm board and of each of its motors."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ArmBoardDiagnostics"
-    __typehash__: ClassVar[str] = "RIHS01_814b32e2265d84961c292f85c65f1534783cd572ef75be4d311f7ea8b1b24c62"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_814b32e2265d84961c292f85c65f1534783cd572ef75be4d311f7ea8b1b24c62"
+    )
 
     # Values of state
     IDLE: ClassVar[int] = 0
@@ -25,8 +27,12 @@ class ArmBoardDiagnostics(Message):
     CALIBRATING: ClassVar[int] = 2
     ERROR: ClassVar[int] = 3
 
-    gripper_rotation_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
-    gripper_pitch_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
+    gripper_rotation_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )
+    gripper_pitch_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )
     base_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
     top_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
     bottom_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)

@@ -15,7 +15,9 @@ class ArmBoardMovementFeedback(Message):
     """Outcome of the last commanded arm movement."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ArmBoardMovementFeedback"
-    __typehash__: ClassVar[str] = "RIHS01_fa352b2e664e339058288b7f895a762aced05bc8699f7d5ee87520f1b3fa0ef5"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_fa352b2e664e339058288b7f895a762aced05bc8699f7d5ee87520f1b3fa0ef5"
+    )
 
     # Values of arm_error
     POINT_NOT_IN_RANGE: ClassVar[int] = 0

@@ -15,6 +15,8 @@ class ArmBoardObstructions(Message):
     """Obstacles in the way of the arm."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ArmBoardObstructions"
-    __typehash__: ClassVar[str] = "RIHS01_564e7fd09e92bde0bfaed2738d0a38243ac5b40034dec7cd967fd303df8b8c2d"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_564e7fd09e92bde0bfaed2738d0a38243ac5b40034dec7cd967fd303df8b8c2d"
+    )
 
     obstructions_list: Float32 = 0.0

@@ -15,7 +15,9 @@ class ArmBoardTargetMovement(Message):
     """A pose that the arm is to reach by itself."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ArmBoardTargetMovement"
-    __typehash__: ClassVar[str] = "RIHS01_836b14fcc1dbe6c7fa99cbcc97b99f38d6e5294008a80a33b5976d611d1140a8"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_836b14fcc1dbe6c7fa99cbcc97b99f38d6e5294008a80a33b5976d611d1140a8"
+    )
 
     target_x: Float32 = 0.0
     target_y: Float32 = 0.0

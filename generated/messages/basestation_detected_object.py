@@ -17,7 +17,9 @@ class BasestationDetectedObject(Message):
     """One object seen in one camera frame. A frame with N objects travels as N messages."""
 
     __msgtype__: ClassVar[str] = "comms/msg/BasestationDetectedObject"
-    __typehash__: ClassVar[str] = "RIHS01_b598698f6290b7898288e77113b6ad48fa7185fede25e6c8ad8aeaea58acb4b8"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_b598698f6290b7898288e77113b6ad48fa7185fede25e6c8ad8aeaea58acb4b8"
+    )
 
     # Values of type
     OBJECT_UNKNOWN: ClassVar[int] = 0

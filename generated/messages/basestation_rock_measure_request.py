@@ -15,7 +15,9 @@ class BasestationRockMeasureRequest(Message):
     """The line on the image, from (x1, y1) to (x2, y2) in pixels, along which a rock is to be measured."""
 
     __msgtype__: ClassVar[str] = "comms/msg/BasestationRockMeasureRequest"
-    __typehash__: ClassVar[str] = "RIHS01_9a265a25e1e0eb0132303efa521a0ceca729e2dd649cb81476730a563883d859"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_9a265a25e1e0eb0132303efa521a0ceca729e2dd649cb81476730a563883d859"
+    )
 
     x1: UInt32 = 0
     y1: UInt32 = 0

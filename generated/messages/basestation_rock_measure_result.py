@@ -15,7 +15,9 @@ class BasestationRockMeasureResult(Message):
     """The measured size of a rock."""
 
     __msgtype__: ClassVar[str] = "comms/msg/BasestationRockMeasureResult"
-    __typehash__: ClassVar[str] = "RIHS01_1d752e9c066556e1ffbd4a92faa7c1ba6a9d3d70cd0e8ed77cc7da3c4e97d924"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_1d752e9c066556e1ffbd4a92faa7c1ba6a9d3d70cd0e8ed77cc7da3c4e97d924"
+    )
 
     length_cm: Float32 = 0.0
     """Length [cm]."""

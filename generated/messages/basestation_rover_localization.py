@@ -15,7 +15,9 @@ class BasestationRoverLocalization(Message):
     """Position of the rover on the field."""
 
     __msgtype__: ClassVar[str] = "comms/msg/BasestationRoverLocalization"
-    __typehash__: ClassVar[str] = "RIHS01_8e865d22f13eaf418f97770801449fea0752cc2b73be312ab5adff5d85e133f5"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_8e865d22f13eaf418f97770801449fea0752cc2b73be312ab5adff5d85e133f5"
+    )
 
     x: Float32 = 0.0
     """Along the field's x axis [m]."""

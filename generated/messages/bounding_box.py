@@ -15,7 +15,9 @@ class BoundingBox(Message):
     """A rectangle in the image, in pixels; x and y are its top left corner."""
 
     __msgtype__: ClassVar[str] = "comms/msg/BoundingBox"
-    __typehash__: ClassVar[str] = "RIHS01_c68b8a3f3544faa176172ba3ff600d9bd69dfa1921133f9d6d5778f2b8790149"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_c68b8a3f3544faa176172ba3ff600d9bd69dfa1921133f9d6d5778f2b8790149"
+    )
 
     x: UInt32 = 0
     y: UInt32 = 0

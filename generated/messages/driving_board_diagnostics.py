@@ -17,7 +17,9 @@ class DrivingBoardDiagnostics(Message):
     """State of the driving board and of each wheel and steering motor."""
 
     __msgtype__: ClassVar[str] = "comms/msg/DrivingBoardDiagnostics"
-    __typehash__: ClassVar[str] = "RIHS01_dc6f17c336850c756e46fb93f9cd8d51d27125bbdea1c4ec8402404b60113ac3"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_dc6f17c336850c756e46fb93f9cd8d51d27125bbdea1c4ec8402404b60113ac3"
+    )
 
     # Values of state
     IDLE: ClassVar[int] = 0
@@ -26,13 +28,33 @@ class DrivingBoardDiagnostics(Message):
     ERROR: ClassVar[int] = 3
 
     state: UInt8 = 0
-    front_left_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
-    middle_left_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
-    back_left_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
-    front_right_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
-    middle_right_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
-    back_right_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
-    steering_front_left_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
-    steering_back_left_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
-    steering_front_right_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
-    steering_back_right_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
+    front_left_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )
+    middle_left_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )
+    back_left_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )
+    front_right_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )
+    middle_right_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )
+    back_right_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )
+    steering_front_left_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )
+    steering_back_left_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )
+    steering_front_right_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )
+    steering_back_right_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation
+    )

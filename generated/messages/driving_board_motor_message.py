@@ -15,7 +15,9 @@ class DrivingBoardMotorMessage(Message):
     """A drive command: how far to go, and along which arc."""
 
     __msgtype__: ClassVar[str] = "comms/msg/DrivingBoardMotorMessage"
-    __typehash__: ClassVar[str] = "RIHS01_2cd1ad69f278b92cf96676fc749456f4a630c4fd69430323d8463e4480774a40"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_2cd1ad69f278b92cf96676fc749456f4a630c4fd69430323d8463e4480774a40"
+    )
 
     distance_to_go: Float32 = 0.0
     turning_radius: Float32 = 0.0

@@ -15,6 +15,8 @@ class DrivingBoardMotorPeriodicProgress(Message):
     """Distance left on the current drive command."""
 
     __msgtype__: ClassVar[str] = "comms/msg/DrivingBoardMotorPeriodicProgress"
-    __typehash__: ClassVar[str] = "RIHS01_59e6d07cfaafd0e930fd773d6d7224a38d00c207e093ea9a107e14edf8eef835"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_59e6d07cfaafd0e930fd773d6d7224a38d00c207e093ea9a107e14edf8eef835"
+    )
 
     distance_left: Float32 = 0.0

@@ -17,7 +17,9 @@ class ImuSensorInformation(Message):
     """One sample of the inertial measurement unit."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ImuSensorInformation"
-    __typehash__: ClassVar[str] = "RIHS01_7563fa22f8050e4d49a7653adb6c82fbf1c40733747a27f4d18957fbc0018030"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_7563fa22f8050e4d49a7653adb6c82fbf1c40733747a27f4d18957fbc0018030"
+    )
 
     # Values of error_code
     IMU_NO_ERROR: ClassVar[int] = 0

@@ -15,7 +15,9 @@ class MotorInformation(Message):
     """State and readings of one motor."""
 
     __msgtype__: ClassVar[str] = "comms/msg/MotorInformation"
-    __typehash__: ClassVar[str] = "RIHS01_7abc3b902a04a77a9684138df2acb76a8ede60c012dc4a535d42534beee7079d"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_7abc3b902a04a77a9684138df2acb76a8ede60c012dc4a535d42534beee7079d"
+    )
 
     # Values of state
     IDLE: ClassVar[int] = 0

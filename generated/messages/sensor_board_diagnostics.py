@@ -21,7 +21,9 @@ class SensorBoardDiagnostics(Message):
     """State of the sensor board, with the latest reading of each of its sensors."""
 
     __msgtype__: ClassVar[str] = "comms/msg/SensorBoardDiagnostics"
-    __typehash__: ClassVar[str] = "RIHS01_c8b159833c674c030c9902de4e32ff38200a55bc7c215f96af144996e6a05a36"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_c8b159833c674c030c9902de4e32ff38200a55bc7c215f96af144996e6a05a36"
+    )
 
     # Values of state
     IDLE: ClassVar[int] = 0
@@ -31,10 +33,18 @@ class SensorBoardDiagnostics(Message):
 
     state: UInt8 = 0
     ph_sensor: SensorBoardPHInfo = dataclasses.field(default_factory=SensorBoardPHInfo)
-    imu_sensor: ImuSensorInformation = dataclasses.field(default_factory=ImuSensorInformation)
+    imu_sensor: ImuSensorInformation = dataclasses.field(
+        default_factory=ImuSensorInformation
+    )
     board_temperature: Float32 = 0.0
     board_voltage: Float32 = 0.0
     """Voltage [V]."""
-    gps_sensor: SensorBoardGPSInfo = dataclasses.field(default_factory=SensorBoardGPSInfo)
-    load_cell: SensorBoardLoadCellInfo = dataclasses.field(default_factory=SensorBoardLoadCellInfo)
-    pressure_sensor: SensorBoardPressureInfo = dataclasses.field(default_factory=SensorBoardPressureInfo)
+    gps_sensor: SensorBoardGPSInfo = dataclasses.field(
+        default_factory=SensorBoardGPSInfo
+    )
+    load_cell: SensorBoardLoadCellInfo = dataclasses.field(
+        default_factory=SensorBoardLoadCellInfo
+    )
+    pressure_sensor: SensorBoardPressureInfo = dataclasses.field(
+        default_factory=SensorBoardPressureInfo
+    )

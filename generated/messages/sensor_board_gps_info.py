@@ -24,7 +24,9 @@ class SensorBoardGPSInfo(Message):
     """One fix of the GPS receiver."""
 
     __msgtype__: ClassVar[str] = "comms/msg/SensorBoardGPSInfo"
-    __typehash__: ClassVar[str] = "RIHS01_a6653d650a4b055d2bdd1ff2bedd117009f6eb8f0e648528fc1a382bc380379a"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_a6653d650a4b055d2bdd1ff2bedd117009f6eb8f0e648528fc1a382bc380379a"
+    )
 
     # Values of fix_quality
     NO_FIX: ClassVar[int] = 0

@@ -17,7 +17,9 @@ class SensorBoardLoadCellInfo(Message):
     """One reading of a load cell."""
 
     __msgtype__: ClassVar[str] = "comms/msg/SensorBoardLoadCellInfo"
-    __typehash__: ClassVar[str] = "RIHS01_6418cf6640f1090bcd96af6545f0275a79b95ff0d880e9dfd6f8da19697e182c"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_6418cf6640f1090bcd96af6545f0275a79b95ff0d880e9dfd6f8da19697e182c"
+    )
 
     # Values of error_code
     LOAD_CELL_NO_ERROR: ClassVar[int] = 0

@@ -17,7 +17,9 @@ class SensorBoardPHInfo(Message):
     """One reading of the pH probe."""
 
     __msgtype__: ClassVar[str] = "comms/msg/SensorBoardPHInfo"
-    __typehash__: ClassVar[str] = "RIHS01_0493b2d34bc7a27cdfa7fa9bac2463b89182724378217475c3a15f703ba1d00e"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_0493b2d34bc7a27cdfa7fa9bac2463b89182724378217475c3a15f703ba1d00e"
+    )
 
     # Values of error_code
     PH_NO_ERROR: ClassVar[int] = 0

@@ -17,7 +17,9 @@ class SensorBoardPressureInfo(Message):
     """One reading of a pressure sensor."""
 
     __msgtype__: ClassVar[str] = "comms/msg/SensorBoardPressureInfo"
-    __typehash__: ClassVar[str] = "RIHS01_4aa359d2820538041f1fff6076a854a6470f7b25d7d61fdfd886841b72c276f6"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_4aa359d2820538041f1fff6076a854a6470f7b25d7d61fdfd886841b72c276f6"
+    )
 
     # Values of error_code
     PRESSURE_NO_ERROR: ClassVar[int] = 0

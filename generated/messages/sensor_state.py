@@ -15,7 +15,9 @@ class SensorState(Message):
     """Activity of a sensor; shared by all sensors."""
 
     __msgtype__: ClassVar[str] = "comms/msg/SensorState"
-    __typehash__: ClassVar[str] = "RIHS01_6bc1bb0a38f2a73f4bcecda950ad09793d9df8965f59291ac8c8da9bf19ad3cb"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_6bc1bb0a38f2a73f4bcecda950ad09793d9df8965f59291ac8c8da9bf19ad3cb"
+    )
 
     # Values of state
     SENSOR_IDLE: ClassVar[int] = 0

@@ -19,7 +19,9 @@ _LAYOUT = cdr.fixed_layout(ArmBoardMovementFeedback)
 class FastArmFeedbackHandler(ArmFeedbackHandler):
     """ArmFeedbackHandler that converts a payload to a serialized ROS message in one step."""
 
-    def _pack(self, payload: movement_software_feedback_pb2.ArmBoardMovementFeedback) -> bytes:
+    def _pack(
+        self, payload: movement_software_feedback_pb2.ArmBoardMovementFeedback
+    ) -> bytes:
         """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -19,7 +19,9 @@ _LAYOUT = cdr.fixed_layout(ArmBoardTargetMovement)
 class FastArmTargetHandler(ArmTargetHandler):
     """ArmTargetHandler that converts a payload to a serialized ROS message in one step."""
 
-    def _pack(self, payload: movement_software_target_pb2.ArmBoardTargetMovement) -> bytes:
+    def _pack(
+        self, payload: movement_software_target_pb2.ArmBoardTargetMovement
+    ) -> bytes:
         """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -19,7 +19,9 @@ _LAYOUT = cdr.fixed_layout(DrivingBoardMotorPeriodicProgress)
 class FastDriveProgressHandler(DriveProgressHandler):
     """DriveProgressHandler that converts a payload to a serialized ROS message in one step."""
 
-    def _pack(self, payload: motor_periodic_progress_pb2.DrivingBoardMotorPeriodicProgress) -> bytes:
+    def _pack(
+        self, payload: motor_periodic_progress_pb2.DrivingBoardMotorPeriodicProgress
+    ) -> bytes:
         """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -29,14 +29,18 @@ _SERIALIZED = cdr.template(
         "altitude",
     ],
 )
-_BEFORE_HEADER_STAMP_SEC, _BEFORE_STATUS_STATUS, _BEFORE_LATITUDE, _END = _SERIALIZED.constants
+_BEFORE_HEADER_STAMP_SEC, _BEFORE_STATUS_STATUS, _BEFORE_LATITUDE, _END = (
+    _SERIALIZED.constants
+)
 _LAYOUT = _SERIALIZED.layout
 
 
 class FastGpsFixTopic(GpsFixTopic):
     """GpsFixTopic that converts a payload to a serialized ROS message in one step."""
 
-    def _pack(self, payload: gps_sensor_pb2.SensorBoardGPSInfo, stamp: Time = UNSTAMPED) -> bytes:
+    def _pack(
+        self, payload: gps_sensor_pb2.SensorBoardGPSInfo, stamp: Time = UNSTAMPED
+    ) -> bytes:
         """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             _BEFORE_HEADER_STAMP_SEC,

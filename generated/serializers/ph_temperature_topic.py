@@ -30,7 +30,9 @@ _LAYOUT = _SERIALIZED.layout
 class FastPhTemperatureTopic(PhTemperatureTopic):
     """PhTemperatureTopic that converts a payload to a serialized ROS message in one step."""
 
-    def _pack(self, payload: ph_sensor_pb2.SensorBoardPHInfo, stamp: Time = UNSTAMPED) -> bytes:
+    def _pack(
+        self, payload: ph_sensor_pb2.SensorBoardPHInfo, stamp: Time = UNSTAMPED
+    ) -> bytes:
         """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             _BEFORE_HEADER_STAMP_SEC,

@@ -19,7 +19,9 @@ _LAYOUT = cdr.fixed_layout(BasestationRockMeasureRequest)
 class FastRockMeasureRequestHandler(RockMeasureRequestHandler):
     """RockMeasureRequestHandler that converts a payload to a serialized ROS message in one step."""
 
-    def _pack(self, payload: rock_measure_request_pb2.BasestationRockMeasureRequest) -> bytes:
+    def _pack(
+        self, payload: rock_measure_request_pb2.BasestationRockMeasureRequest
+    ) -> bytes:
         """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -19,7 +19,9 @@ _LAYOUT = cdr.fixed_layout(BasestationRockMeasureResult)
 class FastRockMeasureResultHandler(RockMeasureResultHandler):
     """RockMeasureResultHandler that converts a payload to a serialized ROS message in one step."""
 
-    def _pack(self, payload: rock_measure_result_pb2.BasestationRockMeasureResult) -> bytes:
+    def _pack(
+        self, payload: rock_measure_result_pb2.BasestationRockMeasureResult
+    ) -> bytes:
         """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -19,7 +19,9 @@ _LAYOUT = cdr.fixed_layout(BasestationRoverLocalization)
 class FastRoverLocalizationHandler(RoverLocalizationHandler):
     """RoverLocalizationHandler that converts a payload to a serialized ROS message in one step."""
 
-    def _pack(self, payload: rover_localization_pb2.BasestationRoverLocalization) -> bytes:
+    def _pack(
+        self, payload: rover_localization_pb2.BasestationRoverLocalization
+    ) -> bytes:
         """Convert a payload to its ROS message, serialized as CDR."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

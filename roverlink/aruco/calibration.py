@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from roverlink.aruco.board_options import board_of
 from roverlink.aruco.calibration_page import serve_page
 from roverlink.aruco.calibration_text import CalibrationText, JsonText, PlainText
@@ -37,6 +39,7 @@ from roverlink.vision.calibration.page.live_calibration import LiveCalibration
 from roverlink.vision.calibration.report import report, write_report
 from roverlink.vision.calibration.writing import write_calibration
 from roverlink.vision.frames import Frame, FrameSource, ImageFiles
+from roverlink.vision.opencv import cv2
 
 
 def calibrate(arguments: argparse.Namespace, ros: RosArguments) -> int:
@@ -159,5 +162,7 @@ def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[P
 
 def versions() -> dict[str, str]:
     """Return the names and versions of the packages whose version can change the results of a calibration."""
-    packages = {"roverlink": "roverlink", "OpenCV": "opencv-contrib-python-headless", "NumPy": "numpy"}
-    return {name: found for name, package in packages.items() if (found := installed_version(package))}
+    # Not the versions of pip's packages: on a Jetson, OpenCV and NumPy belong to the system.
+    loaded = {"OpenCV": cv2.__version__, "NumPy": np.__version__}
+    own = installed_version("roverlink")
+    return {"roverlink": own, **loaded} if own else loaded

@@ -49,6 +49,13 @@ def source_of(arguments: argparse.Namespace, say: Callable[[str], None]) -> str:
     return (_asked(say) if text is None else text).strip()
 
 
+def full_topic(name: str, ros: RosArguments) -> str:
+    """Return the fully qualified name of a topic that the user has named. Raises `SetupError` if it cannot be one."""
+    if not is_topic(name):
+        raise SetupError(f"{name!r} is not the name of a topic, such as /camera/image_raw")
+    return ros.topic(name)
+
+
 def open_source(
     text: str,
     arguments: argparse.Namespace,
@@ -66,9 +73,7 @@ def open_source(
     from roverlink.vision import frames
 
     def open_topic(name: str) -> FrameSource:
-        if not is_topic(name):
-            raise SetupError(f"{name!r} is not the name of a topic, such as /camera/image_raw")
-        return frames.TopicSource(middleware(), ros.topic(name), say)
+        return frames.TopicSource(middleware(), full_topic(name, ros), say)
 
     return frames.open_source(
         text, size=arguments.size or size, rate=arguments.rate or frames.RATE, say=say, open_topic=open_topic

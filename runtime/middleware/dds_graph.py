@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
+from cyclonedds.core import InstanceState
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.qos import Policy
 from cyclonedds.qos import Qos as DdsQos
@@ -70,9 +71,11 @@ class DdsGraph:
         found = self._found[publishing]
         for sample in _taken(self._readers[publishing].take):
             guid = sample.key.bytes
-            if sample.sample_info.valid_data:
+            info = sample.sample_info
+            # An endpoint that has left before it was read here still has its data.
+            if info.valid_data and info.instance_state == InstanceState.Alive:
                 found[guid] = sample.topic_name, sample.type_name, sample.qos
-            else:  # the endpoint has left
+            else:
                 found.pop(guid, None)
                 self._names.pop(guid, None)
 

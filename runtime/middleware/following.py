@@ -6,6 +6,7 @@ of any other node, such as a camera driver, therefore has to take over the QoS o
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 
 from roverlink.runtime.core.errors import MiddlewareError
@@ -51,6 +52,8 @@ class FollowingSubscription:
         self._types = {one.__msgtype__: one for one in message_types}
         self._made: tuple[str, Qos] | None = None
         self._subscription: Subscription | None = None
+        self._lock = threading.Lock()  # a subscription must not be made while another thread closes this object
+        self._closed = False
 
     def look(self) -> bool:
         """Subscribe if the publishers need a new subscription; return false if no publisher is known.
@@ -58,9 +61,21 @@ class FollowingSubscription:
         Call this again and again while no message comes. Raises `MiddlewareError` if the topic has another message
         type than the possible ones, or if the middleware lacks the type.
         """
-        name = self._middleware.topics().get(self._topic)
-        if name is None:
-            return False
+        with self._lock:
+            name = None if self._closed else self._middleware.topics().get(self._topic)
+            if name is None:
+                return False
+            self._follow(name)
+            return True
+
+    def close(self) -> None:
+        """End the subscription. Afterwards, `look` does nothing."""
+        with self._lock:
+            self._closed = True
+            self._end()
+
+    def _follow(self, name: str) -> None:
+        """Subscribe with the message type of this name and the QoS of the publishers, unless this is done already."""
         message_type = self._types.get(name)
         if message_type is None:
             raise MiddlewareError(
@@ -69,7 +84,7 @@ class FollowingSubscription:
         publishers = self._middleware.endpoints(self._topic, True)
         wanted = name, matching_qos(publishers, self._depth)
         if wanted != self._made:
-            self.close()
+            self._end()
             self._subscription = self._middleware.subscribe(
                 self._topic,
                 message_type,
@@ -78,10 +93,8 @@ class FollowingSubscription:
                 exact_depth=True,
             )
             self._made = wanted
-        return True
 
-    def close(self) -> None:
-        """End the subscription."""
+    def _end(self) -> None:
         if self._subscription is not None:
             self._subscription.close()
             self._subscription = self._made = None

@@ -92,8 +92,9 @@ class MemoryMiddleware:
         self._own.append(own)
 
         def close() -> None:
-            self._own.remove(own)
-            callbacks.remove(callback)
+            if own in self._own:  # closing the middleware has removed it already
+                self._own.remove(own)
+                callbacks.remove(callback)
 
         return MemorySubscription(self._graph, topic, close)
 

@@ -22,7 +22,7 @@ def test_every_message_crosses_in_the_demo(done: Start, middleware: str) -> None
     code, output, errors = done("demo", "--seconds", 5, "--middleware", middleware)  # type: ignore[misc]
     assert code == 0, f"{output}\n{errors}"
     assert "21 of 21 messages were bridged" in output
-    assert re.search(r"located itself in [1-9]\d* frames", output)
+    assert re.search(r"located the rover in [1-9]\d* frames", output)
 
 
 def test_the_sums_of_a_simulation_agree(done: Start, middleware: str) -> None:

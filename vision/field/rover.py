@@ -22,7 +22,7 @@ class RoverPose:
     stamp: int
     """Time of the newest frame in nanoseconds."""
     place: FieldPose
-    """Transform from the rover's frame to that of the field; the landmarks agree."""
+    """Transform from the rover's frame to that of the field."""
 
 
 class RoverLocalizer:
@@ -33,7 +33,7 @@ class RoverLocalizer:
 
     def __init__(self, cameras: int, landmarks: Landmarks) -> None:
         """Locate a rover with this number of cameras."""
-        self._cameras, self._landmarks = cameras, landmarks
+        self._cameras, self.landmarks = cameras, landmarks
         self._waiting: dict[str, tuple[int, Shot]] = {}
 
     def add(self, camera: str, stamp: int, shot: Shot | None) -> RoverPose | None:
@@ -49,9 +49,9 @@ class RoverLocalizer:
         return self._located() if len(self._waiting) == self._cameras else found
 
     def _located(self) -> RoverPose | None:
-        """Return the pose from all frames that wait; None if the landmarks in them do not agree."""
+        """Return the pose from all frames that wait; None if they show no known landmark."""
         waiting, self._waiting = self._waiting, {}
         if not waiting:
             return None
-        place = localize_rover([shot for _, shot in waiting.values()], self._landmarks)
-        return RoverPose(max(stamp for stamp, _ in waiting.values()), place) if place and place.agreed else None
+        place = localize_rover([shot for _, shot in waiting.values()], self.landmarks)
+        return RoverPose(max(stamp for stamp, _ in waiting.values()), place) if place else None

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.field.landmarks import Landmarks
-from roverlink.vision.field.localization import FieldPose, localize
-from roverlink.vision.field.rover import RoverPose
+from roverlink.vision.field.localization import FieldPose, Shot, localize
+from roverlink.vision.field.rover import RoverLocalizer, RoverPose
 from roverlink.vision.frames import Frame
 from roverlink.vision.markers.tracker import Sighting, Tracker
 from roverlink.vision.poses.pose import Pose, quaternion_of
@@ -42,11 +42,39 @@ class View:
         return found
 
 
-def look(frames: Iterable[Frame], tracker: Tracker, landmarks: Landmarks | None = None) -> Iterator[View]:
-    """Yield the results of each frame: the markers in it and, if landmarks are given, the camera's pose."""
-    for frame in frames:
-        sightings = tracker.track(frame.image, frame.stamp)
-        yield View(frame, sightings, localize(sightings, landmarks) if landmarks else None)
+@dataclass(eq=False)
+class Eye:
+    """Camera of a rover, as far as poses need it."""
+
+    tracker: Tracker
+    name: str = ""
+    """Name, if the rover has several cameras."""
+    mount: Callable[[Frame], Pose | None] = lambda _: None
+    """Function that returns the transform from the optical frame to the rover's at the time of a frame, if known."""
+
+
+class Lookout:
+    """Finder of landmarks in frames, and of the poses of cameras and rover that follow from them."""
+
+    def __init__(self, eyes: int = 1, landmarks: Landmarks | None = None) -> None:
+        """Look with a number of cameras; without landmarks, no poses on the field are computed."""
+        self._eyes = eyes
+        self.use(landmarks)
+
+    def use(self, landmarks: Landmarks | None) -> None:
+        """Use other landmarks from the next frame on."""
+        self._rover = RoverLocalizer(self._eyes, landmarks) if landmarks else None
+
+    def view(self, eye: Eye, frame: Frame) -> View:
+        """Return the results of a camera's frame. Call this once for each frame."""
+        rover = self._rover
+        sightings = tuple(eye.tracker.track(frame.image, frame.stamp))
+        if rover is None:
+            return View(frame, sightings, camera=eye.name)
+        mount = eye.mount(frame)
+        shot = None if mount is None else Shot(sightings, mount)
+        place = localize(sightings, rover.landmarks)
+        return View(frame, sightings, place, eye.name, rover.add(eye.name, frame.stamp, shot))
 
 
 def _sighting(one: Sighting) -> Mapping[str, Any]:

@@ -115,8 +115,8 @@ class _Topic:
             return
         self._silent = True
         if published:
-            what = "has stalled" if self._seen else "has a publisher"
-            self._say(f"{self._name} {what}, but no message came for {STALLED_S:.0f} s; waiting for one")
+            what = "has stalled:" if self._seen else "has a publisher, but"
+            self._say(f"{self._name} {what} no message came for {STALLED_S:.0f} s; waiting for one")
         elif self._seen:
             self._say(f"{self._name} has ended: it has no publisher any more; waiting for one")
         else:
@@ -196,6 +196,8 @@ class TopicSets:
         """Yield the newest set that is not yielded yet, serialized, with its number from 0; wait for it."""
         while not self._newest.closed:
             found = self._newest.take(_LOOK_S)
+            if self._newest.closed:
+                return
             self._watch()
             if found is not None:
                 yield found

@@ -53,16 +53,16 @@ class TopicSource:
             self._bad.good()
             yield frame
 
-    def read_camera(self, info_topic: str = "") -> CameraParameters:
+    @property
+    def camera_info_topic(self) -> str:
+        """Topic on which a driver publishes the camera's parameters: the one beside the topic with the images."""
+        return camera_info_topic(self.name)
+
+    def read_camera(self, topic: str) -> CameraParameters:
         """Wait for the camera's parameters on a topic; return those for the images of this source.
 
-        If no topic is given, it is the one beside the topic with the images. Raises `SetupError` if the camera is not
-        calibrated.
+        Raises `SetupError` if the camera is not calibrated.
         """
-        topic = info_topic or camera_info_topic(self.name)
-        self._say(
-            f"reading the camera's parameters from {topic}; --parameters FILE or --camera-info TOPIC overrides it"
-        )
         with TopicSets(self._middleware, [topic], self._say, types=[CameraInfo]) as infos:
             (info,) = cast("tuple[CameraInfo]", next(iter(infos)))
         try:

@@ -24,8 +24,9 @@ def add(commands: Subparsers) -> None:
         "find ArUco markers and publish their poses",
         "roverlink aruco track 192.168.0.7:8080 --side 0.15 --landmarks landmarks.yaml --ros-args -r __ns:=/front",
         "Find ArUco markers in camera images, and publish their poses relative to the camera: on /tf, as messages\n"
-        "with covariances, and drawn into the image. With --landmarks, publish also the pose of the camera on the\n"
-        "field; a running bridge can send it to the basestation.\n"
+        "with covariances, and drawn into the image. With --landmarks, publish also the poses of the camera and the\n"
+        "rover on the field; a running bridge can send the rover's position to the basestation.\n"
+        "SOURCE can be a file of several cameras, such as cameras.yaml.\n"
         "With --json or --save, no ROS 2 is needed.\n"
         "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
         "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.",
@@ -34,6 +35,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument("--loop", action="store_true", help="play a video or a folder again and again, until Ctrl-C")
     parser.add_argument("--count", type=count, metavar="N", help="stop after N images")
     _add_camera(parser)
+    _add_rover(parser)
     _add_markers(parser)
     _add_outputs(parser)
     add_project(parser)
@@ -64,6 +66,22 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="name of the camera's coordinate frame in all results (default: the frame of the images of a ROS 2 topic; "
         f"for other sources, {CAMERA_FRAME})",
+    )
+
+
+def _add_rover(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--base-frame",
+        default="base_link",
+        metavar="NAME",
+        help="name of the rover's coordinate frame; the transforms on /tf and /tf_static from the cameras to it are "
+        "their mounts, unless a file of cameras gives them (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--odom-frame",
+        metavar="NAME",
+        help="name of the odometry's coordinate frame; publish the transform to it from the frame of the field on /tf "
+        "(default: publish no transform of the rover)",
     )
 
 

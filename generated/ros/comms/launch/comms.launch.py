@@ -91,4 +91,6 @@ def generate_launch_description() -> LaunchDescription:
 def set_parameter(name: str) -> SetParameter:
     """Override a parameter of params_file if the argument of the same name is not empty."""
     value = LaunchConfiguration(name)
-    return SetParameter(name, value, condition=IfCondition(PythonExpression(["'", value, "' != ''"])))
+    return SetParameter(
+        name, value, condition=IfCondition(PythonExpression(["'", value, "' != ''"]))
+    )
