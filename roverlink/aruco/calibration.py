@@ -18,7 +18,7 @@ import numpy as np
 from roverlink.aruco.board_options import board_of
 from roverlink.aruco.calibration_page import serve_page
 from roverlink.aruco.calibration_text import CalibrationText, JsonText, PlainText
-from roverlink.aruco.camera_source import open_source, source_of
+from roverlink.aruco.camera_source import open_source, settings_of, source_of
 from roverlink.console import FINDINGS, OK
 from roverlink.installed_packages import installed_version
 from roverlink.progress import progress
@@ -57,7 +57,7 @@ def calibrate(arguments: argparse.Namespace, ros: RosArguments) -> int:
             return stack.enter_context(open_middleware(arguments.middleware, ros.node))
 
         source = stack.enter_context(
-            open_source(source_of(arguments, text.note), arguments, ros, middleware, say=text.note)
+            open_source(source_of(arguments, text.note), settings_of(arguments), ros, middleware, say=text.note)
         )
         if arguments.page:
             try:

@@ -11,7 +11,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
 
-from roverlink.aruco.camera_source import CAMERA_FRAME, PARAMETERS, full_topic, open_source, source_of
+from roverlink.aruco.camera_source import (
+    CAMERA_FRAME,
+    PARAMETERS,
+    SETTINGS,
+    full_topic,
+    open_source,
+    settings_of,
+    source_of,
+)
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import Middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
@@ -23,11 +31,8 @@ from roverlink.vision.frames import Frame, FrameSource, TopicSource, play
 from roverlink.vision.frames.interleaving import in_order, newest
 from roverlink.vision.frames.open_source import TOPIC
 
-_IN_THE_FILE = {
-    "parameters": "parameters",
-    "camera_info": "source: topic:NAME",
-    "camera_frame": "frame",
-    "size": "size",
+_IN_THE_FILE = {"parameters": "parameters", "camera_info": "camera_info", "camera_frame": "frame"} | {
+    name: name for name in SETTINGS
 }
 """Options for one camera, each with the key that replaces it in a file of cameras."""
 
@@ -55,7 +60,11 @@ def described(arguments: argparse.Namespace, say: Callable[[str], None]) -> list
     """Return what the options, or the file that they name, say about the cameras. Raises `SetupError` for mistakes."""
     text = source_of(arguments, say)
     if Path(text).suffix.lower() not in SUFFIXES:
-        return [CameraEntry("", text, arguments.parameters, arguments.camera_frame or "")]
+        if arguments.camera_info and (arguments.parameters or not text.startswith(TOPIC)):
+            what = "--parameters is given" if arguments.parameters else f"the source is not {TOPIC}NAME"
+            raise SetupError(f"--camera-info has no effect, because {what}; remove one of the options")
+        frame, info = arguments.camera_frame or "", arguments.camera_info or ""
+        return [CameraEntry("", text, arguments.parameters, frame, info, settings_of(arguments))]
     for option, key in _IN_THE_FILE.items():
         if getattr(arguments, option):
             name = option.replace("_", "-")
@@ -80,33 +89,30 @@ class CameraOpener:
 
     def open(self, entry: CameraEntry) -> TrackedCamera:
         """Open a camera, and read its parameters. Raises `SetupError` if that fails, or if they do not fit."""
-        arguments, warn = self._arguments, self._logger.warning
+        warn = self._logger.warning
         camera = self._of_file(entry)
         size = camera.size if camera else None
         source = self._stack.enter_context(
-            open_source(entry.source, arguments, self._ros, self._middleware, size, warn)
+            open_source(entry.source, entry.settings, self._ros, self._middleware, size, warn)
         )
         size = next(iter(source)).size
         self._logger.info("%s: %dx%d pixels", source.name, *size)
         origin = str(entry.parameters or PARAMETERS)
         if camera is None:
             images = cast(TopicSource, source)
-            info = arguments.camera_info
-            origin = full_topic(info, self._ros) if info else images.camera_info_topic
+            origin = full_topic(entry.camera_info, self._ros) if entry.camera_info else images.camera_info_topic
             other = f"'parameters' of {entry.name}" if entry.name else "--camera-info TOPIC or --parameters FILE"
             self._logger.info("camera parameters: from %s; %s overrides this", origin, other)
             camera = images.read_camera(origin)
         # Only now: the size is known from the first frame, since a camera may not give the size that was requested.
-        camera = for_images(camera, size, origin, rescale=arguments.rescale, warn=warn)
+        camera = for_images(camera, size, origin, rescale=self._arguments.rescale, warn=warn)
         return TrackedCamera(entry, source, camera)
 
-    def _of_file(self, entry: CameraEntry) -> CameraParameters | None:
+    @staticmethod
+    def _of_file(entry: CameraEntry) -> CameraParameters | None:
         """Return the parameters in the camera's file; None if it is a ROS 2 topic that has to give them."""
         if entry.parameters is None and entry.source.startswith(TOPIC):
             return None
-        if self._arguments.camera_info:
-            what = "--parameters is given" if entry.parameters else f"the source is not {TOPIC}NAME"
-            raise SetupError(f"--camera-info has no effect, because {what}; remove one of the options")
         if entry.parameters is None and entry.name:
             raise SetupError(f"camera {entry.name} has no parameters; add 'parameters: FILE' (see aruco calibrate)")
         return read_parameters(entry.parameters or PARAMETERS)

@@ -22,7 +22,7 @@ from typing import IO, cast
 import numpy as np
 
 from roverlink.commands.aruco.track import NO_MIDDLEWARE
-from roverlink.demo.field import RATE_HZ, SIDE, landmarks, render_film, rover_position, write_cameras, write_field
+from roverlink.demo.field import SIDE, landmarks, render_film, rover_position, write_cameras, write_field
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.middleware import Middleware
 from roverlink.vision.camera.camera_model import Floats
@@ -52,7 +52,7 @@ class DemoCamera:
         folder = Path(self._folder.name)
         frames = folder / "frames"
         self._command = [sys.executable, "-m", "roverlink", "aruco", "track", str(folder / "cameras.yaml")]
-        self._command += ["--loop", "--json", "--rate", str(RATE_HZ), "--side", str(SIDE)]
+        self._command += ["--loop", "--json", "--side", str(SIDE)]
         self._command += ["--landmarks", str(folder / "landmarks.yaml")]
         self._command += ["--middleware", NO_MIDDLEWARE if middleware == "memory" else middleware]
         self._command += ["--project", str(project), "--ros-args", "--log-level", "warn"]
@@ -61,7 +61,7 @@ class DemoCamera:
         self._worst = 0.0
         frames.mkdir()
         write_field(folder)
-        write_cameras(folder, frames.name)
+        write_cameras(folder)
         for frame in self._film:
             cv2.imwrite(str(frames / f"{frame.number}.png"), frame.image)
 

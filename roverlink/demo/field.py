@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import yaml
 
 from roverlink.vision import CameraParameters, Landmark, Landmarks, Pose
 from roverlink.vision.camera.camera_model import Floats
@@ -76,10 +77,15 @@ def write_field(folder: Path) -> None:
     (folder / "landmarks.yaml").write_text(text, encoding="utf-8")
 
 
-def write_cameras(folder: Path, source: str) -> None:
-    """Write ``cameras.yaml``: the simulated camera, with a file or folder beside it as the source of its images."""
-    mount = f"{{position: [0, 0, {_HEIGHT_M}], rpy: [0, 0, 0]}}"
-    text = f"cameras:\n  front:\n    source: {source}\n    parameters: camera.yml\n    mount: {mount}\n"
+def write_cameras(folder: Path) -> None:
+    """Write ``cameras.yaml``: the simulated camera, with the images in the folder ``frames`` beside the file."""
+    keys = {
+        "source": "frames",
+        "rate": RATE_HZ,
+        "parameters": "camera.yml",
+        "mount": {"position": [0, 0, _HEIGHT_M], "rpy": [0, 0, 0]},
+    }
+    text = yaml.safe_dump({"cameras": {"front": keys}}, sort_keys=False)
     (folder / "cameras.yaml").write_text(text, encoding="utf-8")
 
 
