@@ -149,8 +149,8 @@ def open_pipeline(pipeline: str, settings: CameraSettings, say: Say) -> LiveSour
     settings.check("a GStreamer pipeline", "latency")
     if not cv2.videoio_registry.hasBackend(cv2.CAP_GSTREAMER):
         raise SetupError(
-            "this OpenCV has no GStreamer (pip's packages never have it); use the OpenCV of the system, as on a Jetson, "
-            "or let a ROS 2 driver publish the images and use topic:NAME"
+            "this OpenCV has no GStreamer (pip's packages never do); use the OpenCV of the system, as on a Jetson, or "
+            "let a ROS 2 driver publish the images and use topic:NAME"
         )
     whole = pipeline if "appsink" in pipeline else f"{pipeline} ! {_NEWEST_SINK}"
     connect = _connected("", CameraSettings(), say, whole, cv2.CAP_GSTREAMER)
