@@ -5,6 +5,10 @@ A view is the set of board corners found in one image.
 
 from __future__ import annotations
 
+import roverlink.vision  # noqa: F401  # first: it explains how to install numpy and OpenCV
+
+# isort: split
+
 import argparse
 import contextlib
 import threading
