@@ -10,7 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from roverlink.vision.markers.marker_set import square
-from roverlink.vision.poses.pnp import Corners, Solution, chi2_limit, solve, square_poses, with_model_error
+from roverlink.vision.poses.chi_squared import chi2_limit
+from roverlink.vision.poses.pnp import Corners, Solution, solve, square_poses, with_model_error
 from roverlink.vision.poses.pose import Pose, predict, rotation_of
 
 FACING = np.diag([1.0, -1.0, -1.0])

@@ -16,7 +16,7 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.field.landmarks import Landmark, Landmarks
 from roverlink.vision.markers.marker_set import TargetId
 from roverlink.vision.markers.tracker import Sighting
-from roverlink.vision.poses.pnp import chi2_limit
+from roverlink.vision.poses.chi_squared import chi2_limit
 from roverlink.vision.poses.pose import Pose, predict
 
 _SLACK = (100.0, 10.0, 3.0, 1.0, 1.0)

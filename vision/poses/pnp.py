@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.markers.marker_set import square
 from roverlink.vision.opencv import cv2
+from roverlink.vision.poses.chi_squared import chi2_limit
 from roverlink.vision.poses.pose import Pose, predict_all, rotation_of
 
 # cv2.solvePnP gives no covariance, and IPPE needs all corners in one plane, which a board's markers may not be. From
@@ -32,7 +33,6 @@ _CONVERGED = 1e-3
 _SAME = np.radians(0.05)
 """Angle in radians below which two solutions count as one."""
 _MOST_DAMPED = 1e6
-_NORMAL_QUANTILE = 3.09  # 99.9 % quantile of the normal distribution
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -263,12 +263,3 @@ def with_model_error(corners: Corners, solutions: Sequence[Solution]) -> tuple[C
     factor = chi2 / freedom
     wider = [replace(one, covariance=one.covariance * factor, chi2=one.chi2 / factor) for one in solutions]
     return replace(corners, covariance=corners.covariance * factor), wider
-
-
-def chi2_limit(freedom: int) -> float:
-    """Return the value that chi squared exceeds once in a thousand cases (Wilson and Hilferty, 1931).
-
-    `freedom` is the number of degrees of freedom.
-    """
-    part = 2 / (9 * freedom)
-    return float(freedom * (1 - part + _NORMAL_QUANTILE * part**0.5) ** 3)
