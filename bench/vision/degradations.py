@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.vision.scenes import DICTIONARY, SIDE, Scene, corner_points, lens, random_pose
+from bench.vision.scenes import DICTIONARY, FRAME_NS, SIDE, Scene, corner_points, lens, random_pose
 from roverlink.vision.images.rendering import (
     Floats,
     Grey,
@@ -29,8 +29,6 @@ from roverlink.vision.images.rendering import (
 Light = NDArray[np.float32]
 READOUT_S = 0.02
 """Time in seconds from the first row of a rolling shutter to the last one."""
-FRAME_NS = 33_000_000
-"""Time between two frames in nanoseconds."""
 _SHARP = 4  # pixels of the print's image per pixel of the raster
 
 
@@ -79,7 +77,7 @@ def jpeg(quality: int) -> Callable[[Grey], Grey]:
 
     def through(image: Grey) -> Grey:
         _, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
-        decoded: Grey = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE).astype(np.uint8)
+        decoded: Grey = np.asarray(cv2.imdecode(data, cv2.IMREAD_GRAYSCALE), np.uint8)
         return decoded
 
     return through
@@ -91,10 +89,11 @@ def motion_blur(pixels: float) -> Callable[[Light, np.random.Generator], Light]:
     def smear(light: Light, rng: np.random.Generator) -> Light:
         angle = rng.uniform(0, np.pi)
         steps = 4 * int(np.ceil(pixels)) + 1
-        smeared = np.zeros_like(light)
+        smeared: Light = np.zeros_like(light)
         for part in (np.arange(steps) + 0.5) / steps - 0.5:
             smeared += _moved(light, pixels * part * np.array([np.cos(angle), np.sin(angle)]))
-        return smeared / steps
+        smeared /= np.float32(steps)
+        return smeared
 
     return smear
 

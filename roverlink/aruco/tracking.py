@@ -29,6 +29,7 @@ from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision import CameraParameters, Landmarks, MarkerSet, Tracker, read_landmarks
 from roverlink.vision.camera.image_size import for_images
 from roverlink.vision.camera.parameters_file import read_parameters
+from roverlink.vision.camera.uncertainty import Uncertainty
 from roverlink.vision.field.view import View, look
 from roverlink.vision.frames import Frame, FrameSource, TopicSource, play
 from roverlink.vision.frames.open_source import TOPIC
@@ -48,7 +49,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
 
     Raises `SetupError` if a file, the source of frames or a package is missing, or if a file is wrong.
     """
-    markers = _markers(arguments)
+    markers, uncertainty = _markers(arguments), _uncertainty(arguments)
     landmarks = _landmarks(arguments, markers)
     text = source_of(arguments, logger.warning)
     camera = _parameters(arguments, text)
@@ -72,7 +73,8 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
         camera = for_images(camera, size, origin, rescale=arguments.rescale, warn=logger.warning)
         outputs = list(_outputs(arguments, source, camera, ros, logger, stack, middleware))
         log = stack.enter_context(TrackingLog(logger))
-        for view in look(log.timed(_frames(source, arguments)), Tracker(camera, markers), landmarks):
+        tracker = Tracker(camera, markers, uncertainty=uncertainty)
+        for view in look(log.timed(_frames(source, arguments)), tracker, landmarks):
             log.add(view)
             for output in outputs:
                 output(view)
@@ -83,6 +85,16 @@ def _markers(arguments: argparse.Namespace) -> MarkerSet:
     sides = dict(arguments.side)
     boards = read_boards(arguments.boards) if arguments.boards else ()
     return MarkerSet(arguments.dictionary, sides.pop(None, SIDE), sides, boards)
+
+
+def _uncertainty(arguments: argparse.Namespace) -> Uncertainty:
+    options = {
+        "side_sigma": arguments.side_sigma,
+        "corner_floor": arguments.corner_floor,
+        "scale": arguments.covariance_scale,
+        "readout_time": arguments.readout_time,
+    }
+    return Uncertainty(**{name: value for name, value in options.items() if value is not None})
 
 
 def _parameters(arguments: argparse.Namespace, source: str) -> CameraParameters | None:

@@ -73,11 +73,10 @@ def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose |
     if best is None:
         return None
     _, pose, used = best
-    normal, _, _ = _normal(used, pose)
     return FieldPose(
         frame=landmarks.frame,
         pose=pose.inverse(),
-        covariance=_of_inverse(pose, np.linalg.inv(normal)),
+        covariance=_of_inverse(pose, _covariance(used, pose)),
         used=tuple(one.sighting.id for one in used),
         rejected=tuple(one.sighting.id for one in known if one not in used),
     )
@@ -90,8 +89,10 @@ class _Known:
     sighting: Sighting
     points: Floats
     """Corners (N, 3) on the field in metres."""
+    own: Floats
+    """Covariance (2N, 2N) of the corners' rays by errors that only this landmark has, including its survey."""
     whitening: Floats
-    """Matrix that makes residuals (2N,) independent with a standard deviation of 1."""
+    """Matrix that makes residuals (2N,), due to all errors, independent with a standard deviation of 1."""
     limit: float
     """Chi squared that a correct landmark exceeds once in a thousand cases."""
 
@@ -106,8 +107,9 @@ def _known(sighting: Sighting, landmark: Landmark) -> _Known:
     by_landmark = derivative.reshape(-1, 6) * np.repeat([landmark.position_sigma, landmark.rotation_sigma], 3)
     # With L L^T the covariance, L^-1 times the residuals has the identity as its covariance: their sum of squares is
     # chi squared.
-    whitening = np.linalg.inv(np.linalg.cholesky(seen.covariance + by_landmark @ by_landmark.T))
-    return _Known(sighting, landmark.pose.apply(seen.points), whitening, chi2_limit(2 * len(seen.points)))
+    own = seen.own_covariance + by_landmark @ by_landmark.T
+    whitening = np.linalg.inv(np.linalg.cholesky(own + seen.shifts @ seen.shifts.T))
+    return _Known(sighting, landmark.pose.apply(seen.points), own, whitening, chi2_limit(2 * len(seen.points)))
 
 
 def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Known]] | None:
@@ -154,6 +156,22 @@ def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
         right += derivative.T @ residuals
         chi2 += float(residuals @ residuals)
     return normal, right, chi2
+
+
+def _covariance(used: Sequence[_Known], pose: Pose) -> Floats:
+    """Return the covariance (6, 6) of a pose (field to camera) that was fitted to the corners of landmarks.
+
+    Errors that only one landmark has average out over several landmarks. Shared errors do not: those of the camera's
+    parameters and of the side of the markers move all corners at once.
+    """
+    inverse = np.linalg.inv(_normal(used, pose)[0])
+    covariance, shared = np.zeros((6, 6)), np.zeros((6, used[0].sighting.seen.shifts.shape[1]))
+    for one in used:
+        gain = inverse @ _terms(one, pose)[1].T @ one.whitening
+        covariance += gain @ one.own @ gain.T
+        shared += gain @ one.sighting.seen.shifts
+    whole: Floats = covariance + shared @ shared.T
+    return whole
 
 
 def _refine(used: Sequence[_Known], pose: Pose) -> Pose | None:

@@ -184,7 +184,8 @@ def render_light(
 def expose(light: NDArray[np.float32], rng: np.random.Generator, noise_sigma: float = NOISE_SIGMA) -> Grey:
     """Return the image of 8 bits that a sensor makes of the light on it."""
     noisy = light + np.float32(noise_sigma) * rng.standard_normal(light.shape, np.float32)
-    return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+    image: Grey = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+    return image
 
 
 def outline(lens: Lens, plane: Print, pose: Pose) -> Floats:

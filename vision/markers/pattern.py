@@ -87,24 +87,32 @@ def make_pattern(white: NDArray[np.bool_]) -> Pattern:
 
 
 def look(
-    differences: Floats, places: Floats, by_pixel: Floats, blur: Floats, lines: Floats, *, with_lines: bool = False
+    differences: Floats,
+    places: Floats,
+    by_pixel: Floats,
+    blur: Floats,
+    lines: Floats | None = None,
+    *,
+    with_lines: bool = False,
 ) -> Look:
     """Compute the grey values of the model of K markers at the points `places`, and their derivatives.
 
     `places` (K, 2, N) are u and v in modules (cells of the marker). `by_pixel` (K, 2, 2, N) is their derivative with
     respect to the pixel coordinates. `differences` (K, n, n) are those of the patterns. `blur` (K, 2, 2) is the
     covariance of the blur in pixels squared. `lines` (K, 2, n - 2) are the offsets of the inner lines of the lattice
-    along u and v, in modules. The values per line of the lattice have single precision, which is faster and exact to
-    some hundredths of a grey level.
+    along u and v, in modules; None means none. The values per line of the lattice have single precision, which is
+    faster and exact to some hundredths of a grey level.
     """
     blurred = np.einsum("kij,kajn->kain", blur, by_pixel)
     variance = (by_pixel * blurred).sum(axis=2)
     spread = np.sqrt(variance)
     both = spread[:, 0] * spread[:, 1]
     correlation = (by_pixel[:, 0] * blurred[:, 1]).sum(axis=1) / both
-    lattice = np.arange(differences.shape[1], dtype=np.float32) + np.pad(lines, ((0, 0), (0, 0), (1, 1)))
+    lattice = np.arange(differences.shape[1], dtype=np.float32)[None, None]
+    if lines is not None:
+        lattice = lattice + np.pad(lines, ((0, 0), (0, 0), (1, 1))).astype(np.float32)
     narrow = (1 / spread).astype(np.float32)
-    offsets = (places.astype(np.float32)[:, :, None] - lattice.astype(np.float32)[..., None]) * narrow[:, :, None]
+    offsets = (places.astype(np.float32)[:, :, None] - lattice[..., None]) * narrow[:, :, None]
     np.clip(offsets, -_REACH, _REACH, out=offsets)  # (K, 2, lattice, N)
     index = (offsets * np.float32(_RESOLUTION) + np.float32(_REACH * _RESOLUTION + 0.5)).astype(np.intp)
     step, bell = _STEP.take(index), _BELL.take(index)
