@@ -13,7 +13,7 @@ import logging
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from typing import cast
 
@@ -88,12 +88,7 @@ def _markers(arguments: argparse.Namespace) -> MarkerSet:
 
 
 def _uncertainty(arguments: argparse.Namespace) -> Uncertainty:
-    options = {
-        "side_sigma": arguments.side_sigma,
-        "corner_floor": arguments.corner_floor,
-        "scale": arguments.covariance_scale,
-        "readout_time": arguments.readout_time,
-    }
+    options = {field.name: getattr(arguments, field.name) for field in fields(Uncertainty)}
     return Uncertainty(**{name: value for name, value in options.items() if value is not None})
 
 

@@ -45,7 +45,7 @@ def test_an_unknown_side_makes_the_distance_uncertain(frames: list[tuple[np.ndar
         assert more[3:, 3:] == pytest.approx(np.zeros((3, 3)), abs=1e-9)
 
 
-@pytest.mark.parametrize("change", [{"corner_floor": 0.1}, {"scale": 2.0}, {"readout_time": 0.02}])
+@pytest.mark.parametrize("change", [{"corner_floor": 0.1}, {"covariance_scale": 2.0}, {"readout_time": 0.02}])
 def test_every_uncertainty_enlarges_the_covariance(
     frames: list[tuple[np.ndarray, int]], change: Mapping[str, float]
 ) -> None:
@@ -60,7 +60,7 @@ def test_every_uncertainty_enlarges_the_covariance(
 
 def test_the_scale_multiplies_standard_deviations(frames: list[tuple[np.ndarray, int]]) -> None:
     """All of the covariance is scaled."""
-    for one, other in zip(seen(frames, Uncertainty()), seen(frames, Uncertainty(scale=3))):
+    for one, other in zip(seen(frames, Uncertainty()), seen(frames, Uncertainty(covariance_scale=3))):
         assert other.covariance == pytest.approx(9 * one.covariance, rel=1e-6, abs=1e-15)
 
 
@@ -156,7 +156,7 @@ def test_an_impossible_accuracy_is_refused(tmp_path: Path, key: str, value: np.n
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"side_sigma": -1.0}, {"corner_floor": np.nan}, {"readout_time": np.inf}, {"scale": 0.0}]
+    "wrong", [{"side_sigma": -1.0}, {"corner_floor": np.nan}, {"readout_time": np.inf}, {"covariance_scale": 0.0}]
 )
 def test_impossible_uncertainties_are_refused(wrong: Mapping[str, float]) -> None:
     """The message names the value."""

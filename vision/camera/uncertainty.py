@@ -29,7 +29,7 @@ class Uncertainty:
     """Standard deviation of a marker's side, as a fraction of it. All markers are equally wrong."""
     corner_floor: float = 0.05
     """Standard deviation of each corner in pixels that no image shows: bent paper, ink, and the model of the fit."""
-    scale: float = 1.0
+    covariance_scale: float = 1.0
     """Factor by which all standard deviations are multiplied."""
     readout_time: float = 0.0
     """Time in seconds from the first row of the image to the last one; 0 for a global shutter."""
@@ -38,8 +38,8 @@ class Uncertainty:
         for name in ("side_sigma", "corner_floor", "readout_time"):
             if not 0 <= (value := getattr(self, name)) < math.inf:
                 raise SetupError(f"{name} is {value}; it must be a finite number, at least 0")
-        if not 0 < self.scale < math.inf:
-            raise SetupError(f"scale is {self.scale}; it must be positive and finite")
+        if not 0 < self.covariance_scale < math.inf:
+            raise SetupError(f"covariance_scale is {self.covariance_scale}; it must be positive and finite")
 
 
 def camera_roots(camera: CameraParameters) -> Floats:

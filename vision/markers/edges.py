@@ -2,8 +2,13 @@
 
 The number of a marker determines where all its edges are: the outer ones, and those between black and white cells
 (modules). Pixels near the edges are compared with a model of the pattern, which a homography maps to the image.
-Gauss-Newton steps change the homography, the width of the blur, and the brightness, which may vary linearly over the
-marker.
+Gauss-Newton steps change the homography, the blur, and the light. The blur is an ellipse, because motion blurs along
+one direction. The light may vary linearly over the marker, and white areas may have grown: a camera that encodes or
+clips bright light shifts all edges towards black.
+
+Printers draw markers from images whose modules are no whole number of pixels. Then the lines between modules are not
+where they should be, while the outer edges are. So the inner lines get offsets of their own if they disagree with the
+outer edges.
 
 The pixels are compared without interpolation, so their noise is independent. Therefore the covariance of the corners
 follows from the variance of the residuals and the normal matrix.
@@ -41,12 +46,12 @@ from roverlink.vision.poses.chi_squared import chi2_limit
 # degrees, median in percent (OpenCV 5.0, `make bench-vision`):
 #
 #     side     no refinement   SUBPIX   APRILTAG   edge fit
-#     24 px    4.1             2.4      0.38       0.024
-#     48 px    2.1             0.89     0.11       0.013
-#     96 px    0.80            0.33     0.08       0.006
+#     24 px    4.1             2.4      0.38       0.027
+#     48 px    2.1             0.89     0.11       0.014
+#     96 px    0.80            0.33     0.08       0.005
 #
-# The model has its limits: it knows one blur for all directions. With motion blur of 6 px, APRILTAG was better (0.14
-# against 0.51 percent at 48 px).
+# With motion blur of 6 px, the error at 48 px is 0.060 percent (APRILTAG 0.24), and with a print of 100 pixels 0.020
+# (APRILTAG 0.10).
 COARSE = 3
 """Stride of the first steps: they use only every third pixel, to be faster."""
 COARSE_STEPS = 3

@@ -240,7 +240,7 @@ class Tracker:
         noise = np.zeros((rays.size, rays.size))
         for place, number in enumerate(numbers):
             noise[8 * place : 8 * place + 8, 8 * place : 8 * place + 8] = fits[number].covariance
-        given, scale = self._uncertainty, self._uncertainty.scale
+        given, scale = self._uncertainty, self._uncertainty.covariance_scale
         tracks = [self._tracks[number] for number in numbers]
         rows = np.concatenate([track.corners[:, 1] for track in tracks])
         seconds = given.readout_time * ((rows + 0.5) / height - 0.5)
@@ -271,7 +271,8 @@ class Tracker:
     def _sight(
         self, target: TargetId, numbers: list[int], seen: Corners, solutions: Sequence[Solution], stamp: int
     ) -> Sighting:
-        sides = side_shifts(solutions[0].pose, seen.points) * self._uncertainty.side_sigma * self._uncertainty.scale
+        given = self._uncertainty
+        sides = side_shifts(solutions[0].pose, seen.points) * given.side_sigma * given.covariance_scale
         seen = replace(seen, shared=np.concatenate([seen.shifts, sides], axis=1))
         seen, solutions = with_all_errors(seen, solutions[:2])
         chosen = self._flips.setdefault(target, Flips()).decide(solutions, stamp)
