@@ -15,13 +15,14 @@ from bench.result import SectionResult
 from roverlink.runtime.core.errors import SetupError
 
 POSES, QUICK_POSES = 200, 30
+DEGRADED_POSES, QUICK_DEGRADED_POSES = 60, 10
 EMPTY_FRAMES, QUICK_EMPTY_FRAMES = 500, 50
 DRIVE_FRAMES, QUICK_DRIVE_FRAMES = 60, 20
 CALIBRATIONS, QUICK_CALIBRATIONS = (5, 20), (1, 3)
 """Runs with large images, and with small ones for the intervals."""
 PLAIN_WIDTH = 130  # columns, if the output is not a terminal
 RECEIVING_S, QUICK_RECEIVING_S = 10.0, 3.0
-SECTIONS = ("accuracy", "nothing", "speed", "calibration", "receiving")
+SECTIONS = ("accuracy", "consistency", "nothing", "speed", "calibration", "receiving")
 
 
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
@@ -63,7 +64,7 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
 
 def _run(options: argparse.Namespace) -> None:
     try:  # imported here, so that --help needs no OpenCV
-        from bench.vision import accuracy, calibration, nothing, receiving, speed
+        from bench.vision import accuracy, calibration, consistency, nothing, receiving, speed
     except ImportError as error:
         raise BenchError(f"{error}; `make bench-vision` installs the missing packages") from error
     progress = Console(stderr=True, highlight=False, markup=False)
@@ -73,6 +74,9 @@ def _run(options: argparse.Namespace) -> None:
         results["speed"] = speed.measure(QUICK_DRIVE_FRAMES if options.quick else DRIVE_FRAMES, progress.print)
     if "accuracy" in options.only:
         results["accuracy"] = accuracy.measure(options.poses, accuracy.SIZES, progress.print)
+    if "consistency" in options.only:
+        poses = QUICK_DEGRADED_POSES if options.quick else DEGRADED_POSES
+        results["consistency"] = consistency.measure(poses, consistency.SIZES, progress.print)
     if "nothing" in options.only:
         results["nothing"] = nothing.measure(QUICK_EMPTY_FRAMES if options.quick else EMPTY_FRAMES, progress.print)
     if "calibration" in options.only:

@@ -12,6 +12,7 @@ import logging
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
+from dataclasses import fields
 from functools import cache
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import Middleware, open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision import Landmarks, MarkerSet, Tracker, read_landmarks
+from roverlink.vision.camera.uncertainty import Uncertainty
 from roverlink.vision.field.view import Eye, Lookout, View
 from roverlink.vision.frames import Frame
 from roverlink.vision.frames.open_source import TOPIC
@@ -49,7 +51,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
 
     Raises `SetupError` if a file, the source of frames or a package is missing, or if a file is wrong.
     """
-    markers = _markers(arguments)
+    markers, uncertainty = _markers(arguments), _uncertainty(arguments)
     landmarks = _landmarks(arguments, markers)
     entries = described(arguments, logger.warning)
     with ExitStack() as stack:
@@ -70,7 +72,10 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
 
         opener = CameraOpener(arguments, ros, middleware, logger, stack)
         cameras = [opener.open(entry) for entry in entries]
-        eyes = {one.name: Eye(Tracker(one.parameters, markers), one.name, mount_of(one)) for one in cameras}
+        eyes = {
+            one.name: Eye(Tracker(one.parameters, markers, uncertainty=uncertainty), one.name, mount_of(one))
+            for one in cameras
+        }
         lookout = Lookout(len(cameras), landmarks)
         outputs = [output for camera in cameras for output in _files(camera, arguments, stack)]
         if arguments.middleware:
@@ -93,6 +98,11 @@ def _markers(arguments: argparse.Namespace) -> MarkerSet:
     sides = dict(arguments.side)
     boards = read_boards(arguments.boards) if arguments.boards else ()
     return MarkerSet(arguments.dictionary, sides.pop(None, SIDE), sides, boards)
+
+
+def _uncertainty(arguments: argparse.Namespace) -> Uncertainty:
+    options = {field.name: getattr(arguments, field.name) for field in fields(Uncertainty)}
+    return Uncertainty(**{name: value for name, value in options.items() if value is not None})
 
 
 def _landmarks(arguments: argparse.Namespace, markers: MarkerSet) -> Landmarks | None:

@@ -232,6 +232,7 @@ def test_a_principal_point_that_does_not_fit_is_told(
         (("--side", "300=0.1"), "DICT_5X5_250 has no marker 300"),
         (("--boards", "none.yaml"), "cannot read the boards"),
         (("--landmarks", "none.yaml"), "cannot read the landmarks"),
+        (("--covariance-scale", "0"), "covariance_scale is 0.0; it must be positive"),
         (("--save", "film.gif"), "the name must end with .mp4 or .avi"),
         (("--ros-args", "-p", "side:=0.1"), "has no parameter 'side'; it is set by options"),
     ],
@@ -252,6 +253,28 @@ def test_a_side_that_cannot_be_is_told(side: str, capsys: pytest.CaptureFixture[
     with pytest.raises(SystemExit):
         main(["aruco", "track", "--side", side])
     assert "is not METRES or ID=METRES" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--side-sigma", "--corner-floor", "--covariance-scale", "--readout-time"])
+@pytest.mark.parametrize("value", ["x", "-1", "nan", "inf"])
+def test_an_uncertainty_that_cannot_be_is_told(option: str, value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The options of the covariances are finite numbers that are not negative."""
+    with pytest.raises(SystemExit):
+        main(["aruco", "track", f"{option}={value}"])
+    assert "is not a finite number of at least 0" in capsys.readouterr().err
+
+
+def test_the_options_of_the_covariance_are_used(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each one changes the covariances, and no pose."""
+    found = {}
+    for option, value in [("", ""), ("--side-sigma", "0.05"), ("--corner-floor", "1"), ("--covariance-scale", "9")]:
+        assert main(field.words("--json", "--count", "1", *filter(None, (option, value)))) == 0
+        found[option] = json.loads(capsys.readouterr().out.splitlines()[0])["markers"]
+    plain = found.pop("")
+    for markers in found.values():
+        for before, after in zip(plain, markers, strict=True):
+            assert after["position"] == pytest.approx(before["position"])
+            assert after["covariance"][14] > 2 * before["covariance"][14]
 
 
 def test_landmarks_have_to_be_what_can_be_seen(

@@ -10,7 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from roverlink.vision.markers.marker_set import square
-from roverlink.vision.poses.pnp import Corners, Solution, chi2_limit, solve, square_poses, with_model_error
+from roverlink.vision.poses.chi_squared import chi2_limit
+from roverlink.vision.poses.pnp import Corners, Solution, solve, square_poses, with_all_errors
 from roverlink.vision.poses.pose import Pose, predict, rotation_of
 
 FACING = np.diag([1.0, -1.0, -1.0])
@@ -142,7 +143,7 @@ def test_a_fit_that_cannot_be_chance_widens_the_covariance() -> None:
     seen = seen_at(pose, square(0.05), 1e-5, np.random.default_rng(0))
     seen.rays[0] += 2e-3
     solutions = solved(seen)
-    wider, doubtful = with_model_error(seen, solutions)
+    wider, doubtful = with_all_errors(seen, solutions)
     assert doubtful[0].covariance.trace() > 10 * solutions[0].covariance.trace()
     assert wider.covariance[0, 0] > 10 * seen.covariance[0, 0]
 

@@ -10,7 +10,8 @@ import pytest
 from bench.vision.calibration import projection_differences
 from roverlink.vision import CameraParameters
 from roverlink.vision.calibration import Model, PoorViewsError, calibrate
-from roverlink.vision.calibration.adjustment import by_parameters, moved_camera
+from roverlink.vision.calibration.adjustment import moved_camera
+from roverlink.vision.camera.parameter_derivatives import by_parameters
 from roverlink.vision.images.rendering import Lens
 from tests.vision.boards import BOARD, CAMERA, FISHEYE, NOISE, RATIONAL, SIZE, part, views
 

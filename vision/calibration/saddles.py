@@ -168,8 +168,9 @@ def _design(
     distances = normals @ offsets
     count = pixels.shape[2]
     by_pixel = np.broadcast_to((normals / _FAR)[..., None], (len(pixels), 2, 2, count))
+    variance = np.exp(2 * state.log_blurs)[:, None, None]
     seen = look(
-        np.broadcast_to(_DIFFERENCES, (len(pixels), 3, 3)), distances / _FAR + 1, by_pixel, np.exp(state.log_blurs)
+        np.broadcast_to(_DIFFERENCES, (len(pixels), 3, 3)), distances / _FAR + 1, by_pixel, variance * np.eye(2)
     )
     light = np.stack([np.ones_like(grey), offsets[:, 0], offsets[:, 1], seen.grey], axis=1) * real[:, None]
     # Brightness is linear in the model, so it is solved exactly before each step (variable projection), and needs no
@@ -179,7 +180,6 @@ def _design(
     by_distance = np.stack([seen.by_u, seen.by_v], axis=1) / _FAR  # (K, edge, N)
     turned = np.stack([-normals[:, :, 1], normals[:, :, 0]], axis=2) @ offsets
     contrast = level[:, 3]
-    shape = np.concatenate(
-        [-normals.transpose(0, 2, 1) @ by_distance, by_distance * turned, seen.by_blur[:, None]], axis=1
-    )
+    by_log_blur = 2 * variance * (seen.by_blur[:, :1] + seen.by_blur[:, 2:])
+    shape = np.concatenate([-normals.transpose(0, 2, 1) @ by_distance, by_distance * turned, by_log_blur], axis=1)
     return np.concatenate([shape * contrast[:, :, None] * real[:, None], light], axis=1), contrast[:, 0], residuals

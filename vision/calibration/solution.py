@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roverlink.runtime.core.errors import RoverlinkError
-from roverlink.vision.calibration.adjustment import by_parameters
 from roverlink.vision.calibration.views import View
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
+from roverlink.vision.camera.parameter_derivatives import by_parameters
 from roverlink.vision.poses.pose import Pose, predict
 
 

@@ -17,7 +17,7 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.field.landmarks import Landmark, Landmarks
 from roverlink.vision.markers.marker_set import TargetId
 from roverlink.vision.markers.tracker import Sighting
-from roverlink.vision.poses.pnp import chi2_limit
+from roverlink.vision.poses.chi_squared import chi2_limit
 from roverlink.vision.poses.pose import IDENTITY, Pose, predict
 
 _SLACK = (100.0, 10.0, 3.0, 1.0, 1.0)
@@ -90,8 +90,8 @@ def localize_rover(shots: Sequence[Shot], landmarks: Landmarks) -> FieldPose | N
     accurate one is used, and `FieldPose.agreed` is false.
     """
     known = [
-        _known(one, landmarks.places[one.id], shot.mount)
-        for shot in shots
+        _known(one, landmarks.places[one.id], camera, shot.mount)
+        for camera, shot in enumerate(shots)
         for one in shot.sightings
         if one.id in landmarks.places
     ]
@@ -112,11 +112,10 @@ def localize_rover(shots: Sequence[Shot], landmarks: Landmarks) -> FieldPose | N
     if best is None:
         return None
     _, pose, used = best
-    normal, _, _ = _normal(used, pose)
     return FieldPose(
         frame=landmarks.frame,
         pose=pose.inverse(),
-        covariance=_of_inverse(pose, np.linalg.inv(normal)),
+        covariance=_of_inverse(pose, _covariance(used, pose)),
         used=tuple(one.sighting.id for one in used),
         rejected=tuple(one.sighting.id for one in known if one not in used),
     )
@@ -129,15 +128,19 @@ class _Known:
     sighting: Sighting
     points: Floats
     """Corners (N, 3) on the field in metres."""
+    own: Floats
+    """Covariance (2N, 2N) of the corners' rays by errors that only this landmark has, including its survey."""
     whitening: Floats
-    """Matrix that makes residuals (2N,) independent with a standard deviation of 1."""
+    """Matrix that makes residuals (2N,), due to all errors, independent with a standard deviation of 1."""
     limit: float
     """Chi squared that a correct landmark exceeds once in a thousand cases."""
+    camera: int
+    """Index of the camera."""
     mount: Pose
     """Transform from the camera's optical frame to the rover's frame."""
 
 
-def _known(sighting: Sighting, landmark: Landmark, mount: Pose) -> _Known:
+def _known(sighting: Sighting, landmark: Landmark, camera: int, mount: Pose) -> _Known:
     """Return a sighting of a known landmark; combine the uncertainties of the image and of the landmark's survey.
 
     The standard deviations of the survey are equal along all axes. So they can be applied in the camera's frame.
@@ -147,8 +150,10 @@ def _known(sighting: Sighting, landmark: Landmark, mount: Pose) -> _Known:
     by_landmark = derivative.reshape(-1, 6) * np.repeat([landmark.position_sigma, landmark.rotation_sigma], 3)
     # With L L^T the covariance, L^-1 times the residuals has the identity as its covariance: their sum of squares is
     # chi squared.
-    whitening = np.linalg.inv(np.linalg.cholesky(seen.covariance + by_landmark @ by_landmark.T))
-    return _Known(sighting, landmark.pose.apply(seen.points), whitening, chi2_limit(2 * len(seen.points)), mount)
+    own = seen.own_covariance + by_landmark @ by_landmark.T
+    whitening = np.linalg.inv(np.linalg.cholesky(own + seen.shifts @ seen.shifts.T))
+    points = landmark.pose.apply(seen.points)
+    return _Known(sighting, points, own, whitening, chi2_limit(2 * len(points)), camera, mount)
 
 
 def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Known]] | None:
@@ -198,6 +203,23 @@ def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
         right += derivative.T @ residuals
         chi2 += float(residuals @ residuals)
     return normal, right, chi2
+
+
+def _covariance(used: Sequence[_Known], pose: Pose) -> Floats:
+    """Return the covariance (6, 6) of a pose (field to rover) that was fitted to the corners of landmarks.
+
+    Errors that only one landmark has average out over several landmarks. Shared errors do not: those of a camera's
+    parameters and of the side of the markers move all corners that the camera sees at once.
+    """
+    inverse = np.linalg.inv(_normal(used, pose)[0])
+    covariance = np.zeros((6, 6))
+    shared: dict[int, Floats] = {}
+    for one in used:
+        gain = inverse @ _terms(one, pose)[1].T @ one.whitening
+        covariance += gain @ one.own @ gain.T
+        shared[one.camera] = shared.get(one.camera, 0) + gain @ one.sighting.seen.shifts
+    whole: Floats = covariance + sum(moved @ moved.T for moved in shared.values())
+    return whole
 
 
 def _refine(used: Sequence[_Known], pose: Pose) -> Pose | None:

@@ -10,17 +10,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
+from roverlink.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_to_rays, rays_by_camera
 from roverlink.vision.markers.detection import Detection, Detector, Image, Region, to_grey
 from roverlink.vision.markers.edges import FIRST_BLUR, Fit, Guess, fit_edges
 from roverlink.vision.markers.flips import Flips
 from roverlink.vision.markers.marker_set import MarkerSet, TargetId
-from roverlink.vision.poses.pnp import Corners, Solution, solve, square_poses, with_model_error
+from roverlink.vision.poses.pnp import Corners, Solution, side_shifts, solve, square_poses, with_all_errors
 from roverlink.vision.poses.pose import Pose
 
 # At 30 frames a second, a new marker is seen after 0.2 s. Below 25 pixels it waits for a search at full resolution,
@@ -96,12 +97,15 @@ class Tracker:
         *,
         scan_every: int = SCAN_EVERY,
         full_every: int = FULL_EVERY,
+        uncertainty: Uncertainty = Uncertainty(),  # noqa: B008  # it is frozen
     ) -> None:
         """Create a tracker that searches the whole frame every `scan_every` frames.
 
-        Every `full_every`-th of these searches uses full resolution; the others use half resolution.
+        Every `full_every`-th of these searches uses full resolution; the others use half resolution. `uncertainty`
+        tells the errors beside the noise of the image, which the covariances contain.
         """
-        self._camera, self._markers = camera, markers
+        self._camera, self._markers, self._uncertainty = camera, markers, uncertainty
+        self._roots = camera_roots(camera)
         self._detector = Detector(markers)
         self._scan_every, self._full_every = scan_every, full_every
         self.reset()
@@ -126,7 +130,7 @@ class Tracker:
         self._forget(stamp)
         fits = self._find(grey, stamp)
         targets = self._by_target(fits)
-        seen = [self._seen(numbers, fits) for numbers in targets.values()]
+        seen = [self._seen(numbers, fits, len(grey)) for numbers in targets.values()]
         found = solve(seen, self._starts(targets.values(), fits))
         return tuple(
             self._sight(target, numbers, corners, solutions, stamp)
@@ -226,13 +230,32 @@ class Tracker:
             targets.setdefault(self._markers.target(number), []).append(number)
         return targets
 
-    def _seen(self, numbers: list[int], fits: Mapping[int, Fit]) -> Corners:
-        """Return the corners of a landmark with their covariance; `numbers` are its visible markers."""
-        points = [self._markers.points(number) for number in numbers]
-        covariance = np.zeros((8 * len(numbers), 8 * len(numbers)))
+    def _seen(self, numbers: list[int], fits: Mapping[int, Fit], height: int) -> Corners:
+        """Return the corners of a landmark with their covariance; `numbers` are its visible markers.
+
+        `height` is the number of rows of the image.
+        """
+        points = np.concatenate([self._markers.points(number) for number in numbers])
+        rays = np.concatenate([fits[number].rays for number in numbers])
+        noise = np.zeros((rays.size, rays.size))
         for place, number in enumerate(numbers):
-            covariance[8 * place : 8 * place + 8, 8 * place : 8 * place + 8] = fits[number].covariance
-        return Corners(np.concatenate(points), np.concatenate([fits[number].rays for number in numbers]), covariance)
+            noise[8 * place : 8 * place + 8, 8 * place : 8 * place + 8] = fits[number].covariance
+        given, scale = self._uncertainty, self._uncertainty.covariance_scale
+        tracks = [self._tracks[number] for number in numbers]
+        rows = np.concatenate([track.corners[:, 1] for track in tracks])
+        seconds = given.readout_time * ((rows + 0.5) / height - 0.5)
+        motion = np.concatenate([track.velocity for track in tracks]) * seconds[:, None]
+        floor = np.zeros((len(points), 2, rays.size))
+        corner = np.arange(len(points))
+        floor[corner, 0, 2 * corner] = floor[corner, 1, 2 * corner + 1] = given.corner_floor
+        floor_rays = pixels_to_rays(self._camera, rays, floor)
+        shared = [
+            rays_by_camera(self._camera, self._roots, rays),
+            pixels_to_rays(self._camera, rays, motion[..., None]),
+        ]
+        return Corners(
+            points, rays, noise * scale**2, floor_rays @ floor_rays.T * scale**2, np.concatenate(shared, axis=1) * scale
+        )
 
     def _starts(self, landmarks: Iterable[list[int]], fits: Mapping[int, Fit]) -> list[list[Pose]]:
         """Return the start poses for each landmark: the possible poses of its single markers.
@@ -248,7 +271,10 @@ class Tracker:
     def _sight(
         self, target: TargetId, numbers: list[int], seen: Corners, solutions: Sequence[Solution], stamp: int
     ) -> Sighting:
-        seen, solutions = with_model_error(seen, solutions[:2])
+        given = self._uncertainty
+        sides = side_shifts(solutions[0].pose, seen.points) * given.side_sigma * given.covariance_scale
+        seen = replace(seen, shared=np.concatenate([seen.shifts, sides], axis=1))
+        seen, solutions = with_all_errors(seen, solutions[:2])
         chosen = self._flips.setdefault(target, Flips()).decide(solutions, stamp)
         best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
         other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 
 from roverlink.aruco.board_options import metres
@@ -37,6 +38,7 @@ def add(commands: Subparsers) -> None:
     _add_camera(parser)
     _add_rover(parser)
     _add_markers(parser)
+    _add_uncertainty(parser)
     _add_outputs(parser)
     add_project(parser)
     parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
@@ -122,6 +124,37 @@ def _add_markers(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_uncertainty(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--side-sigma",
+        type=_at_least_zero,
+        metavar="FRACTION",
+        help="standard deviation of the sides of the markers, as a fraction of the side, for the covariances of the "
+        "poses (default: 0.005)",
+    )
+    parser.add_argument(
+        "--corner-floor",
+        type=_at_least_zero,
+        metavar="PIXELS",
+        help="standard deviation of the corners of markers by errors that the image does not show, such as bent paper, "
+        "for the covariances (default: 0.05)",
+    )
+    parser.add_argument(
+        "--covariance-scale",
+        type=_at_least_zero,
+        metavar="FACTOR",
+        help="multiply the standard deviations of the poses by this factor, for a filter that takes the errors of "
+        "successive images for independent (default: 1)",
+    )
+    parser.add_argument(
+        "--readout-time",
+        type=_at_least_zero,
+        metavar="SECONDS",
+        help="time from the first row of an image to the last one; a rolling shutter distorts moving markers "
+        "(default: 0, a global shutter)",
+    )
+
+
 def _add_outputs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print the poses as a JSON object for each image")
     parser.add_argument("--save", type=Path, metavar="FILE", help="save a video with the poses drawn into it")
@@ -146,6 +179,17 @@ def run(arguments: argparse.Namespace) -> int:
     from roverlink.aruco.tracking import track  # only here, so that the help needs no OpenCV
 
     return track(arguments, ros, logger)
+
+
+def _at_least_zero(text: str) -> float:
+    """Parse a finite number that is at least 0."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not 0 <= found < math.inf:  # false for NaN too
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number of at least 0, such as 0.005")
+    return found
 
 
 def _side(text: str) -> tuple[int | None, float]:
