@@ -24,7 +24,7 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.calibration import (
     BoardDetector,
     Calibration,
-    CharucoBoard,
+    CalibrationBoard,
     Collection,
     Model,
     PoorViewsError,
@@ -64,7 +64,7 @@ def calibrate(arguments: argparse.Namespace) -> int:
     return OK
 
 
-def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
+def _images(source: ImageFiles, board: CalibrationBoard) -> list[View]:
     """Return the view (board corners) of each image. No image is left out, because the user has chosen the images."""
     detector = BoardDetector(board)
     views = []
@@ -76,7 +76,7 @@ def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
 
 
 def _stream(
-    source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, text: CalibrationText
+    source: FrameSource, board: CalibrationBoard, arguments: argparse.Namespace, text: CalibrationText
 ) -> Sequence[View]:
     """Collect useful views until they cover the whole image, the source of frames ends, or the user presses Ctrl-C."""
     collection = Collection(board, arguments.views)
@@ -93,7 +93,7 @@ def _stream(
 
 
 def _on_page(
-    source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, say: Callable[[str], None]
+    source: FrameSource, board: CalibrationBoard, arguments: argparse.Namespace, say: Callable[[str], None]
 ) -> tuple[Calibration, Path, Path]:
     """Let the user calibrate on the web page; return the calibration saved last, and the paths of its two files."""
     saved: list[tuple[Calibration, Path, Path]] = []
@@ -140,7 +140,7 @@ def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
             yield replace(frame, stamp=began + frame.stamp), f"frame {frame.number}"
 
 
-def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[Path, Path]:
+def _write(path: Path, calibration: Calibration, board: CalibrationBoard) -> tuple[Path, Path]:
     """Write the parameters to ``path`` and the report beside it; return the paths of both files."""
     page = path.with_suffix(".html")
     write_report(page, calibration, board, versions())

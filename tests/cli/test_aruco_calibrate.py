@@ -186,6 +186,9 @@ def test_markers_are_printed(tmp_path: Path) -> None:
         (["--squares", "30x30"], "DICT_4X4_50 has only 50 markers, but 30x30 squares need 450"),
         (["--marker", "0.024"], "a marker must be smaller"),
         (["--dictionary", "DICT_4X4_5"], "did you mean 'DICT_4X4_50'?"),
+        (["--board", "chessboard", "--marker", "0.01"], "--marker does not belong to --board chessboard, which has"),
+        (["--board", "aprilgrid", "--legacy"], "--legacy does not belong to --board aprilgrid, which has"),
+        (["--board", "aprilgrid", "--spacing", "2"], "the spacing is 2.0"),
     ],
 )
 def test_what_cannot_be_printed_is_told(

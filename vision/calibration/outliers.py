@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roverlink.vision.calibration.adjustment import Estimate
-from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.board import CalibrationBoard
 from roverlink.vision.calibration.start import residuals
 from roverlink.vision.calibration.views import FEWEST_CORNERS, View
 from roverlink.vision.camera.camera_model import Floats
@@ -82,7 +82,7 @@ class Choice:
         return other is not None and all((here == there).all() for here, there in zip(self.masks, other.masks))
 
 
-def measure(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> ResidualLengths:
+def measure(views: Sequence[View], board: CalibrationBoard, estimate: Estimate) -> ResidualLengths:
     """Return the lengths of the residuals of all corners for an estimate of camera and poses.
 
     Residuals are often larger than the image noise explains, because the board is uneven or the lens differs from its

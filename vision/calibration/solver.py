@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from roverlink.vision.calibration.adjustment import Estimate, Observation, adjust, information, linearise
-from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.board import CalibrationBoard
 from roverlink.vision.calibration.outliers import Choice, choose, measure
 from roverlink.vision.calibration.refusal import check_count, check_coverage, check_sizes
 from roverlink.vision.calibration.solution import COEFFICIENTS, Calibration, Fitted, Model
@@ -25,7 +25,7 @@ _ROBUST_PASSES = 5
 _ROUGHLY = 1e-3
 
 
-def calibrate(views: Sequence[View], board: CharucoBoard, model: Model = Model.PLUMB_BOB) -> Calibration:
+def calibrate(views: Sequence[View], board: CalibrationBoard, model: Model = Model.PLUMB_BOB) -> Calibration:
     """Compute the camera's parameters and their uncertainty from views of a board; all images must have the same size.
 
     Raises `PoorViewsError` if too few views are usable, or if the views show too little of the image or too few tilts.
@@ -52,7 +52,7 @@ def calibrate(views: Sequence[View], board: CharucoBoard, model: Model = Model.P
     )
 
 
-def _start(views: Sequence[View], board: CharucoBoard, model: Model) -> Estimate:
+def _start(views: Sequence[View], board: CalibrationBoard, model: Model) -> Estimate:
     """Return a first estimate of camera and poses from all corners; robust weights reduce the influence of outliers."""
     rough = rough_camera(views, board, fisheye=model is Model.EQUIDISTANT)
     camera = replace(rough, distortion=np.zeros(len(COEFFICIENTS[model])))
@@ -68,7 +68,7 @@ def _start(views: Sequence[View], board: CharucoBoard, model: Model) -> Estimate
     return estimate
 
 
-def _without_outliers(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> tuple[Estimate, Choice]:
+def _without_outliers(views: Sequence[View], board: CalibrationBoard, estimate: Estimate) -> tuple[Estimate, Choice]:
     """Improve an estimate by leaving out outliers; return it with the selection of corners on which it is based.
 
     Selecting corners and adjusting the estimate alternate until the selection stays the same.
@@ -90,7 +90,7 @@ def _without_outliers(views: Sequence[View], board: CharucoBoard, estimate: Esti
     return estimate, choice
 
 
-def _with_dropped(views: Sequence[View], board: CharucoBoard, estimate: Estimate, choice: Choice) -> Estimate:
+def _with_dropped(views: Sequence[View], board: CalibrationBoard, estimate: Estimate, choice: Choice) -> Estimate:
     """Return the estimate with new poses for the views that were left out, because they may fit in the next round.
 
     The camera's parameters stay unchanged.
@@ -111,13 +111,15 @@ def _part(estimate: Estimate, choice: Choice) -> Estimate:
     return Estimate(estimate.camera, tuple(estimate.poses[place] for place in choice.kept))
 
 
-def _observations(views: Sequence[View], board: CharucoBoard, estimate: Estimate, choice: Choice) -> list[Observation]:
+def _observations(
+    views: Sequence[View], board: CalibrationBoard, estimate: Estimate, choice: Choice
+) -> list[Observation]:
     """Return the corners that are used, grouped by view; views that were left out are missing."""
     weights = measure(views, board, estimate).weights(choice.masks)
     return _weighted([views[place] for place in choice.kept], board, [weights[place] for place in choice.kept])
 
 
-def _weighted(views: Sequence[View], board: CharucoBoard, weights: Sequence[Floats]) -> list[Observation]:
+def _weighted(views: Sequence[View], board: CalibrationBoard, weights: Sequence[Floats]) -> list[Observation]:
     return [Observation(board.points[view.ids], view.corners, weight) for view, weight in zip(views, weights)]
 
 

@@ -17,9 +17,9 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "calibrate",
-        "calibrate a camera with a ChArUco board",
+        "calibrate a camera with a printed board",
         "roverlink aruco calibrate 0 --square 0.0238 --marker 0.01785",
-        "Calibrate a camera with a ChArUco board. `roverlink aruco board` makes a board; after printing, measure\n"
+        "Calibrate a camera with a printed board. `roverlink aruco board` makes a board; after printing, measure\n"
         "its squares. Hold the board before the camera at different places and angles. The command takes useful\n"
         "images (views) from a camera, a stream or a video, until the views cover the whole image or you press\n"
         "Ctrl-C. From a folder, it takes every image. Exit code 1: the views are not sufficient to calibrate.",
