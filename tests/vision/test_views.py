@@ -15,7 +15,7 @@ from bench.vision.scenes import lens
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.calibration import AprilGrid, BoardDetector, CalibrationBoard, CharucoBoard, Chessboard, View
 from roverlink.vision.calibration.charuco_board import OFFSET
-from roverlink.vision.images.rendering import Grey, Pose, render, texture
+from roverlink.vision.images.rendering import Grey, Lens, Pose, render, texture
 from roverlink.vision.printing import board_sheet, to_png
 from tests.vision.board_frames import frame
 
@@ -38,6 +38,23 @@ def test_corners_are_found_to_hundredths_of_a_pixel() -> None:
     assert np.sqrt((miss**2).sum(axis=1).mean()) < 0.02
     assert (miss**2 / view.sigmas[:, None] ** 2).mean() == pytest.approx(1, abs=0.35)  # 3 sigma of 140 squares
     assert view.blur == pytest.approx((0.8**2 + 1 / 12) ** 0.5, abs=0.05)  # the renderer's, and a pixel's
+
+
+def test_edges_that_a_wide_lens_bends_do_not_move_their_corners() -> None:
+    """Corners near the rim of a fisheye lens are not off towards the middle, although their edges are curved."""
+    matrix = np.array([[267.0, 0, 322.3], [0, 267.8, 237.4], [0, 0, 1]])
+    camera = Lens(matrix, (0.02, -0.008, 0.003, -0.0008), (640, 480), fisheye=True)
+    rng = np.random.default_rng(3)
+    pose = Pose(np.diag([1.0, -1, -1]), np.array([0.2, 0.09, 0.17]))
+    frame = render(camera, np.full((480, 640), 120.0), [(board_print(40), pose)], rng)
+    view = BoardDetector(BOARD).find(frame)
+    outwards = view.corners - camera.matrix[:2, 2]
+    far = np.linalg.norm(outwards, axis=1) > 160
+    miss = ((view.corners - true_corners(camera, pose, view.ids)) * outwards).sum(axis=1) / np.linalg.norm(
+        outwards, axis=1
+    )
+    assert far.sum() > 30
+    assert abs(miss[far].mean()) < 0.008  # with straight edges, 0.017
 
 
 def test_the_offset_of_this_opencv_is_known() -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roverlink.vision.calibration.board import CalibrationBoard
-from roverlink.vision.calibration.saddles import Sites, find_saddles
+from roverlink.vision.calibration.edge_curvature import edge_curvatures
+from roverlink.vision.calibration.saddles import Saddles, Sites, find_saddles
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.markers.detection import Image, to_grey
 from roverlink.vision.opencv import cv2
@@ -68,10 +69,21 @@ class BoardDetector:
         axes = self._axes(ids, corners)
         if axes is None:
             return View(name, ids[:0], corners[:0], np.zeros(0), (width, height), stamp_ns=stamp_ns)
-        saddles = find_saddles(image, Sites(corners, axes, self.board.gap, self.board.reach))
+        saddles = self._fit(image, ids, Sites(corners, axes, self.board.gap, self.board.reach))
         found = saddles.found
         blur = float(np.median(saddles.blurs[found])) if found.any() else 0.0
         return View(name, ids[found], saddles.places[found], saddles.sigmas[found], (width, height), blur, stamp_ns)
+
+    def _fit(self, image: Image, ids: NDArray[np.intp], sites: Sites) -> Saddles:
+        """Fit the corners with straight edges, and again with the curvature of the edges that follows."""
+        first = find_saddles(image, sites)
+        found = first.found
+        curvatures = np.zeros((len(ids), 2, 2))
+        curvatures[found] = edge_curvatures(self.board.points[ids[found], :2], first.places[found])
+        if not curvatures.any():
+            return first
+        starts = np.where(found[:, None], first.places, sites.places)
+        return find_saddles(image, replace(sites, places=starts, curvatures=curvatures))
 
     def _axes(self, ids: NDArray[np.intp], corners: Floats) -> Floats | None:
         """Return the derivative (N, 2, 2) of the pixels of the corners with respect to the board's x and y.
