@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import shutil
 import signal
 from collections.abc import Callable
 from pathlib import Path
@@ -86,6 +87,48 @@ def test_scripts_get_json(images: Path, tmp_path: Path, capsys: pytest.CaptureFi
         assert 0 < found["parameters"][name]["deviation"] < 0.3
     assert 0 < found["uncertainty"]["mean"] < found["uncertainty"]["max"] < 0.5
     assert [view["name"] for view in found["views"] if view["dropped"]] == ["wall.png"]
+    assert found["judgement"]["verdict"] in ("good", "usable")
+    assert all(doubt["text"] for doubt in found["judgement"]["doubts"])
+
+
+def test_an_image_that_cannot_be_read_is_skipped(
+    images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is named once and counted, and the others are used, each with its own name."""
+    folder = tmp_path / "images"
+    shutil.copytree(images, folder)
+    (folder / "view0.png").write_bytes(b"no image")
+    out = tmp_path / "camera.yml"
+    assert main(["aruco", "calibrate", str(folder), "--out", str(out)]) == 0
+    said = capsys.readouterr()
+    assert said.err.count("view0.png: cannot read the file as an image; it is skipped") == 1
+    assert f"skipped 1 of {IMAGES + 1} images" in said.err
+    named = [name for line in said.out.splitlines() if (name := line.split(" ")[0]).endswith(".png")]
+    assert named == [*(f"view{index}.png" for index in range(1, IMAGES)), "wall.png"]
+
+
+def test_parameters_that_must_not_be_used_replace_no_good_ones(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """They are in a file with another name; the reason is there, and the exit code is 1."""
+    folder = tmp_path / "images"
+    folder.mkdir()
+    rows, columns = np.indices(SIZE[::-1], np.float32)
+    shears = np.random.default_rng(2).normal(0, 6, IMAGES)
+    for index, (image, shear) in enumerate(zip(frames(IMAGES), shears)):
+        moved = columns - np.float32(shear) * (rows / SIZE[1] - np.float32(0.5))
+        cv2.imwrite(str(folder / f"view{index}.png"), cv2.remap(image, moved, rows, cv2.INTER_CUBIC))
+    out = tmp_path / "camera.yml"
+    out.write_text("good parameters")
+    assert main(["aruco", "calibrate", str(folder), "--out", str(out)]) == 1
+    said = capsys.readouterr().out
+    assert "judgement: do not use" in said
+    assert "rolling shutter" in said
+    assert out.read_text() == "good parameters"
+    rejected = tmp_path / "camera.rejected.yml"
+    assert read_parameters(rejected).size == SIZE
+    assert cv2.FileStorage(str(rejected), cv2.FILE_STORAGE_READ).getNode("judgement").string() == "do not use"
+    assert "rolling shutter" in (tmp_path / "camera.rejected.html").read_text(encoding="utf-8")
 
 
 def test_too_few_views_are_refused(images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

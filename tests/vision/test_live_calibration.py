@@ -179,7 +179,7 @@ def test_the_result_is_shown_and_the_report_is_there() -> None:
     assert len(state["result"]["remarks"]) == 1
     assert camera.live.report() == "<p>0.1414"
     camera.live.act("drop", 2)
-    assert "calibrate again" in camera.state()["result"]["remarks"][1]
+    assert "calibrate again" in camera.state()["result"]["remarks"][2]
     camera.show(LEFT)
     assert camera.state()["views"][-1]["lines"][2] == "not used yet"
 

@@ -11,6 +11,7 @@ from roverlink.vision.calibration.charuco_board import CharucoBoard
 from roverlink.vision.calibration.chessboard import Chessboard
 from roverlink.vision.calibration.collection import Collection, Offer
 from roverlink.vision.calibration.coverage import Coverage, Need
+from roverlink.vision.calibration.judgement import Doubt, Judgement, Verdict
 from roverlink.vision.calibration.solution import Calibration, Fitted, Model, PoorViewsError
 from roverlink.vision.calibration.solver import calibrate
 from roverlink.vision.calibration.views import BoardDetector, View
@@ -24,11 +25,14 @@ __all__ = [
     "Chessboard",
     "Collection",
     "Coverage",
+    "Doubt",
     "Fitted",
+    "Judgement",
     "Model",
     "Need",
     "Offer",
     "PoorViewsError",
+    "Verdict",
     "View",
     "calibrate",
 ]

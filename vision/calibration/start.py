@@ -63,13 +63,16 @@ def rough_pose(view: View, board: CalibrationBoard, camera: CameraParameters) ->
     if not turns:  # IPPE finds no pose if the rays are far from those of a plane
         return nowhere
     poses = [Pose(rotation_of(np.ravel(turn)), np.ravel(shift)) for turn, shift in zip(turns, shifts)]
-    misses = [np.linalg.norm(residuals(view, board, camera, pose), axis=1) for pose in poses]
+    misses = [np.linalg.norm(residuals(view, board.points, camera, pose), axis=1) for pose in poses]
     medians = [float(np.median(np.nan_to_num(miss, nan=math.inf))) for miss in misses]
     best = int(np.argmin(medians))
     return poses[best], medians[best]
 
 
-def residuals(view: View, board: CalibrationBoard, camera: CameraParameters, pose: Pose) -> Floats:
-    """Return the residuals (N, 2) of a view's corners in pixels: observed position minus expected position."""
-    rays, _ = predict(pose, board.points[view.ids])
+def residuals(view: View, points: Floats, camera: CameraParameters, pose: Pose) -> Floats:
+    """Return the residuals (N, 2) of a view's corners in pixels: observed position minus expected position.
+
+    `points` are all corners of the board, flat or bent.
+    """
+    rays, _ = predict(pose, points[view.ids])
     return view.corners - camera.distort(rays)

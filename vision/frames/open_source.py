@@ -37,7 +37,7 @@ def open_source(
         return open_stream(_urls(text), say)
     if text and path.exists():
         images = path.is_dir() or path.suffix.lower() in IMAGES
-        return ImageFiles(path, rate) if images else VideoFile(path)
+        return ImageFiles(path, rate, say) if images else VideoFile(path)
     if _HOST.fullmatch(text) and path.suffix.lower() not in IMAGES | VIDEOS:
         return open_stream(_urls(f"http://{text}"), say)
     raise SetupError(

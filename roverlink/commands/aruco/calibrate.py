@@ -22,7 +22,8 @@ def add(commands: Subparsers) -> None:
         "Calibrate a camera with a printed board. `roverlink aruco board` makes a board; after printing, measure\n"
         "its squares. Hold the board before the camera at different places and angles. The command takes useful\n"
         "images (views) from a camera, a stream or a video, until the views cover the whole image or you press\n"
-        "Ctrl-C. From a folder, it takes every image. Exit code 1: the views are not sufficient to calibrate.",
+        "Ctrl-C. From a folder, it takes every image. Exit code 1: the views are not sufficient to calibrate, or\n"
+        "the parameters must not be used; then they are written to another file, with .rejected in its name.",
     )
     add_source(parser)
     add_board(parser)
@@ -73,7 +74,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Calibrate the camera. The exit code is 1 if the views do not determine its parameters."""
+    """Calibrate the camera. The exit code is 1 if the views do not determine its parameters well enough."""
     from roverlink.aruco.calibration import calibrate  # only here, so that the help needs no OpenCV
 
     return calibrate(arguments)
