@@ -11,7 +11,7 @@ import pytest
 from roverlink.vision import CameraParameters
 from roverlink.vision.calibration import Calibration, Model, Verdict, View, calibrate
 from roverlink.vision.calibration.board_bend import height
-from roverlink.vision.calibration.judgement import BetterModel, Evidence, judge
+from roverlink.vision.calibration.verdict import BetterModel, Evidence, judge
 from tests.vision.boards import BOARD, CAMERA, SIZE, part, project, views
 
 WIDE = CameraParameters(

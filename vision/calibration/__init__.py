@@ -11,9 +11,9 @@ from roverlink.vision.calibration.charuco_board import CharucoBoard
 from roverlink.vision.calibration.chessboard import Chessboard
 from roverlink.vision.calibration.collection import Collection, Offer
 from roverlink.vision.calibration.coverage import Coverage, Need
-from roverlink.vision.calibration.judgement import Doubt, Judgement, Verdict
 from roverlink.vision.calibration.solution import Calibration, Fitted, Model, PoorViewsError
 from roverlink.vision.calibration.solver import calibrate
+from roverlink.vision.calibration.verdict import Doubt, Judgement, Verdict
 from roverlink.vision.calibration.views import BoardDetector, View
 
 __all__ = [

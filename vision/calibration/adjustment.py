@@ -47,7 +47,8 @@ class Observation:
 
     def bent(self, bend: Floats) -> Floats:
         """Return the places (N, 3) on a board with a bend (3,)."""
-        return self.points + (self.shapes @ bend)[:, None] * _DOWN
+        bent: Floats = self.points + np.outer(self.shapes @ bend, _DOWN)
+        return bent
 
 
 @dataclass(frozen=True, slots=True, eq=False)

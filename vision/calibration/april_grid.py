@@ -145,7 +145,7 @@ class AprilGrid(CalibrationBoard):
 
         The detector takes parts of the black squares for parts of the tag, so its corners may be off by five pixels.
         """
-        side = float(np.linalg.norm(np.roll(corners, 1, axis=0) - corners, axis=1).min())
+        side = float(np.min(np.linalg.norm(np.roll(corners, 1, axis=0) - corners, axis=1)))
         window = max(2, round(_WINDOW * self.spacing * side))
         start = np.array(corners, np.float32).reshape(4, 1, 2)
         places = cv2.cornerSubPix(image, start, (window, window), (-1, -1), _SUBPIX)

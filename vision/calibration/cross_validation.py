@@ -13,11 +13,11 @@ import numpy as np
 from roverlink.vision.calibration.adjustment import Estimate, adjust
 from roverlink.vision.calibration.board import CalibrationBoard
 from roverlink.vision.calibration.board_bend import bent_points
-from roverlink.vision.calibration.fitting import fit, observations_of, part_of, posed
-from roverlink.vision.calibration.judgement import BetterModel
 from roverlink.vision.calibration.outliers import Choice
+from roverlink.vision.calibration.robust_fit import fit, observations_of, part_of, posed
 from roverlink.vision.calibration.solution import Model, PoorViewsError
 from roverlink.vision.calibration.start import residuals
+from roverlink.vision.calibration.verdict import BetterModel
 from roverlink.vision.calibration.views import View
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
 

@@ -11,11 +11,11 @@ from roverlink.vision.calibration.board import CalibrationBoard
 from roverlink.vision.calibration.board_bend import height
 from roverlink.vision.calibration.coverage import CELLS, Coverage
 from roverlink.vision.calibration.cross_validation import better_model
-from roverlink.vision.calibration.fitting import observations_of, part_of
-from roverlink.vision.calibration.judgement import Evidence
 from roverlink.vision.calibration.outliers import Choice
+from roverlink.vision.calibration.robust_fit import observations_of, part_of
 from roverlink.vision.calibration.rolling_shutter import find_rolling_shutter
 from roverlink.vision.calibration.solution import Calibration
+from roverlink.vision.calibration.verdict import Evidence
 from roverlink.vision.calibration.views import View
 
 _SUSPICIOUS = 1.2

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.vision.calibration.adjustment import by_parameters
 from roverlink.vision.calibration.board_bend import SHAPES
-from roverlink.vision.calibration.judgement import Judgement
+from roverlink.vision.calibration.verdict import Judgement
 from roverlink.vision.calibration.views import View
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
 from roverlink.vision.poses.pose import Pose, predict

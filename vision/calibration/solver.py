@@ -14,11 +14,11 @@ from roverlink.vision.calibration.adjustment import Estimate, Observation, infor
 from roverlink.vision.calibration.board import CalibrationBoard
 from roverlink.vision.calibration.board_bend import SHAPES, bent_points
 from roverlink.vision.calibration.evidence import gather
-from roverlink.vision.calibration.fitting import fit, observations_of, part_of
-from roverlink.vision.calibration.judgement import judge
 from roverlink.vision.calibration.refusal import check_count, check_coverage, check_sizes
+from roverlink.vision.calibration.robust_fit import fit, observations_of, part_of
 from roverlink.vision.calibration.solution import Calibration, Fitted, Model
 from roverlink.vision.calibration.start import residuals
+from roverlink.vision.calibration.verdict import judge
 from roverlink.vision.calibration.views import View
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.poses.pose import Pose
