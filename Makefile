@@ -1,12 +1,13 @@
 # Every target makes the environment that it needs. PYTHON chooses the interpreter, VENV the environment's folder.
-# OPENCV=4.11 makes an environment of its own with that version.
+# OPENCV=4.8 makes an environment of its own with that version. OpenCV before 4.10 was built for NumPy 1.
 PYTHON ?= python3
 OPENCV ?=
 VENV ?= $(if $(OPENCV),.venv-opencv-$(OPENCV),.venv)
-OPENCV_PIN := $(if $(OPENCV),'opencv-contrib-python-headless==$(OPENCV).*')
+OPENCV_PIN := $(if $(OPENCV),'opencv-contrib-python-headless==$(OPENCV).*') $(if $(filter 4.8 4.9,$(OPENCV)),'numpy<2')
 BIN := $(VENV)/bin
 ROS2 ?=
 SOAK_SECONDS ?= 600
+SOAK_FAULTS := $(addprefix --scenario ,reboot old-schema malformed padded lossy)
 FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime vision roverlink bench tests docs
 
@@ -24,7 +25,7 @@ test: $(VENV)/ready-dev  ## the tests
 test-slow: $(VENV)/ready-dev  ## the tests that take minutes
 	$(BIN)/pytest -n auto --dist worksteal -m slow
 
-test-vision: $(VENV)/ready-dev  ## the tests of the camera programs; OPENCV=4.11 with that version of OpenCV
+test-vision: $(VENV)/ready-dev  ## the tests of the camera programs; OPENCV=4.8 with that version of OpenCV
 	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py tests/cli/test_aruco_calibrate.py
 
 test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2=jazzy for one of them
@@ -43,9 +44,11 @@ test-dist: dist  ## the wheel and the sdist in an empty environment and an empty
 ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
 	$(BIN)/python tests/ros/build.py
 
-soak: $(VENV)/ready  ## 20,000 datagrams a second for ten minutes, each of them accounted for, in flat memory
-	$(BIN)/roverlink simulate --bridge dds --rate 20000 --seconds $(SOAK_SECONDS) \
-		--scenario malformed --scenario old-schema --scenario padded --scenario lossy --scenario reboot
+soak: $(VENV)/ready  ## five minutes of datagrams for the sample rover, and five with all of the table switched on: each accounted for, in flat memory
+	$(BIN)/roverlink simulate --bridge dds --rate 20000 --seconds $$(($(SOAK_SECONDS) / 2)) $(SOAK_FAULTS)
+	$(BIN)/python tests/soak/full_project.py build/soak
+	$(BIN)/roverlink simulate --project build/soak --bridge dds --rate 5000 --seconds $$(($(SOAK_SECONDS) / 2)) \
+		$(SOAK_FAULTS) --scenario hostile
 
 fuzz: $(VENV)/ready-fuzz  ## every parser of bytes from outside, a minute each
 	for target in datagram trailing-zeros sample message; do \
@@ -62,7 +65,7 @@ lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, whether generated/ is wh
 bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise do
 	$(BIN)/python -m bench
 
-bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on rendered frames, beside OpenCV (OPENCV=4.11: that version)
+bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on rendered frames, beside OpenCV (OPENCV=4.8: that version)
 	$(BIN)/python -m bench.vision
 
 pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md, docs/calibration.md and docs/operations.md (with Chromium), and the recording for the first

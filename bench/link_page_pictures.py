@@ -34,6 +34,8 @@ def main(words: list[str]) -> int:
                 _photograph(visitor, link, token_file, folder)
             with followed_page() as page:
                 _photograph_several(visitor, page, folder)
+            with followed_page() as page:
+                _photograph_boards(visitor, page, folder)
     except BenchError as error:
         print(f"bench: {error}", file=sys.stderr)
         return 2
@@ -86,6 +88,16 @@ def _photograph_several(visitor: Visitor, page: FollowedPage, folder: Path) -> N
     visitor.click("#theme")
     see(lambda: "SILENT" in visitor.text("#peers"))
     _write(folder / "bridges.png", visitor)
+
+
+def _photograph_boards(visitor: Visitor, page: FollowedPage, folder: Path) -> None:
+    """Photograph the peers of a bridge whose table has addresses of boards and the link message."""
+    page.hear("rover", ages={"imu_info": 0.2, "drive_diag": 0.1}, links=True)
+    visitor.screen(*SCREEN)
+    visitor.open(page.url)
+    visitor.run("setTheme(false)")
+    visitor.until(lambda: "another schema" in visitor.text("#peers"))
+    _write(folder / "boards.png", visitor, "#peers [data-key='hardware']")
 
 
 def _write(path: Path, visitor: Visitor, selector: str = "") -> None:

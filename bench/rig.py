@@ -1,5 +1,7 @@
 """One measurement: a bridge, load on one side of it, an observer or sinks on the other."""
 
+import contextlib
+import random
 import socket
 import time
 from collections.abc import Iterator
@@ -8,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bench.contestants import Contestant, Ports
+from bench.errors import BenchError
 from bench.lab import Lab
 from bench.process import QUIET_SECONDS, Child, udp_socket, wait_until_bound, wait_until_quiet
 from bench.wire import IMU_STAMP, MOTOR_STAMP, imu_datagram
@@ -16,6 +19,7 @@ WARM_UP_RATE = 1000
 WARM_UP_SECONDS = 0.2
 MATCH_SECONDS = 20.0
 PACE_KEPT = 0.95
+_PORTS = range(20_000, 32_768)
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,6 +195,9 @@ def _sink() -> socket.socket:
 
 
 def _free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """Return a port below those that the system gives to clients: one of these could take it before a bridge starts."""
+    for port in random.sample(_PORTS, len(_PORTS)):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, contextlib.suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
+    raise BenchError(f"no UDP port from {_PORTS.start} to {_PORTS.stop - 1} is free")

@@ -22,6 +22,8 @@ from pathlib import Path
 from roverlink import doctor_link
 from roverlink.console import TABLE, project_folder
 from roverlink.generated_code import load_project
+from roverlink.generator.diagnostics import DiagnosticsError
+from roverlink.generator.pipeline import compile_table
 from roverlink.installed_packages import installed_version
 from roverlink.runtime import MiddlewareError, Registry, RoverlinkError
 from roverlink.runtime.core.messages import Message
@@ -84,6 +86,7 @@ def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = ()) 
         registry = load_project(project_folder(project))
         messages, fingerprint = len(registry.handlers), registry.fingerprint[:12]
         found.append(Diagnosis("ok", examined, f"{messages} messages, fingerprint of the table {fingerprint}"))
+        found += _table(project_folder(project))
         examined = "parameters"
         settings = parameters.read(registry, ros.parameters)
     except RoverlinkError as error:
@@ -117,6 +120,23 @@ def _python() -> Iterator[Diagnosis]:
         yield Diagnosis("ok", "extras", says, f"if you need them: {sys.executable} -m pip install {names}")
 
 
+# --- the table --------------------------------------------------------------------------------------------------
+
+
+def _table(project: Path) -> Iterator[Diagnosis]:
+    """Warn if the generated code is that of another table: the bridge does not read the table itself."""
+    try:
+        changes = compile_table(project / TABLE).changes(project)
+    except DiagnosticsError:
+        says = "the table has errors, so it was not compared with the generated code"
+        yield Diagnosis("warning", TABLE, says, "`roverlink generate` shows the errors")
+        return
+    # A file that today's table does not make may come from an option of `generate`.
+    if changed := [change.path for change in changes if change.verb != "removed"]:
+        says = f"the generated code is not that of this table ({len(changed)} files differ); the bridge uses the code"
+        yield Diagnosis("warning", TABLE, says, "roverlink generate")
+
+
 # --- the network ------------------------------------------------------------------------------------------------
 
 
@@ -148,7 +168,7 @@ def _hosts(registry: Registry, settings: Parameters) -> Iterator[Diagnosis]:
             try:
                 found = hosts.look_up(host, settings.addresses[ends[0]].port)[0]
             except (OSError, UnicodeError) as error:
-                says = f"{host}, the host of {what}, cannot be resolved: {error}"
+                says = f"{host}, the host of {what}, cannot be resolved: {hosts.reason_of(error)}"
                 cure = f"switch it on, or set another host with --ros-args -p {parameter}:=ADDRESS"
                 yield Diagnosis("warning", parameter, says, cure)
             else:

@@ -201,4 +201,4 @@ def _number(text: str) -> float | None:
 
 def has_problems(page: dict[str, Any]) -> bool:
     """Return true if the state shows the bridge, one of its rows, or an end of the link at another level than OK."""
-    return any(entry["level"] != "OK" for entry in (page["node"], *page["rows"], *page["links"]))
+    return any(entry["level"] != "OK" for entry in (page["node"], *page["rows"], *page["ends"], *page["links"]))

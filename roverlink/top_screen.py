@@ -234,10 +234,7 @@ def _header(page: dict[str, Any], label: str, quiet: bool = False) -> list[Text]
         lines.append(Text(_plain(f"stopped by the bridge, because the topic is silent: {stopped}"), "yellow"))
     if mismatches := _named(node, _MISMATCHES, none=""):
         lines.append(Text(_plain(f"publishers and subscriptions of other nodes without matching QoS: {mismatches}")))
-    if ends := [text for end in page["ends"] if (text := _end_text(end))]:
-        lines.append(Text(_plain(f"peers and boards: {', '.join(ends)}"), "yellow"))
-    links = sorted(page["links"], key=lambda link: link["level"] == "OK")
-    lines += [Text(_plain(_link_line(link)), "yellow" if link["level"] != "OK" else "") for link in links]
+    lines += _end_lines(page)
     if "recording" in node:
         size, waiting, lost = (node.get(f"recording_{name}", 0) for name in ("bytes", "waiting", "lost"))
         recording = f"recording: {lost} messages lost, {waiting} waiting for the disk, {size / 1e6:.1f} MB in "
@@ -252,27 +249,49 @@ def _header(page: dict[str, Any], label: str, quiet: bool = False) -> list[Text]
     return lines
 
 
-def _end_text(end: Mapping[str, Any]) -> str:
+def _end_lines(page: dict[str, Any]) -> list[Text]:
+    """Return a line for each end that sends link messages, and one for the problems of the others; problems first."""
+    problems = {_end_of(end): text for end in page["ends"] if (text := _end_problem(end))}
+    lines = []
+    for link in page["links"]:
+        problem = problems.pop(_end_of(link), "")
+        text = "; ".join(filter(None, [problem, link["message"], *_link_facts(link)]))
+        lines.append((link["level"] == "OK" and not problem, f"{link['name']}: {text}"))
+    if problems:
+        others = [f"{f'{board} of ' if board else ''}{peer}: {text}" for (peer, board), text in problems.items()]
+        lines.append((False, "; ".join(others)))
+    return [Text(_plain(text), "" if good else "yellow") for good, text in sorted(lines, key=lambda line: line[0])]
+
+
+def _end_of(entry: dict[str, Any]) -> tuple[str, str]:
+    return entry["peer"], entry.get("board", "")
+
+
+def _end_problem(end: dict[str, Any]) -> str:
     """Return a text about a peer or board that is silent, or whose address has a problem; empty for the others."""
     problems = [end["link"].replace("_", " ")] if end["link"] != "ok" else []
     problems += ["silent"] if end["state"] == "silent" else []
-    name = end["name"].removeprefix("link to ")
-    return f"{name} {' and '.join(problems)}{' at ' if end['address'] else ''}{end['address']}" if problems else ""
+    return f"{' and '.join(problems)}{' at ' if end['address'] else ''}{end['address']}" if problems else ""
 
 
-def _link_line(link: dict[str, Any]) -> str:
-    """Return what the link messages of an end tell, as one line."""
-    facts = [f"{link['name']}: {link['message']}"]
+def _link_facts(link: dict[str, Any]) -> list[str]:
+    """Return what the link messages of an end have measured."""
     losses = [f"{way} {100 * link[key]:.1f}%" for way, key in (("in", "loss_in"), ("out", "loss_out")) if key in link]
-    facts += [f"loss {', '.join(losses)}"] if losses else []
-    facts += [f"{name} {1000 * link[key]:.1f} ms" for name, key in _LINK_TIMES if key in link]
+    facts = [f"loss {', '.join(losses)}"] if losses else []
+    facts += [f"{name} {_time(link[key])}" for name, key in _LINK_TIMES if key in link]
     facts += [f"{link[key]} {key}" for key in ("reordered", "duplicates", "restarts") if link.get(key)]
     facts += [f"{link['senders']} senders"] if link["senders"] > 1 else []
-    facts += [f"silent for {link['age']:.0f} s"] if link.get("age", 0) > QUIET_S else []
-    return "; ".join(facts)
+    return facts + ([f"last link message {link['age']:.0f} s ago"] if link.get("age", 0) > QUIET_S else [])
+
+
+def _time(seconds: float) -> str:
+    if seconds < _NOT_SET_S:
+        return "not set"
+    return f"{1000 * seconds:.1f} ms" if abs(seconds) < 10 else f"{seconds:.0f} s"
 
 
 _LINK_TIMES = (("round trip", "round_trip"), ("jitter", "jitter"), ("clock", "clock_offset"))
+_NOT_SET_S = -1e9  # the clock of a board without a date counts from its start
 
 
 def _levels(entries: Sequence[dict[str, Any]]) -> str:

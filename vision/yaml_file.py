@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -133,7 +133,12 @@ def read_file(path: Path, what: str) -> Item:
 
 def parse(path: Path, text: str) -> Item:
     """Parse the text of a YAML file. Raises `SetupError` if it is not YAML, or if a key occurs twice in a mapping."""
+    return parse_with(compose, path, text)
+
+
+def parse_with(composer: Callable[[str], yaml.Node], path: Path, text: str) -> Item:
+    """Parse the text of a file with a function that raises `YamlTextError`. Raises `SetupError` in its place."""
     try:
-        return Item(path, compose(text), "the file")
+        return Item(path, composer(text), "the file")
     except YamlTextError as error:
         raise SetupError(error.in_file(path)) from error

@@ -20,13 +20,15 @@ DRIVE_FRAMES, QUICK_DRIVE_FRAMES = 60, 20
 CALIBRATIONS, QUICK_CALIBRATIONS = (5, 20), (1, 3)
 """Runs with large images, and with small ones for the intervals."""
 PLAIN_WIDTH = 130  # columns, if the output is not a terminal
-SECTIONS = ("accuracy", "nothing", "speed", "calibration")
+RECEIVING_S, QUICK_RECEIVING_S = 10.0, 3.0
+SECTIONS = ("accuracy", "nothing", "speed", "calibration", "receiving")
 
 
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m bench.vision",
-        description="Measure marker poses and calibrations on rendered frames, and compare them with plain OpenCV.",
+        description="Measure marker poses and calibrations on rendered frames, beside plain OpenCV, and the receiving "
+        "of images, beside rclpy.",
         epilog="example: python -m bench.vision --quick --only speed --json vision.json",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all measurements to FILE")
@@ -61,7 +63,7 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
 
 def _run(options: argparse.Namespace) -> None:
     try:  # imported here, so that --help needs no OpenCV
-        from bench.vision import accuracy, calibration, nothing, speed
+        from bench.vision import accuracy, calibration, nothing, receiving, speed
     except ImportError as error:
         raise BenchError(f"{error}; `make bench-vision` installs the missing packages") from error
     progress = Console(stderr=True, highlight=False, markup=False)
@@ -76,6 +78,9 @@ def _run(options: argparse.Namespace) -> None:
     if "calibration" in options.only:
         runs = QUICK_CALIBRATIONS if options.quick else CALIBRATIONS
         results["calibration"] = calibration.measure(*runs, progress.print)
+    if "receiving" in options.only:
+        seconds = QUICK_RECEIVING_S if options.quick else RECEIVING_S
+        results["receiving"] = receiving.measure(seconds, options.out, progress.print)
     console = Console()
     print_results(results, [], console if console.is_terminal else Console(width=PLAIN_WIDTH))
     if options.json:

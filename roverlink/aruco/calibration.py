@@ -13,14 +13,18 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from roverlink.aruco.board_options import board_of
 from roverlink.aruco.calibration_page import serve_page
 from roverlink.aruco.calibration_text import CalibrationText, JsonText, PlainText
-from roverlink.aruco.camera_source import open_source
+from roverlink.aruco.camera_source import open_source, source_of
 from roverlink.console import FINDINGS, OK, counted
 from roverlink.installed_packages import installed_version
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.middleware import Middleware, open_middleware
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision.calibration import (
     BoardDetector,
     Calibration,
@@ -36,12 +40,13 @@ from roverlink.vision.calibration.page.live_calibration import LiveCalibration
 from roverlink.vision.calibration.report import report, write_report
 from roverlink.vision.calibration.writing import write_calibration
 from roverlink.vision.frames import Frame, FrameSource, ImageFiles
+from roverlink.vision.opencv import cv2
 
 REJECTED = ".rejected"
 """Part of the name of a file with parameters that must not be used, before its ending."""
 
 
-def calibrate(arguments: argparse.Namespace) -> int:
+def calibrate(arguments: argparse.Namespace, ros: RosArguments) -> int:
     """Collect views, calibrate, write the files, and return the exit code.
 
     The exit code is 1 if the views are not sufficient, or if the result must not be used. Raises `SetupError` if the
@@ -51,7 +56,14 @@ def calibrate(arguments: argparse.Namespace) -> int:
     if not arguments.out.resolve().parent.is_dir():  # checked before the work, not after it
         raise SetupError(f"{arguments.out}: the folder {arguments.out.parent} does not exist")
     text = JsonText() if arguments.json else PlainText()
-    with open_source(arguments, say=text.note) as source:
+    with contextlib.ExitStack() as stack:
+
+        def middleware() -> Middleware:
+            return stack.enter_context(open_middleware(arguments.middleware, ros.node))
+
+        source = stack.enter_context(
+            open_source(source_of(arguments, text.note), arguments, ros, middleware, say=text.note)
+        )
         if arguments.page:
             try:
                 result = _on_page(source, board, arguments, text.note)
@@ -172,5 +184,7 @@ def _write(path: Path, calibration: Calibration, board: CalibrationBoard) -> tup
 
 def versions() -> dict[str, str]:
     """Return the names and versions of the packages whose version can change the results of a calibration."""
-    packages = {"roverlink": "roverlink", "OpenCV": "opencv-contrib-python-headless", "NumPy": "numpy"}
-    return {name: found for name, package in packages.items() if (found := installed_version(package))}
+    # Not the versions of pip's packages: on a Jetson, OpenCV and NumPy belong to the system.
+    loaded = {"OpenCV": cv2.__version__, "NumPy": np.__version__}
+    own = installed_version("roverlink")
+    return {"roverlink": own, **loaded} if own else loaded

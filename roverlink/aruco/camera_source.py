@@ -1,4 +1,4 @@
-"""Options that select a camera or another source of frames: a stream, a video, or a folder of images."""
+"""Options that select a camera or another source of frames: a stream, a ROS 2 topic, a video, or a folder of images."""
 
 from __future__ import annotations
 
@@ -10,12 +10,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from roverlink.console import print_note, rate
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.ros_arguments.ros_args import RosArguments, is_topic
 
 if TYPE_CHECKING:
+    from roverlink.runtime.middleware import Middleware
     from roverlink.vision.frames import FrameSource
 
 PARAMETERS = Path("charuco_camera_params.yml")
 """Default file of a camera's parameters."""
+
+CAMERA_FRAME = "camera_frame"
+"""Name of a camera's coordinate frame if neither the user nor the source names it."""
 
 _CAMERA = "0"
 _SIZE = re.compile(r"([1-9]\d{0,4})x([1-9]\d{0,4})")
@@ -26,8 +32,8 @@ def add_source(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "source",
         nargs="?",
-        help="number of a camera, URL of a stream (http, https, rtsp), video file, or folder of images "
-        "(default: the command asks for it in a terminal; elsewhere, camera 0)",
+        help="number of a camera, URL of a stream (http, https, rtsp), topic:NAME (ROS 2 topic with images), video "
+        "file, or folder of images (default: the command asks for it in a terminal; elsewhere, camera 0)",
     )
     parser.add_argument(
         "--size", type=_size, metavar="WxH", help="image size in pixels to request from the camera, such as 1280x720"
@@ -37,18 +43,41 @@ def add_source(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def open_source(
-    arguments: argparse.Namespace, size: tuple[int, int] | None = None, say: Callable[[str], None] = print_note
-) -> FrameSource:
-    """Open the source of frames that the options name; without options, ask the user.
+def source_of(arguments: argparse.Namespace, say: Callable[[str], None]) -> str:
+    """Return the text that names the source of frames: that of the options, or else what the user enters."""
+    text: str | None = arguments.source
+    return (_asked(say) if text is None else text).strip()
 
-    If the options give no image size, the camera is asked for images of ``size``. ``say`` is called with messages for
-    the user, also later, for instance if the camera is lost. Raises `SetupError` if the source cannot be opened.
+
+def full_topic(name: str, ros: RosArguments) -> str:
+    """Return the fully qualified name of a topic that the user has named. Raises `SetupError` if it cannot be one."""
+    if not is_topic(name):
+        raise SetupError(f"{name!r} is not the name of a topic, such as /camera/image_raw")
+    return ros.topic(name)
+
+
+def open_source(
+    text: str,
+    arguments: argparse.Namespace,
+    ros: RosArguments,
+    middleware: Callable[[], Middleware],
+    size: tuple[int, int] | None = None,
+    say: Callable[[str], None] = print_note,
+) -> FrameSource:
+    """Open the source of frames that a text names, with the options for it.
+
+    ``middleware`` is called if the source is a topic. If the options give no image size, the camera is asked for images
+    of ``size``. ``say`` is called with messages for the user, also later, for instance if the camera is lost. Raises
+    `SetupError` if the source cannot be opened.
     """
     from roverlink.vision import frames
 
-    text = arguments.source if arguments.source is not None else _asked(say)
-    return frames.open_source(text, size=arguments.size or size, rate=arguments.rate or frames.RATE, say=say)
+    def open_topic(name: str) -> FrameSource:
+        return frames.TopicSource(middleware(), full_topic(name, ros), say)
+
+    return frames.open_source(
+        text, size=arguments.size or size, rate=arguments.rate or frames.RATE, say=say, open_topic=open_topic
+    )
 
 
 def _asked(say: Callable[[str], None]) -> str:
@@ -57,7 +86,12 @@ def _asked(say: Callable[[str], None]) -> str:
     if not (sys.stdin.isatty() and sys.stderr.isatty()):
         say(f"no source given; using camera {_CAMERA}")
         return _CAMERA
-    print("Camera number, URL, video file or folder (ENTER for camera 0): ", end="", file=sys.stderr, flush=True)
+    print(
+        "Camera number, URL, topic:NAME, video file or folder (ENTER for camera 0): ",
+        end="",
+        file=sys.stderr,
+        flush=True,
+    )
     return sys.stdin.readline().strip() or _CAMERA
 
 

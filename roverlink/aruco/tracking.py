@@ -13,30 +13,32 @@ import logging
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
+from functools import cache
+from typing import cast
 
-from roverlink.aruco.camera_source import open_source
+from roverlink.aruco.camera_source import CAMERA_FRAME, PARAMETERS, full_topic, open_source, source_of
 from roverlink.aruco.tracking_log import TrackingLog
 from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.middleware import open_middleware
+from roverlink.runtime.middleware import Middleware, open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision import CameraParameters, Landmarks, MarkerSet, Tracker, read_landmarks
+from roverlink.vision.camera.image_size import for_images
 from roverlink.vision.camera.parameters_file import read_parameters
 from roverlink.vision.field.view import View, look
-from roverlink.vision.frames import Frame, FrameSource, play
-from roverlink.vision.images.drawing import draw
+from roverlink.vision.frames import Frame, FrameSource, TopicSource, play
+from roverlink.vision.frames.open_source import TOPIC
+from roverlink.vision.images.drawing import draw, write_above
 from roverlink.vision.images.film import Film
 from roverlink.vision.markers.boards import read_boards
+from roverlink.vision.markers.detection import Image
 from roverlink.vision.markers.marker_set import SIDE
 from roverlink.vision.ros.publishing import Publishing
 from roverlink.vision.ros.rover_position import position_publisher
-from roverlink.vision.ros.sighting_messages import FrameNames
-
-_SAME_SHAPE = 0.01
-"""Largest relative change of the ratio fx / fy at which images count as scaled, and not as cropped or stretched."""
 
 Output = Callable[[View], None]
 
@@ -46,15 +48,29 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
 
     Raises `SetupError` if a file, the source of frames or a package is missing, or if a file is wrong.
     """
-    camera, markers = read_parameters(arguments.parameters), _markers(arguments)
+    markers = _markers(arguments)
     landmarks = _landmarks(arguments, markers)
+    text = source_of(arguments, logger.warning)
+    camera = _parameters(arguments, text)
     with ExitStack() as stack:
-        source = stack.enter_context(open_source(arguments, camera.size, logger.warning))
+
+        @cache
+        def middleware() -> Middleware:
+            return stack.enter_context(open_middleware(arguments.middleware or "auto", ros.node))
+
+        size = camera.size if camera else None
+        source = stack.enter_context(open_source(text, arguments, ros, middleware, size, logger.warning))
         size = next(iter(source)).size
         logger.info("%s: %dx%d pixels", source.name, *size)
+        origin = str(arguments.parameters or PARAMETERS)
+        if camera is None:
+            images = cast(TopicSource, source)
+            origin = full_topic(arguments.camera_info, ros) if arguments.camera_info else images.camera_info_topic
+            logger.info("camera parameters: from %s; --camera-info TOPIC or --parameters FILE overrides this", origin)
+            camera = images.read_camera(origin)
         # Only now: the size is known from the first frame, since a camera may not give the size that was requested.
-        camera = _fitted(camera, size, arguments.rescale, logger)
-        outputs = list(_outputs(arguments, source, camera, ros, logger, stack))
+        camera = for_images(camera, size, origin, rescale=arguments.rescale, warn=logger.warning)
+        outputs = list(_outputs(arguments, source, camera, ros, logger, stack, middleware))
         log = stack.enter_context(TrackingLog(logger))
         for view in look(log.timed(_frames(source, arguments)), Tracker(camera, markers), landmarks):
             log.add(view)
@@ -67,6 +83,16 @@ def _markers(arguments: argparse.Namespace) -> MarkerSet:
     sides = dict(arguments.side)
     boards = read_boards(arguments.boards) if arguments.boards else ()
     return MarkerSet(arguments.dictionary, sides.pop(None, SIDE), sides, boards)
+
+
+def _parameters(arguments: argparse.Namespace, source: str) -> CameraParameters | None:
+    """Read the file of the camera's parameters; return None if it is a ROS 2 topic that has to give them."""
+    if arguments.parameters is None and source.startswith(TOPIC):
+        return None
+    if arguments.camera_info:
+        what = "--parameters is given" if arguments.parameters else f"the source is not {TOPIC}NAME"
+        raise SetupError(f"--camera-info has no effect, because {what}; remove one of the options")
+    return read_parameters(arguments.parameters or PARAMETERS)
 
 
 def _landmarks(arguments: argparse.Namespace, markers: MarkerSet) -> Landmarks | None:
@@ -91,7 +117,7 @@ def _frames(source: FrameSource, arguments: argparse.Namespace) -> Iterator[Fram
     """
     played = not source.live and (arguments.middleware or arguments.loop)
     frames = play(source, loop=arguments.loop) if played else iter(source)
-    frames = itertools.islice(frames, arguments.count)
+    frames = (_named(frame, arguments.camera_frame) for frame in itertools.islice(frames, arguments.count))
     if arguments.loop or source.total is None or (arguments.json and sys.stdout.isatty()):
         yield from frames
         return
@@ -101,33 +127,9 @@ def _frames(source: FrameSource, arguments: argparse.Namespace) -> Iterator[Fram
             report(done, source.total)
 
 
-def _fitted(camera: CameraParameters, size: tuple[int, int], rescale: bool, logger: logging.Logger) -> CameraParameters:
-    """Return the camera's parameters for images of ``size`` (width, height).
-
-    Raises `SetupError` if the parameters are for images of another size and cannot be rescaled.
-    """
-    width, height = size
-    if camera.size == size:
-        return camera
-    if camera.size is None and not rescale:
-        logger.warning("the camera parameters name no image size; assuming %dx%d", width, height)
-        return camera
-    scaled = camera.scaled(size) if rescale else None
-    was = "{}x{}".format(*(camera.size or ()))
-    if scaled is None:
-        raise SetupError(
-            f"the camera parameters are for images of {was} pixels, but the images have {width}x{height}; calibrate at "
-            "this size, or use --rescale if the camera scales its images and does not crop them"
-        )
-    # Scaling keeps the ratio of the focal lengths; cropping or stretching in one direction changes it.
-    ratio = float(scaled.focal[0] / scaled.focal[1] / (camera.focal[0] / camera.focal[1]))
-    if abs(ratio - 1) > _SAME_SHAPE:
-        raise SetupError(
-            f"images of {width}x{height} pixels are not scaled images of {was}: they were cropped or stretched; "
-            "calibrate at this size"
-        )
-    logger.warning("the camera parameters were scaled from images of %s pixels to %dx%d", was, width, height)
-    return scaled
+def _named(frame: Frame, given: str | None) -> Frame:
+    """Return a frame with the name of the camera's coordinate frame, which may be given."""
+    return replace(frame, frame_id=given or frame.frame_id or CAMERA_FRAME)
 
 
 def _outputs(
@@ -137,17 +139,17 @@ def _outputs(
     ros: RosArguments,
     logger: logging.Logger,
     stack: ExitStack,
+    open_middleware: Callable[[], Middleware],
 ) -> Iterator[Output]:
     if arguments.json:
         yield lambda view: print(json.dumps(view.as_dict()), flush=True)
     if arguments.save:
         film = stack.enter_context(Film(arguments.save, source.rate))
-        yield lambda view: film.add(draw(view.frame.image, camera, view.sightings, view.place), view.frame.stamp)
+        yield lambda view: film.add(_drawn(view, camera), view.frame.stamp)
     if arguments.middleware:
-        middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node))
+        middleware = open_middleware()
         stack.enter_context(publish_log(logger, middleware, ros))
-        names = FrameNames(arguments.camera_frame, arguments.marker_frame)
-        yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
+        yield Publishing(middleware, camera, arguments.marker_frame, ros.topic, logger.warning).publish
         if arguments.landmarks:
             try:
                 registry = load_project(project_folder(arguments.project))
@@ -156,3 +158,10 @@ def _outputs(
                 return
             publish_position = position_publisher(middleware, registry, ros.topic, logger.warning)
             yield lambda view: publish_position(view.place.pose.translation) if view.place else None
+
+
+def _drawn(view: View, camera: CameraParameters) -> Image:
+    """Return the image of a film: a frame with its landmarks, its stamp in seconds, and its coordinate frame."""
+    frame = view.frame
+    stamp = f"{frame.stamp // 10**9}.{frame.stamp % 10**9:09d}"
+    return write_above(draw(frame.image, camera, view.sightings, view.place), f"{stamp} {frame.frame_id}")

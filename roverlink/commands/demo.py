@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import contextlib
 import importlib.util
+import tempfile
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,13 +22,14 @@ from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.registry import AnyHandler, EndName
+from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.text.values import message_to_values, payload_to_values
 from roverlink.simulation import crossings
 from roverlink.simulation.bridge_host import bridge_with
 from roverlink.simulation.crossings import Crossing
 from roverlink.simulation.peers import on_loopback
+from roverlink.simulation.simulated_keys import make_throw_away_keys
 
 if TYPE_CHECKING:
     from roverlink.demo.camera import DemoCamera
@@ -77,9 +79,12 @@ def run(arguments: argparse.Namespace) -> int:
     console = Console()
     with contextlib.ExitStack() as stack:
         camera = _camera(console, project, arguments.middleware, stack)
-        peers = {name: stack.enter_context(_peer_on_loopback(name.peer, registry)) for name in registry.ends}
-        given = on_loopback(registry, {name: peer.port for name, peer in peers.items()})
-        host = stack.enter_context(bridge_with(arguments.middleware, project, registry, given))
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="roverlink-demo-")))
+        keys = make_throw_away_keys(registry, folder)
+        peers = {peer.name: stack.enter_context(_on_loopback(peer.name, registry, keys)) for peer in registry.peers}
+        given = on_loopback(registry, {name: peers[name.peer].port for name in registry.ends})
+        host = bridge_with(arguments.middleware, project, registry, given, key_files=[*keys.values()])
+        stack.enter_context(host)
         for peer in peers.values():
             peer.direct_to("127.0.0.1", host.port)
         middleware = stack.enter_context(host.middleware(topic_types.identity("demo")))
@@ -113,8 +118,9 @@ def _camera(console: Console, project: Path, middleware: str, stack: contextlib.
     return stack.enter_context(DemoCamera(project, middleware))
 
 
-def _peer_on_loopback(peer: str, registry: Registry) -> BlockingPeer:
-    return BlockingPeer.open(peer, registry=registry, local_address="127.0.0.1", local_port=0)
+def _on_loopback(peer: str, registry: Registry, keys: Mapping[str, Path]) -> BlockingPeer:
+    files = [keys[peer]] if peer in keys else []
+    return BlockingPeer.open(peer, registry=registry, local_address="127.0.0.1", local_port=0, key_files=files)
 
 
 class _Rig:
@@ -124,16 +130,15 @@ class _Rig:
         self,
         registry: Registry,
         middleware: Middleware,
-        peers: dict[EndName, BlockingPeer],
+        peers: dict[str, BlockingPeer],
         published_elsewhere: Collection[str] = (),
     ) -> None:
         """Create the ROS 2 publishers and subscribers.
 
-        ``peers`` holds a simulated peer for each end of the link. ``published_elsewhere`` holds the names of rows on
-        whose topics another ROS 2 node publishes, so this object does not.
+        ``peers`` holds a program in place of each peer with all its boards. ``published_elsewhere`` holds the names of
+        rows on whose topics another ROS 2 node publishes, so this object does not.
         """
         self._registry, self._peers = registry, peers
-        self._senders = {name.peer: peer for name, peer in peers.items()}
         self._published_elsewhere = published_elsewhere
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
         self.crossings = [Crossing(handler) for handler in registry.handlers]
@@ -168,7 +173,7 @@ class _Rig:
         """
         for handler in self._registry.handlers:
             if handler.route.inbound:
-                self._senders[handler.route.peer].send(payload_at(handler.payload_type, seconds), handler.route.name)
+                self._peers[handler.route.peer].send(payload_at(handler.payload_type, seconds), handler.route.name)
         for handler, publisher in self._publishers:
             publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
 

@@ -24,9 +24,9 @@ from roverlink.console import (
     seconds,
 )
 from roverlink.generated_code import load_project
-from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import Endpoint, Middleware, open_middleware
+from roverlink.runtime.middleware.following import matching_qos
 from roverlink.runtime.text.values import message_to_values
 
 _LOOK_S = 0.02
@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
         middleware.check_types([message_type])
         deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
         if publishers := _publishers(middleware, topic, deadline):
-            middleware.subscribe(topic, message_type, _qos(publishers, arguments.best_effort), put_all)
+            middleware.subscribe(topic, message_type, matching_qos(publishers, _QUEUE, arguments.best_effort), put_all)
         while arguments.count is None or seen < arguments.count:
             try:
                 data = arrived.get(timeout=None if deadline is None else max(0.0, deadline - time.monotonic()))
@@ -118,14 +118,3 @@ def _publishers(middleware: Middleware, topic: str, deadline: float | None) -> S
         time.sleep(_LOOK_S)
     time.sleep(_SETTLE_S)
     return middleware.endpoints(topic, True)
-
-
-def _qos(publishers: Sequence[Endpoint], best_effort: bool) -> Qos:
-    """Return the QoS of a subscription that all publishers match. It is as strict as the publishers allow."""
-    reliable = not best_effort and all(one.qos.reliability == "reliable" for one in publishers)
-    latched = all(one.qos.durability == "transient_local" for one in publishers)
-    return Qos(
-        "reliable" if reliable else "best_effort",
-        "transient_local" if latched else "volatile",
-        depth=_QUEUE,
-    )

@@ -9,8 +9,10 @@ import itertools
 import json
 import math
 import random
+import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from roverlink import topic_types
 from roverlink.commands.send import destination_of
@@ -18,6 +20,7 @@ from roverlink.console import (
     FINDINGS,
     OK,
     Subparsers,
+    add_key_file,
     add_project,
     command,
     isolate_ros,
@@ -27,7 +30,7 @@ from roverlink.console import (
 )
 from roverlink.generated_code import load_project
 from roverlink.generator.example_payloads import payload_at
-from roverlink.runtime import Registry, Translator
+from roverlink.runtime import Registry, SetupError, Translator
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.ros_arguments import parameters
@@ -35,6 +38,7 @@ from roverlink.simulation.bridge_host import BridgeHost, bridge_with
 from roverlink.simulation.peers import Arrivals, Senders
 from roverlink.simulation.run_account import RunTotals, predict, resident_bytes, sent_to_peers
 from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions
+from roverlink.simulation.simulated_keys import SimulatedKeys, make_throw_away_keys
 
 _LOG_LEVEL = "error"  # its warnings repeat the counters of the final report
 _RATE_OF_A_ROW_HZ = 20.0
@@ -60,8 +64,10 @@ def add(commands: Subparsers) -> None:
         "and the result that the bridge should count for them, such as 57 published, 3 malformed.\n\n"
         "With --bridge, the command starts a bridge, and stops it at the end. It then prints how many datagrams the\n"
         "bridge published, forwarded and dropped. The exit code is 1 if these numbers do not add up to the number of\n"
-        "datagrams sent, or if the memory of the bridge grows.\n\nscenarios:\n"
-        + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
+        "datagrams sent, or if the memory of the bridge grows.\n\n"
+        "Peers that must sign (table key `sign`) use the keys in the files of --key-file. With --bridge, the bridge\n"
+        "gets these files, too; without --key-file, the command makes keys for this run alone.\n\n"
+        "scenarios:\n" + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
     )
     add_project(parser)
     target = parser.add_mutually_exclusive_group()
@@ -104,6 +110,10 @@ def add(commands: Subparsers) -> None:
         metavar="S",
         help="stop after S seconds (default: send until Ctrl-C)",
     )
+    add_key_file(
+        parser,
+        "file with the keys of a peer or board that must sign; with --to, a copy of the bridge's file; may be repeated",
+    )
     parser.add_argument("--json", action="store_true", help="print the report as a JSON object")
     parser.set_defaults(run=run, runs_until_stopped=True)
 
@@ -116,19 +126,38 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate the peers. With ``--bridge``, the exit code is 1 if the counts of the bridge do not add up."""
     registry = load_project(project_folder(arguments.project))
     longest = parameters.defaults(registry)["max_datagram"]
-    world = World(registry, random.Random(arguments.seed), longest)  # noqa: S311  # repeatable, not secret
-    hertz = arguments.rate or _RATE_OF_A_ROW_HZ * len(world.inbound)
-    stream = emissions(world, hertz, arguments.scenario)
-    if hertz >= _PREPARED_FROM_HZ:
-        stream = _repeated(stream, _PREPARED)
-    if arguments.bridge is None:
-        return _to_a_bridge(arguments, world, stream)
-    return _with_a_bridge(arguments, world, stream)
+    hertz = arguments.rate or _RATE_OF_A_ROW_HZ * sum(handler.route.inbound for handler in registry.handlers)
+    with contextlib.ExitStack() as stack:
+        key_files = arguments.key_file or _throw_away_keys(registry, arguments.bridge, stack)
+        keys = stack.enter_context(SimulatedKeys(registry, key_files)) if key_files else None
+        world = World(registry, random.Random(arguments.seed), longest, keys)  # noqa: S311  # repeatable, not secret
+        stream = emissions(world, hertz, arguments.scenario)
+        # Signatures and link messages are numbered, so that none can be sent twice.
+        if hertz >= _PREPARED_FROM_HZ and keys is None and registry.link is None:
+            stream = _repeated(stream, _PREPARED)
+        if arguments.bridge is None:
+            return _to_a_bridge(arguments, world, stream)
+        return _with_a_bridge(arguments, world, stream, key_files)
+
+
+def _throw_away_keys(registry: Registry, bridge: str | None, stack: contextlib.ExitStack) -> Sequence[Path]:
+    """Make keys for this run, if a peer must sign; return their files, which ``stack`` removes.
+
+    Raises `SetupError` if no bridge is started, because a running bridge has keys of its own.
+    """
+    must_sign = [peer.name for peer in registry.peers if peer.must_sign]
+    if not must_sign:
+        return ()
+    if bridge is None:
+        cure = "give a copy of the bridge's key file with --key-file FILE, or let --bridge start a bridge"
+        raise SetupError(f"the peer {must_sign[0]!r} must sign (table key `sign`), but there is no key; {cure}")
+    folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="roverlink-keys-"))
+    return [*make_throw_away_keys(registry, Path(folder)).values()]
 
 
 def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:
     totals = RunTotals()
-    with Senders(world.registry, *destination_of(arguments.to)) as senders, contextlib.suppress(KeyboardInterrupt):
+    with Senders(*destination_of(arguments.to)) as senders, contextlib.suppress(KeyboardInterrupt):
         for _ in _play(stream, arguments.seconds, senders, totals, world):
             pass
     if arguments.json:
@@ -139,17 +168,17 @@ def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) ->
     return OK
 
 
-def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:
+def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream, key_files: Sequence[Path]) -> int:
     isolate_ros()
     totals = RunTotals()
     with contextlib.ExitStack() as stack:
         arrivals = stack.enter_context(Arrivals(world.registry))
         project = project_folder(arguments.project)
-        host = bridge_with(arguments.bridge, project, world.registry, arrivals.parameters, _LOG_LEVEL)
+        host = bridge_with(arguments.bridge, project, world.registry, arrivals.parameters, _LOG_LEVEL, key_files)
         # Before the bridge, so that only this process reports a package that is not installed.
         middleware = stack.enter_context(host.middleware(topic_types.identity("simulate")))
         stack.enter_context(host)
-        senders = stack.enter_context(Senders(world.registry, "127.0.0.1", host.port))
+        senders = stack.enter_context(Senders("127.0.0.1", host.port))
         nodes = _Nodes(world.registry, middleware)
         with contextlib.suppress(KeyboardInterrupt):
             for now in _play(stream, arguments.seconds, senders, totals, world):
@@ -194,8 +223,7 @@ def _repeated(stream: Stream, count: int) -> Stream:
 
     These datagrams are made before the first is sent, because making a datagram takes longer than sending it.
     """
-    # A link message must not come twice: its receiver would count a duplicate.
-    prepared = [emission for emission in itertools.islice(stream, count) if emission.end is None]
+    prepared = [*itertools.islice(stream, count)]
     # One interval behind the last datagram, so that the seam of two repetitions is not a burst.
     length = prepared[-1].at + prepared[-1].at / count
     for start in itertools.count():
@@ -208,7 +236,8 @@ def _play(stream: Stream, length: float, senders: Senders, totals: RunTotals, wo
 
     Yields the time since the start, in seconds, every few milliseconds, so that the caller can do other work meanwhile.
     """
-    translator, predictions = Translator(world.registry), dict[bytes, str]()
+    translator = world.keys.translator() if world.keys is not None else Translator(world.registry)
+    predictions = dict[bytes, str]()
     start = time.monotonic()
     next_tick = 0.0
     for emission in stream:
@@ -222,11 +251,12 @@ def _play(stream: Stream, length: float, senders: Senders, totals: RunTotals, wo
         if not senders.send(emission):
             totals.unsendable += 1
             continue
-        # A prediction converts the datagram, as the bridge does. Repeated datagrams are predicted once.
+        # A prediction converts the datagram, as the bridge does. Repeated datagrams are predicted once, unless the
+        # second one is a replay.
         end = predictions.get(emission.datagram)
         if end is None:
             end = predict(emission.datagram, translator, world.longest)
-            if len(predictions) < 2 * _PREPARED:
+            if world.keys is None and len(predictions) < 2 * _PREPARED:
                 predictions[emission.datagram] = end
         totals.sent[end] += 1
 

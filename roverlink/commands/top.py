@@ -74,8 +74,8 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--once",
         action="store_true",
-        help="show the state once and exit: with code 0 if each bridge and all of its rows are OK and no two bridges "
-        "have the same name, else with 1",
+        help="show the state once and exit: with code 0 if each bridge, its rows, and its peers and boards are OK "
+        "and no two bridges have the same name, else with 1",
     )
     parser.add_argument(
         "--json",

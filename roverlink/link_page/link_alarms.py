@@ -11,47 +11,52 @@ from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 from roverlink.runtime.monitoring.liveness import liveness_of
+from roverlink.runtime.monitoring.monitor import ADDRESS_PROBLEMS
 
 _STATES = ("alive", "silent", "never", "listens")
 """States of peers and boards; that of a peer is the first that one of its boards has."""
-_LINK_FAULTS = {
-    "unreachable": "the network refuses datagrams to its address",
-    "not_resolved": "its host cannot be resolved",
-}
 _MOST = 500  # alarms
 _BADNESS = ("OK", "WARN", "STALE", "ERROR")
 
 
 def peers_of(
-    node: Mapping[str, Any], rows: list[dict[str, Any]], ends: Sequence[Mapping[str, Any]] = ()
+    node: Mapping[str, Any],
+    rows: Sequence[dict[str, Any]],
+    ends: Sequence[Mapping[str, Any]] = (),
+    links: Sequence[Mapping[str, Any]] = (),
 ) -> list[dict[str, Any]]:
-    """Return the peers of the rows, each with its ``state``: alive, silent, or never (no message has come yet).
+    """Return the peers of the rows and ends.
 
-    A peer that only receives has the state "listens". ``age`` is the time since its last message; None if there was
-    none. ``rate_in`` and ``rate_out`` are messages a second. ``boards`` are the boards of the peer, with the same keys;
-    a peer with boards is alive if one of them is.
+    The ``state`` of each is alive, silent, never (no message has come yet) or listens (it only receives). ``age`` is
+    the time since its last message; None if there was none. ``rate_in`` and ``rate_out`` are messages a second.
+    ``boards`` are the boards of the peer, with the same keys; a peer with boards is alive if one of them is.
 
     ``ends`` are the ends of the link in the bridge's state. A peer or board with an address of its own has this
-    ``address`` and ``link``, the state of the address.
+    ``address`` and ``link``, the state of the address. ``links`` are the results of the link messages; a peer or board
+    with a result has it as ``report``.
     """
-    peers = [_peer(name, node, rows) for name in dict.fromkeys(row["peer"] for row in rows)]
-    links = {(end["peer"], end.get("board", "")): end for end in ends}
+    # A peer to which rows are only forwarded has no row of its own.
+    peers = [_peer(name, node, rows) for name in dict.fromkeys(entry["peer"] for entry in (*rows, *ends))]
+    end_of = {(end["peer"], end.get("board", "")): end for end in ends}
+    report_of = {(link["peer"], link.get("board", "")): link for link in links}
     for peer in peers:
         for board, shown in (("", peer), *((board["name"], board) for board in peer["boards"])):
-            end = links.get((peer["name"], board))
+            end = end_of.get((peer["name"], board))
             if end is not None and (not board or end.get("address") != peer.get("address")):
                 shown |= {"address": end.get("address", ""), "link": end["link"]}
+            if report := report_of.get((peer["name"], board)):
+                shown["report"] = report
     return peers
 
 
-def _peer(name: str, node: Mapping[str, Any], rows: list[dict[str, Any]]) -> dict[str, Any]:
+def _peer(name: str, node: Mapping[str, Any], rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     own = [row for row in rows if row["peer"] == name]
     boards = dict.fromkeys(row.get("board", "") for row in own)
     # The rows without a board are a part as well.
     parts = [_end(board, [row for row in own if row.get("board", "") == board]) for board in boards]
     return {
         **_end(name, own),
-        "state": min((part["state"] for part in parts), key=_STATES.index),
+        "state": min((part["state"] for part in parts), key=_STATES.index, default="listens"),
         "boards": [part for part in parts if part["name"]],
         "stopping": [row["name"] for row in own if row.get("stopping")],
         "forwarded": node.get(f"forwarded.{name}", 0),
@@ -92,18 +97,18 @@ def conditions_of(state: Mapping[str, Any]) -> dict[str, Condition]:
         if peer["state"] == "silent":
             found[f"peer {peer['name']}"] = Condition("ERROR", f"no message for {peer['age']:.0f} s")
         for shown in (peer, *peer["boards"]):
-            if shown.get("link") in _LINK_FAULTS:
-                owner = peer["name"] if shown is peer else f"{shown['name']} of {peer['name']}"
-                found[f"link {owner}"] = Condition("ERROR", _LINK_FAULTS[shown["link"]])
+            owner = peer["name"] if shown is peer else f"{shown['name']} of {peer['name']}"
+            # An address that is not learned is no alarm, as no message yet is none.
+            if shown.get("link") != "not_learned" and (problem := ADDRESS_PROBLEMS.get(shown.get("link", ""))):
+                found[f"link {owner}"] = Condition(problem[0].name, problem[1])
+            if (report := shown.get("report")) and report["level"] != "OK":
+                found[f"schema {owner}"] = Condition(report["level"], report["message"])
         for board in peer["boards"]:
             # Boards that fall silent together are one alarm, that of the peer. So a board has an alarm only if the peer
             # has spoken since the board was due. The alarm stays if the rest of the peer falls silent later.
             if board["state"] == "silent" and board["age"] - peer["age"] > board["silent_after"]:
                 subject = f"board {board['name']} of {peer['name']}"
                 found[subject] = Condition("ERROR", f"no message for {board['age']:.0f} s")
-    for link in state["links"]:
-        if link["level"] != "OK":
-            found[f"link of {link['name']}"] = Condition(link["level"], link["message"])
     for row in state["rows"]:
         # A row that has never spoken is at rest: the bridge sends the stop from its start on.
         if row.get("stopping") and row["count"]:

@@ -98,8 +98,7 @@ class LiveLink:
             "quiet": quiet,
             "node": given["node"],
             "rows": rows,
-            "links": given["links"],
-            "peers": peers_of(given["node"], rows, given["ends"]),
+            "peers": peers_of(given["node"], rows, given["ends"], given["links"]),
         }
 
 

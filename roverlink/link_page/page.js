@@ -265,6 +265,7 @@ byId("unlock-cancel").onclick = () => byId("unlock-dialog").close();
 byId("unlock-form").onsubmit = async (event) => {
   event.preventDefault();
   token = byId("token").value.trim();
+  setText(byId("unlock-note"), ""); // it is about the last attempt
   try {
     await showParameters();
     useToken(token);
@@ -331,6 +332,13 @@ const PEER_STATES = {
   never: "no message yet",
   listens: "only receives",
 };
+const LINK_FAULTS = {
+  not_resolved: "✕ host not resolved",
+  not_learned: "address not learned yet",
+  unreachable: "✕ unreachable",
+};
+const SCHEMA_SIGNS = { same: "✓ ", differs: "≠ ", unknown: "" };
+const SCHEMA_CLASSES = { same: "OK", differs: "WARN", unknown: "never" };
 
 function showPeers() {
   syncChildren(
@@ -339,97 +347,76 @@ function showPeers() {
     (peer) => peer.name,
     () => {
       const made = element("div", "", "peer");
-      made.append(element("strong"), element("span"), element("div"), element("span"), element("ul", "", "boards"));
+      made.append(newEnd(), element("span"), element("ul", "", "boards"));
       return made;
     },
     (made, peer) => {
-      const [name, shown, facts, stop, boards] = made.children;
-      setText(name, peer.name);
-      setClass(shown, `level ${peer.state}`);
-      setText(shown, PEER_STATES[peer.state]);
-      showBoards(boards, peer.boards);
-      const heard = peer.age === null ? "" : `last message ${ageText(peer.age)} ago; `;
+      const [end, stop, boards] = made.children;
       const unsent = peer.unsent ? `; ${peer.unsent} not sent` : "";
-      const rates = `${heard}${rateText(peer.rate_in)} in, ${rateText(peer.rate_out)} out${unsent}`;
-      setText(facts, [rates, linkText(peer)].filter(Boolean).join("; "));
+      showEnd(end, peer, `${rateText(peer.rate_in)} in, ${rateText(peer.rate_out)} out${unsent}`);
       setClass(stop, "stop");
       stop.hidden = peer.stopping.length === 0;
       setText(stop, `■ told to stop: ${peer.stopping.join(", ")}`);
-    }
-  );
-  showLinks();
-}
-
-// What the link messages of each peer and board tell.
-function showLinks() {
-  const list = byId("links");
-  list.hidden = !state.links.length;
-  syncChildren(
-    list,
-    state.links,
-    (link) => link.name,
-    () => {
-      const made = element("li");
-      made.append(element("span"), element("span"), element("span"));
-      return made;
-    },
-    (made, link) => {
-      const [name, shown, facts] = made.children;
-      setText(name, link.name);
-      setClass(shown, `level ${link.level}`);
-      setText(shown, link.message);
-      setText(facts, linkText(link));
+      boards.hidden = !peer.boards.length;
+      syncChildren(boards, peer.boards, (board) => board.name, newBoard, (item, board) => showEnd(item.firstChild, board, ""));
     }
   );
 }
 
-function linkText(link) {
+function newBoard() {
+  const made = element("li");
+  made.append(newEnd());
+  return made;
+}
+
+function newEnd() {
+  const made = element("div", "", "end");
+  made.append(element("strong"), element("span"), element("span"), element("div"), element("div"), element("div"));
+  return made;
+}
+
+// Shows what peers and boards have in common; `rates` is a text about the messages.
+function showEnd(made, end, rates) {
+  const [name, shown, fault, facts, schema, statistics] = made.children;
+  setText(name, end.name);
+  setClass(shown, `level ${end.state}`);
+  setText(shown, PEER_STATES[end.state]);
+  setClass(fault, `level ${end.link === "unreachable" ? "ERROR" : "WARN"}`);
+  setPart(fault, LINK_FAULTS[end.link] ?? "");
+  const heard = rates ? end.age !== null : end.state === "silent";
+  setPart(facts, [heard ? `last message ${ageText(end.age)} ago` : "", rates, end.address].filter(Boolean).join("; "));
+  const report = end.report;
+  setClass(schema, `schema ${report ? SCHEMA_CLASSES[report.schema] : ""}`);
+  setPart(schema, report ? `${SCHEMA_SIGNS[report.schema]}${report.message}` : "");
+  setPart(statistics, report ? statisticsText(report) : "");
+}
+
+function setPart(node, text) {
+  node.hidden = !text;
+  setText(node, text);
+}
+
+const NOT_SET_S = -1e9; // the clock of a board without a date counts from its start
+
+function statisticsText(report) {
   const percent = (share) => `${(100 * share).toFixed(1)} %`;
-  const milliseconds = (seconds) => `${(1000 * seconds).toFixed(1)} ms`;
+  const seconds = (value) => (Math.abs(value) < 10 ? `${(1000 * value).toFixed(1)} ms` : `${value.toFixed(0)} s`);
   const facts = [
-    ["loss in", link.loss_in, percent],
-    ["loss out", link.loss_out, percent],
-    ["round trip", link.round_trip, milliseconds],
-    ["jitter", link.jitter, milliseconds],
-    ["clock", link.clock_offset, milliseconds],
-    ["reordered", link.reordered || undefined, String],
-    ["duplicates", link.duplicates || undefined, String],
-    ["restarts", link.restarts || undefined, String],
-    ["silent for", link.age > 3 ? link.age : undefined, ageText],
+    ["loss in", report.loss_in, percent],
+    ["loss out", report.loss_out, percent],
+    ["round trip", report.round_trip, seconds],
+    ["jitter", report.jitter, seconds],
+    ["clock", report.clock_offset, (offset) => (offset < NOT_SET_S ? "not set" : seconds(offset))],
+    ["reordered", report.reordered || undefined, String],
+    ["duplicates", report.duplicates || undefined, String],
+    ["restarts", report.restarts || undefined, String],
+    ["senders", report.senders > 1 ? report.senders : undefined, String],
+    ["last link message", report.age > 3 ? report.age : undefined, (age) => `${ageText(age)} ago`],
   ];
-  return facts.filter(([, value]) => value !== undefined).map(([name, value, text]) => `${name} ${text(value)}`).join("; ");
-}
-
-const LINK_FAULTS = {
-  not_resolved: "host not resolved",
-  not_learned: "address not learned yet",
-  unreachable: "unreachable",
-};
-
-function linkText(end) {
-  return [end.address, LINK_FAULTS[end.link]].filter(Boolean).join(", ");
-}
-
-function showBoards(list, boards) {
-  list.hidden = !boards.length;
-  syncChildren(
-    list,
-    boards,
-    (board) => board.name,
-    () => {
-      const made = element("li");
-      made.append(element("span"), element("span"), element("span"));
-      return made;
-    },
-    (made, board) => {
-      const [name, shown, facts] = made.children;
-      setText(name, board.name);
-      setClass(shown, `level ${board.state}`);
-      setText(shown, PEER_STATES[board.state]);
-      const heard = board.state === "silent" ? `last message ${ageText(board.age)} ago` : "";
-      setText(facts, [heard, linkText(board)].filter(Boolean).join("; "));
-    }
-  );
+  return facts
+    .filter(([, value]) => value !== undefined)
+    .map(([name, value, text]) => `${name} ${text(value)}`.replaceAll(" ", "\u00a0")) // lines break between the facts
+    .join("; ");
 }
 
 function showTotals() {

@@ -9,10 +9,13 @@ import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import IO, Any, Protocol, cast
 
 from roverlink.runtime import NODE, Bridge, Registry, SetupError
+from roverlink.runtime.bridge.signed_peers import open_links
 from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.ros_arguments import parameters
@@ -43,24 +46,39 @@ class BridgeHost(Protocol):
 
 
 def bridge_with(
-    middleware: str, project: Path, registry: Registry, given: dict[str, str | int], log_level: str = "warn"
+    middleware: str,
+    project: Path,
+    registry: Registry,
+    given: dict[str, str | int],
+    log_level: str = "warn",
+    key_files: Sequence[Path] = (),
 ) -> BridgeHost:
     """Return a bridge for a project; it starts when it is entered as a context manager.
 
     ``middleware`` is ``dds``, ``rclpy`` or ``memory``; with ``memory`` the bridge is a thread, else a child process.
-    ``given`` are parameters of the bridge: the hosts and ports of the simulated peers.
+    ``given`` are parameters of the bridge: the hosts and ports of the simulated peers. ``key_files`` has the keys of
+    the peers that must sign.
     """
     if middleware == "memory":
-        return BridgeThread(registry, given, log_level)
-    return BridgeProcess(project, middleware, given, log_level)
+        return BridgeThread(registry, given, log_level, key_files)
+    return BridgeProcess(project, middleware, given, log_level, key_files)
 
 
 class BridgeProcess:
     """Bridge as a child process ``roverlink run``, which uses the middleware ``dds`` or ``rclpy``."""
 
-    def __init__(self, project: Path, middleware: str, given: dict[str, str | int], log_level: str = "warn") -> None:
+    def __init__(
+        self,
+        project: Path,
+        middleware: str,
+        given: dict[str, str | int],
+        log_level: str = "warn",
+        key_files: Sequence[Path] = (),
+    ) -> None:
         self._middleware = middleware
         command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", middleware]
+        for file in key_files:
+            command += ["--key-file", str(file)]
         command += [
             "--project",
             str(project),
@@ -127,17 +145,28 @@ class BridgeProcess:
 class BridgeThread:
     """Bridge on a thread of this process. It uses the middleware ``memory``, whose topics need no ROS 2."""
 
-    def __init__(self, registry: Registry, given: dict[str, str | int], log_level: str = "warn") -> None:
+    def __init__(
+        self,
+        registry: Registry,
+        given: dict[str, str | int],
+        log_level: str = "warn",
+        key_files: Sequence[Path] = (),
+    ) -> None:
         self._graph = Graph()
         settings = parameters.read(registry, {"listen_port": 0, "listen_address": "127.0.0.1", **given})
         logger = logging.getLogger("bridge")
         logger.setLevel(log_level.upper())
-        self._bridge = Bridge(registry, settings, MemoryMiddleware(self._graph), NodeIdentity(NODE).topic, logger)
+        self._links = open_links(registry, key_files, logger)
+        middleware = MemoryMiddleware(self._graph)
+        self._bridge = Bridge(registry, settings, middleware, NodeIdentity(NODE).topic, logger, links=self._links)
         self.port, self.pid = self._bridge.port, os.getpid()
         self._thread = threading.Thread(target=self._bridge.run, daemon=True)
+        self._stack = ExitStack()
 
     def __enter__(self) -> BridgeThread:
-        self._bridge.__enter__()
+        if self._links is not None:
+            self._stack.enter_context(self._links)
+        self._stack.enter_context(self._bridge)
         self._thread.start()
         return self
 
@@ -152,4 +181,4 @@ class BridgeThread:
         return self._bridge.account.as_dict()
 
     def __exit__(self, *_: object) -> None:
-        self._bridge.__exit__(None, None, None)
+        self._stack.close()

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import socket
 import threading
 from collections.abc import Mapping
-from functools import partial
 from types import TracebackType
 
 from roverlink.runtime import Registry
-from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core.registry import EndName
-from roverlink.runtime.net import udp
+from roverlink.runtime.net import hosts, udp
+from roverlink.runtime.text.host_names import LEARN
 from roverlink.simulation.scenarios import Emission
 
 _RECEIVE_BUFFER = 8 * 1024 * 1024
@@ -24,20 +24,21 @@ class Senders(contextlib.ExitStack):
     A simulated peer that restarts gets a new socket, so it sends from a new port.
     """
 
-    def __init__(self, registry: Registry, host: str, port: int) -> None:
-        """Send to the bridge at ``host`` and ``port``."""
+    def __init__(self, host: str, port: int) -> None:
+        """Send to the bridge at the IP address ``host`` and ``port``."""
         super().__init__()
-        self._open = partial(BlockingPeer.open, registry=registry, host=host, port=port, local_port=0, link=False)
-        self._peers: dict[tuple[str, int], BlockingPeer] = {}
+        self._bridge = host, port
+        self._sockets: dict[tuple[str, int], socket.socket] = {}
 
     def send(self, emission: Emission) -> bool:
         """Send a datagram to the bridge; return false if the network of this host refuses it."""
         key = emission.peer, emission.life
-        peer = self._peers.get(key)
-        if peer is None:
-            peer = self._peers[key] = self.enter_context(self._open(emission.peer))
+        sock = self._sockets.get(key)
+        if sock is None:
+            family = hosts.family_of(self._bridge)
+            sock = self._sockets[key] = self.enter_context(socket.socket(family, socket.SOCK_DGRAM))
         try:
-            peer.send_datagram(emission.datagram)
+            sock.sendto(emission.datagram, self._bridge)
         except OSError:
             return False
         return True
@@ -46,11 +47,13 @@ class Senders(contextlib.ExitStack):
 def on_loopback(registry: Registry, ports: Mapping[EndName, int]) -> dict[str, str | int]:
     """Return the parameters of a bridge that sends each end's datagrams to a port of this computer.
 
-    They set the host as well: the datagrams of a simulation must not reach the boards that the table names.
+    They set the host as well: the datagrams of a simulation must not reach the boards that the table names. The bridge
+    still learns the address of an end whose host is ``learn``, from the datagrams of the simulation.
     """
     given: dict[str, str | int] = {}
     for name, end in registry.ends.items():
-        given |= {end.host_parameter: "127.0.0.1", end.port_parameter: ports[name]}
+        host = LEARN if end.host == LEARN else "127.0.0.1"
+        given |= {end.host_parameter: host, end.port_parameter: ports[name]}
     return given
 
 

@@ -15,12 +15,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from google.protobuf.message import DecodeError
+
 from roverlink.generator.example_payloads import payload_at
-from roverlink.runtime import Registry
-from roverlink.runtime.core.envelope import strip_trailing_zeros
+from roverlink.runtime import Registry, SetupError
+from roverlink.runtime.core.envelope import restore, strip_trailing_zeros
 from roverlink.runtime.core.link_message import NAME, PERIOD_S, LinkWriter
 from roverlink.runtime.core.registry import AnyHandler, EndName
 from roverlink.runtime.core.wire_format import DELIMITED, VARINT
+from roverlink.simulation.simulated_keys import SimulatedKeys
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,12 +47,14 @@ Stream = Iterator[Emission]
 
 @dataclass(frozen=True)
 class World:
-    """Objects that every scenario needs in addition to the stream of datagrams: the table and the random numbers."""
+    """Objects that every scenario needs in addition to the stream of datagrams, such as the table."""
 
     registry: Registry
     rng: random.Random
     longest: int
     """Length in bytes of the longest datagram that the bridge accepts."""
+    keys: SimulatedKeys | None = None
+    """Keys of the peers that must sign; None if no peer must."""
     writers: dict[tuple[EndName, int], LinkWriter] = dataclasses.field(default_factory=dict)
     """Writers of the link messages of each end, from one start of the end to the next."""
 
@@ -62,13 +67,38 @@ class World:
             self.writers[end, life] = LinkWriter(self.registry.envelope, self.rng.getrandbits(32), told)
         return self.writers[end, life]
 
+    def count_sent(self, end: EndName, life: int = 0) -> None:
+        """Count a datagram that the program at an end sends, for its link messages."""
+        if self.registry.link is not None:
+            self.writer(end, life).count_sent(1)
+
     def datagram(self, name: str, seconds: float) -> bytes:
-        """Return a serialized envelope with the payload of the row ``name``.
+        """Return a serialized envelope with the payload of the row ``name``, signed if the row's peer must sign.
 
         The payload has the simulated values of the time ``seconds`` after the peer's start.
         """
-        payload = payload_at(self.registry.by_name[name].payload_type, seconds)
-        return self.registry.datagram(name, payload)
+        handler = self.registry.by_name[name]
+        payload = payload_at(handler.payload_type, seconds)
+        return self.signed(end_of(handler), self.registry.datagram(name, payload))
+
+    def link_message(self, end: EndName, seconds: float, life: int = 0) -> bytes:
+        """Return the next link message of an end, signed if the end must sign.
+
+        ``seconds`` is the time since the end's start; ``life`` is the number of times that it has restarted.
+        """
+        return self.signed(end, self.writer(end, life).write(_microseconds(seconds)))
+
+    def signed(self, end: EndName, datagram: bytes) -> bytes:
+        """Return a datagram with a signature if the end must sign."""
+        return datagram if self.keys is None else self.keys.sign(end, datagram)
+
+    def unsigned(self, end: EndName, datagram: bytes) -> bytes:
+        """Return a datagram of an end without its signature."""
+        return datagram if self.keys is None else self.keys.unsigned(end, datagram)
+
+    def sender_of(self, emission: Emission) -> EndName:
+        """Return the end that sends a datagram."""
+        return emission.end or end_of(self.registry.by_name[emission.name])
 
     @property
     def inbound(self) -> list[AnyHandler]:
@@ -100,10 +130,9 @@ def steady(world: World, rate: float) -> Stream:
         handler = rows[index % len(rows)]
         name, at = handler.route.name, index / rate
         for end in ends if at >= told else ():
-            yield Emission(at, end.peer, NAME, world.writer(end).write(_microseconds(at)), end=end)
+            yield Emission(at, end.peer, NAME, world.link_message(end, at), end=end)
         told += PERIOD_S if at >= told else 0.0
-        if ends:
-            world.writer(end_of(handler)).count_sent(1)
+        world.count_sent(end_of(handler))
         yield Emission(at, handler.route.peer, name, world.datagram(name, at))
 
 
@@ -146,19 +175,27 @@ def stale(stream: Stream, world: World) -> Stream:
         before = held.get(emission.name)
         if before is None or emission.at - before.at > world.rng.uniform(1, 5):
             held[emission.name] = before = emission
-        yield dataclasses.replace(emission, datagram=before.datagram)
+        yield _sent_anew(emission, before.datagram, world)
+
+
+def _sent_anew(emission: Emission, datagram: bytes, world: World) -> Emission:
+    """Return the emission of a datagram that the program at the end sends once more, with a signature of its own."""
+    sender = world.sender_of(emission)
+    again = world.signed(sender, world.unsigned(sender, datagram))
+    return dataclasses.replace(emission, datagram=again)
 
 
 def old_schema(stream: Stream, world: World) -> Stream:
     """Simulate boards with other .proto files: unknown fields, missing fields, payloads without a row."""
     for emission in stream:
         if emission.end is not None:
-            yield dataclasses.replace(emission, datagram=_with_other_hashes(emission.datagram, world))
+            yield dataclasses.replace(emission, datagram=_with_other_hashes(emission.end, emission.datagram, world))
             continue
         chance = world.rng.random()
         if chance < _OF_NO_ROW:
             content = b"\x08" + bytes([world.rng.randrange(128)])
-            yield dataclasses.replace(emission, datagram=_delimited(world.unused_number(), content))
+            unknown = world.signed(world.sender_of(emission), _delimited(world.unused_number(), content))
+            yield dataclasses.replace(emission, datagram=unknown)
         elif chance < 0.5:
             yield dataclasses.replace(emission, datagram=_of_other_protos(emission, world))
         else:
@@ -177,16 +214,20 @@ def _of_other_protos(emission: Emission, world: World) -> bytes:
     if fields:
         payload.ClearField(fields[-1].name)
     newer = _tag(_NEWER_FIELD, VARINT) + b"\x2a"
-    return _delimited(handler.route.number, payload.SerializeToString() + newer)
+    return world.signed(end_of(handler), _delimited(handler.route.number, payload.SerializeToString() + newer))
 
 
-def _with_other_hashes(datagram: bytes, world: World) -> bytes:
-    """Return a link message with other hashes of the rows that come from peers."""
-    envelope: Any = world.registry.envelope.FromString(datagram)
-    for index, number in enumerate(envelope.link.numbers):
-        if world.registry.by_number[number].route.inbound:
+def _with_other_hashes(end: EndName, datagram: bytes, world: World) -> bytes:
+    """Return a link message of an end with other hashes of the rows that come from peers."""
+    try:
+        envelope: Any = world.registry.envelope.FromString(restore(world.unsigned(end, datagram)))
+    except DecodeError:
+        return datagram  # the scenario malformed has damaged it
+    for index, number in zip(range(len(envelope.link.hashes)), envelope.link.numbers):
+        handler = world.registry.by_number.get(number)
+        if handler is not None and handler.route.inbound:
             envelope.link.hashes[index] ^= 1
-    return bytes(envelope.SerializeToString())
+    return world.signed(end, envelope.SerializeToString())
 
 
 def _tag(number: int, wire_type: int) -> bytes:
@@ -261,7 +302,10 @@ def flood(stream: Stream, world: World) -> Stream:
     """Send each datagram of one row a hundred times."""
     mad = world.rng.choice(world.inbound).route.name
     for emission in stream:
-        yield from itertools.repeat(emission, _MANY if emission.name == mad else 1)
+        yield emission
+        for _ in range(_MANY - 1 if emission.name == mad else 0):
+            world.count_sent(world.sender_of(emission), emission.life)
+            yield _sent_anew(emission, emission.datagram, world)
 
 
 _MANY = 100
@@ -283,11 +327,32 @@ def reboot(stream: Stream, world: World) -> Stream:
 def _of_life(emission: Emission, life: int, born: float, world: World) -> bytes:
     """Return the datagram that a peer sends after ``life`` restarts, the last one at the time ``born``."""
     if emission.end is not None:
-        return world.writer(emission.end, life).write(_microseconds(emission.at - born))
+        return world.link_message(emission.end, emission.at - born, life)
+    world.count_sent(world.sender_of(emission), life)
     return world.datagram(emission.name, emission.at - born)
 
 
 _OUTAGE_S = 1.0
+
+
+def hostile(stream: Stream, world: World) -> Stream:
+    """Follow one signed datagram in five by an attack: forged, unsigned, shortened, replayed, or an old timestamp."""
+    for emission in stream:
+        yield emission
+        sender = world.sender_of(emission)
+        if world.keys is not None and world.keys.must_sign(sender) and world.rng.random() < _ATTACKED:
+            attack = world.rng.choice(_ATTACKS)
+            yield dataclasses.replace(emission, datagram=attack(world.keys, sender, emission.datagram))
+
+
+_ATTACKED = 0.2
+_ATTACKS = (
+    SimulatedKeys.forged,
+    SimulatedKeys.outdated,
+    SimulatedKeys.replayed,
+    SimulatedKeys.shortened,
+    SimulatedKeys.unsigned,
+)
 
 SCENARIOS: dict[str, Callable[[Stream, World], Stream]] = {
     "lossy": lossy,
@@ -297,6 +362,7 @@ SCENARIOS: dict[str, Callable[[Stream, World], Stream]] = {
     "malformed": malformed,
     "flood": flood,
     "reboot": reboot,
+    "hostile": hostile,
 }
 """Scenarios by their name in the option ``--scenario``. The help shows the first line of their documentation."""
 
@@ -305,8 +371,10 @@ def emissions(world: World, rate: float, names: list[str]) -> Stream:
     """Return the stream of datagrams of all peers, changed by the scenarios ``names`` one after the other.
 
     The stream has no end and is in order of time. ``rate`` is the number of datagrams a second before the changes.
-    ``names`` are keys of `SCENARIOS`, such as ``lossy``.
+    ``names`` are keys of `SCENARIOS`, such as ``lossy``. Raises `SetupError` if a scenario has nothing to do.
     """
+    if hostile.__name__ in names and not any(peer.must_sign for peer in world.registry.peers):
+        raise SetupError("the scenario hostile attacks peers that must sign (table key `sign`), but the table has none")
     stream = steady(world, rate)
     for name in names:
         stream = SCENARIOS[name](stream, world)

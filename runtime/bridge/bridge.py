@@ -96,7 +96,9 @@ class Bridge:
         self._signed_peers = SignedPeers(registry, links)
         self._translator = self._signed_peers.translator()
         self._logger = logger
-        self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
+        self._socket = udp.bind(
+            parameters.listen_address, parameters.listen_port, parameters.receive_buffer, "parameter listen_port"
+        )
         self._counters = Counters(self._socket, logger)
         self.account = self._counters.account
         self._sending = self._send if registry.link is None else self._send_counted
@@ -298,12 +300,11 @@ class Bridge:
         for refusal in translation.refusals:
             self._counters.count_dropped(refusal)
         self._publish(translation, stamp)
-        if self._link is not None:
-            self._link.take(translation)
+        speakers = self._link.take(translation, translator.peers) if self._link is not None else []
         # Forward after publishing: topics have priority, and the policy `mapping` needs the names.
         self._forwarding.forward(fitting, translation.names, translation.restored)
         if self._sender is not None:
-            self._ends.learn(translation.names, self._sender.address)
+            self._ends.learn(translation.names, speakers, self._sender.address)
 
     def _without_oversized(self, batch: udp.Batch) -> udp.Batch:
         longest = self._parameters.max_datagram

@@ -99,14 +99,19 @@ class Ends:
         for name, steering in self._steered.items():
             steering.follow(parameters.addresses[name])
 
-    def learn(self, rows: Sequence[str | None], sender: SocketAddress) -> None:
-        """Learn the address of the ends whose rows have come from a sender.
+    def learn(self, rows: Sequence[str | None], speakers: Sequence[EndName], sender: SocketAddress) -> None:
+        """Learn the address of the ends whose rows or link messages have come from a sender.
 
-        ``rows`` holds the payload name of each datagram, or None if the datagram was refused.
+        ``rows`` holds the payload name of each datagram, or None if the datagram was refused. ``speakers`` are the ends
+        whose link messages have come; a peer with boards speaks for all of them.
         """
         for row in rows:
             if row in self._by_row:
                 self._by_row[row].learn(sender)
+        for speaker in speakers:
+            for name, steering in self._steered.items():
+                if name.peer == speaker.peer and (name.board == speaker.board or "" in (name.board, speaker.board)):
+                    steering.learn(sender)
 
     def states(self) -> dict[EndName, LinkState]:
         """Return the addresses of each end, with their state."""
@@ -226,7 +231,7 @@ class _Steering:
                 is_news = wanted is self._wanted and host not in self._missing
                 self._missing.add(host)
             if is_news:
-                self._note(LinkEvent.NOT_RESOLVED, f"{host} cannot be resolved: {_reason(error)}")
+                self._note(LinkEvent.NOT_RESOLVED, f"{host} cannot be resolved: {hosts.reason_of(error)}")
             raise
         text = hosts.text_of(target.address)
         if was_missing or (before is None and not is_literal(host)):
@@ -273,7 +278,3 @@ def _with_port(address: SocketAddress, port: int) -> SocketAddress:
 
 def _moved(before: SocketAddress, after: SocketAddress) -> str:
     return f"the address is now {hosts.text_of(after)} (it was {hosts.text_of(before)})"
-
-
-def _reason(error: OSError | UnicodeError) -> str:
-    return str(error.strerror or error) if isinstance(error, OSError) else str(error)

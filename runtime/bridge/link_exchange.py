@@ -174,19 +174,25 @@ class LinkExchange:
 
     # --- receiving ---
 
-    def take(self, translation: Translation) -> None:
-        """Count the datagrams of a batch, and take the link messages in it."""
+    def take(self, translation: Translation, peers: frozenset[str] | None) -> list[EndName]:
+        """Count the datagrams of a batch, take the link messages in it, and return the ends that have sent these.
+
+        ``peers`` are the peers that may send from the address of the batch (table key ``sources``); None is any peer.
+        The link messages of other peers are ignored.
+        """
         names, links = translation.names, iter(translation.links)
         counted = 0
+        speakers: list[EndName | None] = []
         for index, name in enumerate(names):
             if name == link_message.NAME:
                 self._received.update(names[counted:index])
                 counted = index + 1
-                self._take(link_message.read(next(links)))
+                speakers.append(self._take(link_message.read(next(links)), peers))
                 self._account.links_received += 1
         self._received.update(names[counted:])
         # They have no name in `names`, but they have arrived.
         self._received.update(error.row for error in translation.refusals if error.row)
+        return [*filter(None, speakers)]
 
     def follow(self, policy: str) -> None:
         """Use a policy from now on: ``warn`` or ``refuse``. Safe to call from any thread."""
@@ -194,23 +200,30 @@ class LinkExchange:
             self._policy = policy
             self._apply()
 
-    def _take(self, message: LinkMessage) -> None:
+    def _take(self, message: LinkMessage, peers: frozenset[str] | None) -> EndName | None:
+        """Take a link message. Return its end if the message itself tells it, not only earlier ones of its session."""
         now, arrived_us = self._clock(), self._now_us()
         with self._lock:
             sender = self._senders.get(message.session)
             is_new = sender is None
-            if sender is None:
-                sender = self._senders[message.session] = self._new_sender(message.session, now)
-            sender.heard = now
-            sender.hashes.update((number, hash) for number, hash in message.hashes.items() if number in self._hashes)
-            sender.end = self._end_of(sender.hashes)
-            end = sender.end
+            told = {number: hash for number, hash in message.hashes.items() if number in self._hashes}
+            hashes = {**(sender.hashes if sender else {}), **told}
+            end = self._end_of(hashes)
             if end is None:
                 if is_new:
-                    self._warnings.warn(
-                        "unknown sender", "a link message has no row of the table: its sender is unknown"
-                    )
-                return
+                    text = "a link message has no row of the table: its sender is unknown"
+                    self._warnings.warn("unknown sender", text)
+                    self._senders[message.session] = self._new_sender(message.session, now)
+                return None
+            if peers is not None and end.peer not in peers:
+                text = f"a link message of {end} has come from an address that is not in its `sources`; it is ignored"
+                self._warnings.warn("wrong source of a link message", text)
+                return None
+            if sender is None:
+                sender = self._senders[message.session] = self._new_sender(message.session, now)
+            sender.heard, sender.hashes = now, hashes
+            if end != sender.end:  # the first rows of a sender may fit another end, whose datagrams are others
+                sender.end, sender.statistics = end, LinkStatistics()
             writer = self._writers[self._destination(end)]
             if is_new:
                 self._asked.add(self._destination(end))
@@ -226,6 +239,8 @@ class LinkExchange:
             self._apply()
         if is_new:
             self.wake()
+        names = {self._registry.by_number[number].route.name for number in told}
+        return None if names.isdisjoint(self._own[end]) else end
 
     def _new_sender(self, session: int, now: float) -> _Sender:
         if len(self._senders) >= _MOST_SENDERS:

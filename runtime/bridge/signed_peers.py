@@ -88,10 +88,14 @@ class SignedPeers:
                 has_key = self._links and (self._links.hears(ends) if route.inbound else self._links.signer(ends))
                 if not has_key:
                     yield _without_key(" or ".join(map(repr, ends)), ends[-1])
-            for peer, board in self._registry.ends:
-                forwarded = peer in self._must_sign and route.inbound and peer in route.forward
-                if forwarded and not (self._links and self._links.signer((board, peer))):
-                    yield _without_key(repr(board or peer), board or peer)
+        # Boards at one address share a key for what goes to all of them: forwarded datagrams and link messages.
+        forwarded = {
+            peer for handler in self._registry.handlers if handler.route.inbound for peer in handler.route.forward
+        }
+        for peer, board in self._registry.ends:
+            gets_these = peer in self._must_sign and (self._registry.link is not None or peer in forwarded)
+            if gets_these and not (self._links and self._links.signer((board, peer))):
+                yield _without_key(repr(board or peer), board or peer)
 
 
 class _SignedSender:

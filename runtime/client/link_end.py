@@ -20,8 +20,8 @@ PERIOD_S = link_message.PERIOD_S
 class LinkEnd:
     """Peer's end of the exchange of link messages with a bridge."""
 
-    def __init__(self, registry: Registry, peer: str, clock: Callable[[], int] = time.monotonic_ns) -> None:
-        """Speak for the peer named ``peer``. ``clock`` is a clock in nanoseconds that never jumps.
+    def __init__(self, registry: Registry, end: EndName, clock: Callable[[], int] = time.monotonic_ns) -> None:
+        """Speak for the peer or board ``end``. ``clock`` is a clock in nanoseconds that never jumps.
 
         The table must have the link message.
         """
@@ -30,7 +30,8 @@ class LinkEnd:
         self.statistics = LinkStatistics()
         """Statistics of the link, of this start of the bridge."""
         self._registry, self._hashes, self._clock = registry, registry.link.hashes, clock
-        spoken = {number: self._hashes[number] for number in link_message.rows_in_turn(registry, EndName(peer))}
+        self._began_ns = time.time_ns() - clock()
+        spoken = {number: self._hashes[number] for number in link_message.rows_in_turn(registry, end)}
         self._writer = LinkWriter(registry.envelope, link_message.new_session(), spoken)
         self._written = b""
         self._bridge_session = 0
@@ -72,4 +73,5 @@ class LinkEnd:
             self._received += 1
 
     def _now_us(self) -> int:
-        return self._clock() // 1000
+        # It starts at the system's time, so that the bridge can tell how far the two clocks are apart.
+        return (self._began_ns + self._clock()) // 1000

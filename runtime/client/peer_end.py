@@ -14,7 +14,7 @@ from roverlink.runtime.client.repeating import Repetition, Schedule
 from roverlink.runtime.client.session import ClosedError, Hook, Session, Traffic
 from roverlink.runtime.client.signatures import Signatures
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.core.registry import Registry, load_registry
+from roverlink.runtime.core.registry import EndName, Registry, load_registry
 from roverlink.runtime.net import udp
 from roverlink.runtime.ros_arguments import parameters
 
@@ -28,7 +28,7 @@ E = TypeVar("E", bound="PeerEnd")
 
 
 class PeerEnd(ABC):
-    """Peer that a program of yours is. Not safe to use from several threads."""
+    """Peer, or board of a peer, that a program of yours is. Not safe to use from several threads."""
 
     def __init__(
         self,
@@ -53,6 +53,7 @@ class PeerEnd(ABC):
         cls: type[E],
         peer: str,
         *,
+        board: str = "",
         registry: Registry | None = None,
         host: str = "127.0.0.1",
         port: int = int(parameters.LISTEN_PORT),
@@ -65,25 +66,29 @@ class PeerEnd(ABC):
     ) -> E:
         """Return the peer ``peer`` of the table as a context manager; its socket is open inside the block.
 
+        - ``board``: a board of the peer, if the program is this board alone. It sends the rows of this board. A program
+          without it sends the rows of all boards.
         - ``registry``: the result of `load_registry`; by default that of the package ``generated`` on the import path.
         - ``host``, ``port``: the bridge.
         - ``local_address``, ``local_port``: where datagrams of the bridge arrive. The default port is that of the peer
-          in the table; 0 takes any free port.
+          or board in the table; 0 takes any free port.
         - ``hooks``: steps that each datagram passes.
         - ``queue``: the largest number of payloads that wait for the program. More drop the oldest ones.
         - ``key_files``: copies of the key files with which the bridge signs the datagrams of this peer's link, if the
           table says that the peer must sign.
         - ``link``: exchange link messages with the bridge, if the table has them. See `link`.
 
-        Raises `SetupError` for an unknown peer, or if a key is missing, and `RegistryError` if there is no generated
-        code. Entering the block raises `SetupError` if the host does not resolve or the port is in use.
+        Raises `SetupError` for an unknown peer or board, or if a key is missing, and `RegistryError` if there is no
+        generated code. Entering the block raises `SetupError` if the host does not resolve or the port is in use.
         """
         registry = registry or load_registry()
-        signatures = Signatures(registry, peer, key_files) if key_files else None
-        session = Session(registry, peer, [*hooks, *filter(None, [signatures])], queue, link)
+        end = EndName(peer, board)
+        signatures = Signatures(registry, end, key_files) if key_files else None
+        session = Session(registry, end, [*hooks, *filter(None, [signatures])], queue, link)
         if session.peer.must_sign and signatures is None:
             raise SetupError(f"the peer {peer!r} must sign (table key `sign`), but no key file is given")
-        local = session.peer.port if local_port is None else local_port
+        # Boards without an address of their own listen on the port of their peer.
+        local = registry.ends.get(end, session.peer).port if local_port is None else local_port
         return cls(session, (host, port), (local_address, local), signatures)
 
     @property
@@ -171,7 +176,7 @@ class PeerEnd(ABC):
     def _opened(self) -> socket.socket:
         """Return the socket. Raises `ClosedError` if the peer is not open."""
         if self._socket is None:
-            raise ClosedError(f"the peer {self._session.peer.name} is not open; use it inside its `with` block")
+            raise ClosedError(f"{self._session.end} is not open; use it inside its `with` block")
         return self._socket
 
     def _start(self) -> None:

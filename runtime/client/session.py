@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from roverlink.runtime.client.link_end import LinkEnd
 from roverlink.runtime.core.errors import DatagramError, RoverlinkError, SetupError, nearest
-from roverlink.runtime.core.registry import AnyHandler, Registry
+from roverlink.runtime.core.registry import AnyHandler, EndName, Registry
 from roverlink.runtime.core.translator import Translator
 
 if TYPE_CHECKING:
@@ -66,24 +66,28 @@ class Traffic:
 
 
 class Session:
-    """Conversation of one peer with a bridge."""
+    """Conversation of one peer, or of one board of a peer, with a bridge."""
 
     def __init__(
-        self, registry: Registry, peer: str, hooks: Sequence[Hook] = (), queue: int = 1000, link: bool = False
+        self, registry: Registry, end: EndName, hooks: Sequence[Hook] = (), queue: int = 1000, link: bool = False
     ) -> None:
-        """Speak for the peer named ``peer``. At most ``queue`` payloads wait for the program.
+        """Speak for the peer or board ``end``. At most ``queue`` payloads wait for the program.
 
         With ``link``, link messages are exchanged with the bridge if the table has them. Raises `SetupError` if the
-        table has no such peer.
+        table has no such peer or board.
         """
-        if peer not in registry.peers_by_name:
-            raise SetupError(f"unknown peer {peer!r}; {nearest(peer, registry.peers_by_name)}")
-        self.peer = registry.peers_by_name[peer]
+        if end.peer not in registry.peers_by_name:
+            raise SetupError(f"unknown peer {end.peer!r}; {nearest(end.peer, registry.peers_by_name)}")
+        boards = registry.boards_of(end.peer)
+        if end.board and end.board not in boards:
+            known = nearest(end.board, boards) if boards else f"{end.peer} has no boards"
+            raise SetupError(f"unknown board {end.board!r}; {known}")
+        self.peer, self.end = registry.peers_by_name[end.peer], end
         self.traffic = Traffic()
         self._registry, self._hooks = registry, tuple(hooks)
         self._translator = Translator(registry)
         self._arrived: deque[Received] = deque(maxlen=queue)
-        self.link = LinkEnd(registry, peer) if link and registry.link is not None else None
+        self.link = LinkEnd(registry, end) if link and registry.link is not None else None
         """Exchange of link messages; None if there is none."""
 
     # --- sending ---
@@ -105,7 +109,7 @@ class Session:
             names = ", ".join(handler.route.name for handler in mine)
             raise SetupError(f"several rows have the payload {type_name}: {names}; name one with row=")
         if of_type:
-            raise self._wrong_direction(of_type[0])
+            raise self._cannot_send(of_type[0])
         raise SetupError(f"no row of the table has the payload {type_name}")
 
     def wrap(self, payload: ProtoMessage, row: str | None = None) -> bytes:
@@ -125,18 +129,22 @@ class Session:
         if handler is None:
             raise SetupError(f"unknown row {row!r}; {nearest(row, self._registry.by_name)}")
         if not self._sends(handler):
-            raise self._wrong_direction(handler)
+            raise self._cannot_send(handler)
         if type(payload) is not handler.payload_type:
             wanted, given = handler.payload_type.DESCRIPTOR.full_name, payload.DESCRIPTOR.full_name
             raise SetupError(f"the row {row!r} has the payload {wanted}, not {given}")
         return handler
 
     def _sends(self, handler: AnyHandler) -> bool:
-        return handler.route.inbound and handler.route.peer == self.peer.name
-
-    def _wrong_direction(self, handler: AnyHandler) -> SetupError:
         route = handler.route
-        return SetupError(f"{self.peer.name} cannot send {route.name}: the row's direction is {route.direction}")
+        return route.inbound and route.peer == self.end.peer and self.end.board in ("", route.board)
+
+    def _cannot_send(self, handler: AnyHandler) -> SetupError:
+        route = handler.route
+        if route.inbound and route.peer == self.end.peer:
+            owner = f"{route.board} sends it" if route.board else f"no board sends it, but {route.peer} as a whole"
+            return SetupError(f"{self.end} cannot send {route.name}: {owner}")
+        return SetupError(f"{self.end} cannot send {route.name}: the row's direction is {route.direction}")
 
     # --- receiving ---
 

@@ -1,4 +1,4 @@
-"""Signatures of a peer: they sign what the peer sends, and verify what the bridge sends."""
+"""Signatures of a peer or board: they sign what it sends, and verify what the bridge sends."""
 
 from __future__ import annotations
 
@@ -7,24 +7,28 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.core.registry import Registry
-from roverlink.runtime.keys.key_file import BRIDGE
+from roverlink.runtime.core.registry import EndName, Registry
+from roverlink.runtime.keys.key_file import BRIDGE, read_keys
 from roverlink.runtime.keys.signed_links import SignedLinks
 
 _LOGGER = logging.getLogger(__name__)
 
 
 class Signatures(SignedLinks):
-    """Hook that signs and verifies datagrams with the keys of a peer. A context manager; see `SignedLinks`."""
+    """Hook that signs and verifies datagrams with the keys of a peer or board. A context manager; see `SignedLinks`."""
 
-    def __init__(self, registry: Registry, peer: str, files: Sequence[Path]) -> None:
-        """Read the key files of a peer. Raises `SetupError` if one cannot be used, or if a key is missing."""
+    def __init__(self, registry: Registry, end: EndName, files: Sequence[Path]) -> None:
+        """Read the key files of a peer or board. A board without keys of its own uses those of its peer.
+
+        Raises `SetupError` if a file cannot be used, or if a key is missing.
+        """
         if registry.signature is None:
             raise SetupError(f"{files[0]}: the table has no `signing`; leave out the key file")
-        super().__init__(registry.signature, files, _LOGGER, peer)
+        owners = {one.end for path in files for one in read_keys(path)}
+        super().__init__(registry.signature, files, _LOGGER, end.board if end.board in owners else end.peer)
         signer = self.signer([BRIDGE])
         if signer is None:
-            raise SetupError(f"{files[0]}: the file has no key with which {peer} signs datagrams to the bridge")
+            raise SetupError(f"{files[0]}: the file has no key with which {end} signs datagrams to the bridge")
         self._signer = signer
 
     def outgoing(self, datagram: bytes) -> bytes:

@@ -144,6 +144,11 @@ class Registry:
             for end in peer.boards or (peer,)
         }
 
+    def boards_of(self, peer: str) -> list[str]:
+        """Return the names of a peer's boards, sorted: those that have addresses, and those that rows belong to."""
+        with_rows = {handler.route.board for handler in self.handlers if handler.route.peer == peer}
+        return sorted(({board for name, board in self.ends if name == peer} | with_rows) - {""})
+
     def end_of(self, route: Route) -> EndName:
         """Return the name of the end to which a row belongs. A row that a board sends may belong to none in `ends`."""
         return EndName(route.peer, route.board if self.peers_by_name[route.peer].boards else "")

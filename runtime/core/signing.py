@@ -37,8 +37,8 @@ TICKS_PER_SECOND = 100_000
 _EPOCH_NS = 1_420_070_400 * 10**9  # 2015-01-01 UTC
 _TICK_NS = 10**9 // TICKS_PER_SECOND
 _LARGEST = 2**48 - 1  # in the year 2104
-_MAC_BYTES = 8
-_SIGNATURE_BYTES = 15
+MAC_BYTES = 8
+SIGNATURE_BYTES = 15
 # A sender that is further ahead has a broken clock. If it were believed, all others would have to follow it for ever.
 _FURTHEST_AHEAD = 10 * 365 * 24 * 3600 * TICKS_PER_SECOND
 
@@ -136,7 +136,7 @@ class Verifier:
         """
         self._number, self._clock = number, clock
         self._start = _field_start(number)
-        self._size = len(self._start) + _SIGNATURE_BYTES
+        self._size = len(self._start) + SIGNATURE_BYTES
         self._streams = {key.id: _Stream(key.sender, _keyed(key), last) for key, last in keys}
 
     def lasts(self) -> Mapping[int, int]:
@@ -160,10 +160,10 @@ class Verifier:
             raise stream
         if stream.sender not in senders:
             message = (
-                f"the key {datagram[-_SIGNATURE_BYTES]} of {stream.sender!r} has signed a payload that is not its own"
+                f"the key {datagram[-SIGNATURE_BYTES]} of {stream.sender!r} has signed a payload that is not its own"
             )
             raise DatagramError(Reason.WRONG_KEY, message, row)
-        timestamp = int.from_bytes(datagram[-14:-_MAC_BYTES], "little")
+        timestamp = int.from_bytes(datagram[-14:-MAC_BYTES], "little")
         if timestamp <= stream.last:
             raise _not_newer(timestamp, stream, row)
         if timestamp > self._clock.last:
@@ -175,23 +175,23 @@ class Verifier:
 
     def _authentic(self, datagram: bytes) -> _Stream | DatagramError:
         """Return the stream of the key that has signed these bytes, or the error if there is none."""
-        if datagram[-self._size : -_SIGNATURE_BYTES] != self._start:
+        if datagram[-self._size : -SIGNATURE_BYTES] != self._start:
             return self._without_signature(datagram)
-        stream = self._streams.get(datagram[-_SIGNATURE_BYTES])
+        stream = self._streams.get(datagram[-SIGNATURE_BYTES])
         if stream is None:
-            message = f"no key file has the key {datagram[-_SIGNATURE_BYTES]} that a datagram is signed with"
+            message = f"no key file has the key {datagram[-SIGNATURE_BYTES]} that a datagram is signed with"
             return DatagramError(Reason.UNKNOWN_KEY, message)
         mac = stream.keyed.copy()
-        mac.update(datagram[:-_MAC_BYTES])
-        if hmac.compare_digest(mac.digest(), datagram[-_MAC_BYTES:]):
+        mac.update(datagram[:-MAC_BYTES])
+        if hmac.compare_digest(mac.digest(), datagram[-MAC_BYTES:]):
             return stream
-        message = f"the signature with the key {datagram[-_SIGNATURE_BYTES]} of {stream.sender!r} is wrong"
+        message = f"the signature with the key {datagram[-SIGNATURE_BYTES]} of {stream.sender!r} is wrong"
         return DatagramError(Reason.WRONG_SIGNATURE, message)
 
     def _without_signature(self, datagram: bytes) -> DatagramError:
         if all(field.number != self._number for field in fields(datagram)):
             return DatagramError(Reason.UNSIGNED, "a datagram of a peer that must sign has no signature")
-        message = f"the signature is not a field of {_SIGNATURE_BYTES} bytes at the end of the datagram"
+        message = f"the signature is not a field of {SIGNATURE_BYTES} bytes at the end of the datagram"
         return DatagramError(Reason.MALFORMED_SIGNATURE, message)
 
 
@@ -209,9 +209,9 @@ def _field_start(number: int) -> bytes:
     while tag > 0x7F:
         start.append(tag & 0x7F | 0x80)
         tag >>= 7
-    return bytes([*start, tag, _SIGNATURE_BYTES])
+    return bytes([*start, tag, SIGNATURE_BYTES])
 
 
 def _keyed(key: Key) -> hashlib.blake2s:
     # Copies of one object, because setting the key up takes as long as a short datagram.
-    return hashlib.blake2s(key=key.secret, digest_size=_MAC_BYTES)
+    return hashlib.blake2s(key=key.secret, digest_size=MAC_BYTES)

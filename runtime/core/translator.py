@@ -49,7 +49,9 @@ class Translator:
 
     def __init__(self, registry: Registry, peers: frozenset[str] | None = None) -> None:
         """Accept only payloads of the peers named in ``peers``; None accepts the payloads of all peers."""
-        self._registry, self._peers = registry, peers
+        self._registry = registry
+        self.peers = peers
+        """Peers whose payloads are accepted; None if those of all peers are."""
         self._parse = registry.envelope.FromString
         # Looked up once: both are called for every datagram. See `_parsed` for why this is the class's method.
         self._which, self._oneof = registry.envelope.WhichOneof, registry.oneof
@@ -231,7 +233,7 @@ class Translator:
             )
         # Known and inbound, yet not accepted: this sender has other peers.
         if handler.route.inbound:
-            speakers = ", ".join(sorted(self._peers or ()))
+            speakers = ", ".join(sorted(self.peers or ()))
             return DatagramError(
                 Reason.WRONG_SOURCE,
                 f"{name!r} ({number}) belongs to the peer {handler.route.peer!r}, but came from {speakers}",

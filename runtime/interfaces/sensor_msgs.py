@@ -6,7 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from roverlink.runtime.core.messages import Bool, Float64, Length, Message, UInt32
+from roverlink.runtime.core.messages import Bool, Float64, Length, Message, UInt8, UInt32
 from roverlink.runtime.interfaces import std_msgs
 
 
@@ -41,6 +41,22 @@ class CameraInfo(Message):
     binning_x: UInt32 = 0
     binning_y: UInt32 = 0
     roi: RegionOfInterest = dataclasses.field(default_factory=RegionOfInterest)
+
+
+@dataclass(slots=True)
+class Image(Message):
+    """ROS 2 message sensor_msgs/msg/Image."""
+
+    __msgtype__: ClassVar[str] = "sensor_msgs/msg/Image"
+    __typehash__: ClassVar[str] = "RIHS01_d31d41a9a4c4bc8eae9be757b0beed306564f7526c88ea6a4588fb9582527d47"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    height: UInt32 = 0
+    width: UInt32 = 0
+    encoding: str = ""
+    is_bigendian: UInt8 = 0
+    step: UInt32 = 0
+    data: bytes = b""
 
 
 @dataclass(slots=True)

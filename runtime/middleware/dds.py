@@ -12,7 +12,7 @@ import logging
 import os
 import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, cached_property
 from typing import Any
 
@@ -100,6 +100,14 @@ class DdsPublisher:
         return self._readers.exist
 
 
+class DdsSubscription:
+    """DDS reader for serialized messages."""
+
+    def __init__(self, reader: RawReader, close: Callable[[], None]) -> None:
+        self.has_publishers = reader.has_publishers
+        self.close = close
+
+
 class DdsMiddleware:
     """DDS participant that appears as a ROS 2 node.
 
@@ -120,6 +128,7 @@ class DdsMiddleware:
         self._waitset.attach(self._stopped)
         self._publishers: list[DdsPublisher] = []
         self._topics: tuple[ServedTopic, ...] = ()
+        self._serving = threading.RLock()  # held while readers are taken from, so that none is deleted meanwhile
         self._conditions: list[ReadCondition] = []
         self._services: DdsServices | None = None
         # A Fast DDS client would see the services, but wait forever for a response (module `dds_services`).
@@ -143,10 +152,16 @@ class DdsMiddleware:
         return publisher
 
     def subscribe(
-        self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
-    ) -> RawReader:
+        self,
+        topic: str,
+        message_type: type[Message],
+        qos: Qos,
+        callback: Callback,
+        priority: int = 0,
+        exact_depth: bool = False,
+    ) -> DdsSubscription:
         """Call ``callback`` with the serialized messages of a fully qualified topic, on the middleware's thread."""
-        policies = dds_qos(qos, writing=False, type_hash=message_type.__typehash__)
+        policies = dds_qos(qos, writing=False, type_hash=message_type.__typehash__, exact_depth=exact_depth)
         reader = DataReader(self._participant, self._topic(topic, message_type), qos=policies)
         condition = ReadCondition(reader, EVERYTHING)
         raw_reader = RawReader(reader)
@@ -156,11 +171,24 @@ class DdsMiddleware:
         self._conditions.append(condition)
         self._waitset.attach(condition)
         self._announcer.add_reader(reader)
-        return raw_reader
+
+        def close() -> None:
+            with self._serving:
+                self._topics = tuple(one for one in self._topics if one is not read)
+                self._announcer.remove_reader(reader)
+                self._waitset.detach(condition)
+                self._conditions.remove(condition)
+                delete(reader)
+
+        return DdsSubscription(raw_reader, close)
 
     def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
         """Return the publishers or the subscriptions of a fully qualified topic that DDS has found so far."""
         return self._graph.endpoints(topic, publishing)
+
+    def topics(self) -> Mapping[str, str]:
+        """Return the topics with publishers that DDS has found so far, each with its message type."""
+        return self._graph.topics()
 
     def close(self) -> None:
         """Leave the ROS 2 graph. First wait up to 0.3 s for subscribers to acknowledge the last messages."""
@@ -208,7 +236,8 @@ class DdsMiddleware:
         # A guard condition stays triggered until it is taken, so a stop before the wait ends it, too.
         while not self._stopped.read():
             self._waitset.wait(duration(infinite=True))
-            serve(self._topics, self._topics)
+            with self._serving:
+                serve(self._topics, self._topics)
 
 
 def _domain_id() -> int:

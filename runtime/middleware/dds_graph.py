@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
+from cyclonedds.core import InstanceState
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.qos import Policy
 from cyclonedds.qos import Qos as DdsQos
@@ -22,13 +23,15 @@ from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.cyclone import RawReader
-from roverlink.runtime.middleware.dds_types import dds_qos
+from roverlink.runtime.middleware.dds_types import dds_qos, ros_type_name
 from roverlink.runtime.middleware.protocol import Endpoint, NodeIdentity
 
 _TAKE = 256  # most samples taken at a time
 # All nodes publish on this topic, which has no keys: with keep_last, a node's sample would replace that of another.
 _ALL_NODES = Qos(durability="transient_local", history="keep_all")
 _INFINITE = duration(infinite=True)
+_PREFIX = "rt"
+"""Start of the DDS name of a ROS 2 topic."""
 
 
 class DdsGraph:
@@ -42,7 +45,7 @@ class DdsGraph:
         }
         self._nodes = RawReader(DataReader(participant, discovery, qos=dds_qos(_ALL_NODES, writing=False)))
         self._node_type: Any = discovery_type
-        self._found: dict[bool, dict[bytes, tuple[str, DdsQos]]] = {True: {}, False: {}}
+        self._found: dict[bool, dict[bytes, tuple[str, str, DdsQos]]] = {True: {}, False: {}}
         self._names: dict[bytes, str] = {}
 
     def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
@@ -51,17 +54,28 @@ class DdsGraph:
         self._read_endpoints(publishing)
         return [
             Endpoint(self._names.get(guid, ""), _qos(policies), () if publishing else tuple(_strict(policies)))
-            for guid, (name, policies) in self._found[publishing].items()
-            if name == f"rt{topic}"
+            for guid, (name, _, policies) in self._found[publishing].items()
+            if name == f"{_PREFIX}{topic}"
         ]
+
+    def topics(self) -> dict[str, str]:
+        """Return the fully qualified topics that have publishers, each with the ROS name of its message type."""
+        self._read_endpoints(True)
+        return {
+            name.removeprefix(_PREFIX): ros_type_name(type_name)
+            for name, type_name, _ in self._found[True].values()
+            if name.startswith(f"{_PREFIX}/")
+        }
 
     def _read_endpoints(self, publishing: bool) -> None:
         found = self._found[publishing]
         for sample in _taken(self._readers[publishing].take):
             guid = sample.key.bytes
-            if sample.sample_info.valid_data:
-                found[guid] = sample.topic_name, sample.qos
-            else:  # the endpoint has left
+            info = sample.sample_info
+            # An endpoint that has left before it was read here still has its data.
+            if info.valid_data and info.instance_state == InstanceState.Alive:
+                found[guid] = sample.topic_name, sample.type_name, sample.qos
+            else:
                 found.pop(guid, None)
                 self._names.pop(guid, None)
 

@@ -53,15 +53,16 @@ _DDS_TYPES: dict[str, Any] = {
 }
 
 
-def dds_qos(qos: Qos, writing: bool, type_hash: str = "") -> DdsQos:
+def dds_qos(qos: Qos, writing: bool, type_hash: str = "", exact_depth: bool = False) -> DdsQos:
     """Return the DDS policies that the ROS 2 middlewares use for a QoS profile.
 
     ``writing`` is true for a writer, false for a reader. The type hash of the message is put into the USER_DATA of the
-    writer or reader; ROS 2 looks for it there since the distribution Iron.
+    writer or reader; ROS 2 looks for it there since the distribution Iron. With ``exact_depth``, a reader keeps no more
+    samples than the depth of the profile.
     """
     reliable = qos.reliability == "reliable"
     latched = qos.durability == "transient_local"
-    depth = qos.depth if writing else max(qos.depth, _KEPT_TO_READ)
+    depth = qos.depth if writing or exact_depth else max(qos.depth, _KEPT_TO_READ)
     history: Any = Policy.History.KeepAll if qos.history == "keep_all" else Policy.History.KeepLast(depth)
     policies = [
         Policy.Reliability.Reliable(_MAX_BLOCKING) if reliable else Policy.Reliability.BestEffort,
@@ -85,6 +86,11 @@ def dds_qos(qos: Qos, writing: bool, type_hash: str = "") -> DdsQos:
 _sequence: Any = types.sequence.__class_getitem__
 _array: Any = types.array.__class_getitem__
 _bounded_text: Any = types.bounded_str.__class_getitem__
+
+
+def ros_type_name(dds_name: str) -> str:
+    """Return the ROS name of a DDS type: ``comms::msg::dds_::Imu_`` -> ``comms/msg/Imu``."""
+    return dds_name.replace("::dds_::", "::").replace("::", "/").removesuffix("_")
 
 
 @cached_by_type

@@ -72,6 +72,11 @@ class GraphAnnouncer:
         self._readers.append(self._gid(reader))
         self._announce()
 
+    def remove_reader(self, reader: Entity) -> None:
+        """Announce that a subscription of the node has ended. The DDS reader must still exist."""
+        self._readers.remove(self._gid(reader))
+        self._announce()
+
     def add_writer(self, writer: Entity) -> None:
         """Announce a new publisher of the node to the ROS 2 graph; ``writer`` is its DDS writer."""
         self._writers.append(self._gid(writer))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from roverlink.runtime.core.handler import Qos
@@ -22,6 +22,7 @@ class Graph:
 
     callbacks: defaultdict[str, Callbacks] = field(default_factory=lambda: defaultdict(list))
     publishers: Counter[str] = field(default_factory=Counter)
+    types: dict[str, str] = field(default_factory=dict)
 
 
 class MemoryPublisher:
@@ -45,12 +46,16 @@ class MemoryPublisher:
 class MemorySubscription:
     """Subscription of one topic in a `Graph`."""
 
-    def __init__(self, graph: Graph, topic: str) -> None:
-        self._graph, self._topic = graph, topic
+    def __init__(self, graph: Graph, topic: str, close: Callable[[], None]) -> None:
+        self._graph, self._topic, self._close = graph, topic, close
 
     def has_publishers(self) -> bool:
         """Return true if the topic has a publisher whose middleware is not closed."""
         return self._graph.publishers[self._topic] > 0
+
+    def close(self) -> None:
+        """Remove the callback from the graph."""
+        self._close()
 
 
 class MemoryMiddleware:
@@ -68,20 +73,38 @@ class MemoryMiddleware:
         """Create a publisher on a topic of the graph."""
         self._published.append(topic)
         self._graph.publishers[topic] += 1
+        self._graph.types[topic] = message_type.__msgtype__
         return MemoryPublisher(self._graph.callbacks[topic])
 
     def subscribe(
-        self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
+        self,
+        topic: str,
+        message_type: type[Message],
+        qos: Qos,
+        callback: Callback,
+        priority: int = 0,
+        exact_depth: bool = False,
     ) -> MemorySubscription:
         """Call ``callback`` with the messages of a topic, on the thread that publishes them."""
         callbacks = self._graph.callbacks[topic]
         callbacks.append(callback)
-        self._own.append((callbacks, callback))
-        return MemorySubscription(self._graph, topic)
+        own = (callbacks, callback)
+        self._own.append(own)
+
+        def close() -> None:
+            if own in self._own:  # closing the middleware has removed it already
+                self._own.remove(own)
+                callbacks.remove(callback)
+
+        return MemorySubscription(self._graph, topic, close)
 
     def endpoints(self, topic: str, publishing: bool) -> tuple[Endpoint, ...]:
         """Return an empty tuple, because topics in memory have no QoS."""
         return ()
+
+    def topics(self) -> Mapping[str, str]:
+        """Return the topics of the graph that have publishers, each with its message type."""
+        return {topic: self._graph.types[topic] for topic, count in self._graph.publishers.items() if count > 0}
 
     def close(self) -> None:
         """Remove the subscriptions and publishers of this middleware from the graph."""

@@ -93,6 +93,9 @@ class Subscription(Protocol):
         A publisher whose program was killed is known for some more seconds.
         """
 
+    def close(self) -> None:
+        """End the subscription. The callback may still be called for messages that have just been taken."""
+
 
 class Middleware(Protocol):
     """Connection to the ROS 2 graph as one node. A context manager: on exit the node leaves the graph."""
@@ -104,11 +107,25 @@ class Middleware(Protocol):
         """Create a publisher for a fully qualified topic."""
 
     def subscribe(
-        self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
+        self,
+        topic: str,
+        message_type: type[Message],
+        qos: Qos,
+        callback: Callback,
+        priority: int = 0,
+        exact_depth: bool = False,
     ) -> Subscription:
         """Call ``callback`` with serialized messages of a fully qualified topic, on a thread of the middleware.
 
-        If the middleware supports priorities, topics with a larger ``priority`` are served first.
+        If the middleware supports priorities, topics with a larger ``priority`` are served first. A middleware may keep
+        more messages than the depth of the QoS until it can call ``callback``; ``exact_depth`` forbids this, so that
+        large messages such as images do not fill the memory.
+        """
+
+    def topics(self) -> Mapping[str, str]:
+        """Return the fully qualified topics with publishers that the middleware knows now, each with its message type.
+
+        A type is given as in ``sensor_msgs/msg/Image``. Must be called by one thread at a time.
         """
 
     def endpoints(self, topic: str, publishing: bool) -> Sequence[Endpoint]:

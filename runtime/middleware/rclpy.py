@@ -9,7 +9,8 @@ from __future__ import annotations
 import contextlib
 import logging
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import rclpy
@@ -54,12 +55,16 @@ class RclpyPublisher:
 class RclpySubscription:
     """rclpy subscription of one topic."""
 
-    def __init__(self, node: Any, topic: str) -> None:
-        self._node, self._topic = node, topic
+    def __init__(self, node: Any, topic: str, close: Callable[[], None]) -> None:
+        self._node, self._topic, self._close = node, topic, close
 
     def has_publishers(self) -> bool:
         """Return true if the ROS 2 graph has a publisher of the topic."""
         return bool(self._node.count_publishers(self._topic))
+
+    def close(self) -> None:
+        """Make rclpy destroy the subscription."""
+        self._close()
 
 
 class RclpyMiddleware:
@@ -113,16 +118,25 @@ class RclpyMiddleware:
         return RclpyPublisher(publisher.handle)
 
     def subscribe(
-        self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
+        self,
+        topic: str,
+        message_type: type[Message],
+        qos: Qos,
+        callback: Callback,
+        priority: int = 0,
+        exact_depth: bool = False,  # noqa: ARG002  # rclpy never keeps more
     ) -> RclpySubscription:
         """Call ``callback`` with the serialized messages of a fully qualified topic, on a thread of the middleware."""
         message_class, profile = installed_class(message_type), _profile(qos)
         if self._receiver:
-            self._receiver.subscribe(message_class, topic, profile, callback, priority)
+            close = self._receiver.subscribe(message_class, topic, profile, callback, priority)
         else:
             # raw=True gives serialized messages, so rclpy does not build Python objects that nobody needs.
-            self._node.create_subscription(message_class, topic, lambda message: callback([message]), profile, raw=True)
-        return RclpySubscription(self._node, topic)
+            subscription = self._node.create_subscription(
+                message_class, topic, lambda message: callback([message]), profile, raw=True
+            )
+            close = partial(self._node.destroy_subscription, subscription)
+        return RclpySubscription(self._node, topic, close)
 
     def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
         """Return the publishers or the subscriptions of a topic that rclpy has found so far."""
@@ -130,6 +144,11 @@ class RclpyMiddleware:
             return [Endpoint(_name(info), _qos(info)) for info in self._node.get_publishers_info_by_topic(topic)]
         found = self._node.get_subscriptions_info_by_topic(topic)
         return [Endpoint(_name(info), _qos(info), tuple(_strict(info.qos_profile))) for info in found]
+
+    def topics(self) -> Mapping[str, str]:
+        """Return the topics of the ROS 2 graph that have publishers, each with its (first) message type."""
+        known = self._node.get_topic_names_and_types()
+        return {name: types[0] for name, types in known if self._node.count_publishers(name)}
 
     def close(self) -> None:
         """Stop both threads and destroy the node, so that it leaves the ROS 2 graph."""

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import Any, NamedTuple
 
@@ -78,6 +78,7 @@ class Receiver:
         self._group = _WithoutExecutor()
         self._woken = GuardCondition(callback=None, callback_group=None, context=self._context)
         self._subscribed: tuple[_Subscribed, ...] = ()
+        self._closed: list[Any] = []  # rclpy's subscriptions that the thread has to destroy
         self._stopped = False
         self._try_names()
         # Somebody else in the process may shut ROS 2 down; the program ends by its own signal handler.
@@ -85,8 +86,13 @@ class Receiver:
         self._thread = threading.Thread(target=self._receive, name="rclpy-take", daemon=True)
         self._thread.start()
 
-    def subscribe(self, message_class: Any, topic: str, profile: Any, callback: Callback, priority: int) -> None:
-        """Call ``callback`` with the serialized messages of a topic, on the thread of this receiver."""
+    def subscribe(
+        self, message_class: Any, topic: str, profile: Any, callback: Callback, priority: int
+    ) -> Callable[[], None]:
+        """Call ``callback`` with the serialized messages of a topic, on the thread of this receiver.
+
+        Returns a function that ends the subscription.
+        """
         subscription = self._node.create_subscription(
             message_class, topic, _not_called, profile, callback_group=self._group, raw=True
         )
@@ -95,6 +101,14 @@ class Receiver:
         subscribed = _Subscribed(handle, handle.pointer, subscription.event_handlers, served)
         self._subscribed = tuple(sorted((*self._subscribed, subscribed), key=lambda one: -one.topic.priority))
         self._woken.trigger()
+
+        def close() -> None:
+            self._subscribed = tuple(one for one in self._subscribed if one is not subscribed)
+            # The thread destroys it, because it may be about to wait for its messages.
+            self._closed.append(subscription)
+            self._woken.trigger()
+
+        return close
 
     def stop(self) -> None:
         """End the thread, and wait until it has ended. A callback that is running is not interrupted."""
@@ -114,6 +128,8 @@ class Receiver:
     def _receive(self) -> None:
         try:
             while not self._stopped:
+                while self._closed:
+                    self._node.destroy_subscription(self._closed.pop())
                 self._serve(self._subscribed)
         except rclpy_implementation.RCLError:
             # rclpy's signal handler shuts contexts down without their callbacks; then no wait set can be made.

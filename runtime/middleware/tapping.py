@@ -5,7 +5,7 @@ The bridge uses the wrapper like any other middleware.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Protocol
 
 from roverlink.runtime.core.handler import Qos
@@ -43,22 +43,32 @@ class TappedMiddleware:
         return publisher if tap is None else _TappedPublisher(publisher, tap)
 
     def subscribe(
-        self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
+        self,
+        topic: str,
+        message_type: type[Message],
+        qos: Qos,
+        callback: Callback,
+        priority: int = 0,
+        exact_depth: bool = False,
     ) -> Subscription:
         """Subscribe to a topic. The listener gets each message before the callback gets it."""
         tap = self._listener.topic(topic, message_type, qos)
         if tap is None:
-            return self._middleware.subscribe(topic, message_type, qos, callback, priority)
+            return self._middleware.subscribe(topic, message_type, qos, callback, priority, exact_depth)
 
         def tapped(messages: Sequence[bytes]) -> None:
             tap(messages)
             callback(messages)
 
-        return self._middleware.subscribe(topic, message_type, qos, tapped, priority)
+        return self._middleware.subscribe(topic, message_type, qos, tapped, priority, exact_depth)
 
     def endpoints(self, topic: str, publishing: bool) -> Sequence[Endpoint]:
         """Return the publishers or the subscriptions of a topic that the wrapped middleware knows."""
         return self._middleware.endpoints(topic, publishing)
+
+    def topics(self) -> Mapping[str, str]:
+        """Return the topics with publishers that the wrapped middleware knows, each with its message type."""
+        return self._middleware.topics()
 
     def close(self) -> None:
         """Close the wrapped middleware, so that the node leaves the ROS 2 graph."""

@@ -223,15 +223,16 @@ def _ends(links: Mapping[EndName, LinkState], rows: Sequence[RowState]) -> Itera
         yield EndState(name, link.addresses, link.state, liveness, *_assess_end(link, liveness))
 
 
-_LINK_LEVELS = {
+ADDRESS_PROBLEMS = {
     "unreachable": (Level.ERROR, "the network refuses datagrams to its address"),
     "not_resolved": (Level.WARN, "its host cannot be resolved"),
     "not_learned": (Level.WARN, "its address is not known before its first valid datagram"),
 }
+"""Level and text of each state of an address that is not ok."""
 
 
 def _assess_end(link: LinkState, liveness: Liveness) -> tuple[Level, str]:
-    level, message = _LINK_LEVELS.get(link.state, (Level.OK, ""))
+    level, message = ADDRESS_PROBLEMS.get(link.state, (Level.OK, ""))
     if liveness.state == "silent":
         silence = f"silent for {liveness.age:.1f} s"
         return max(level, Level.STALE), f"{silence}; {message}" if message else silence

@@ -33,6 +33,11 @@ def look_up(host: str, port: int) -> list[SocketAddress]:
     return list(dict.fromkeys(entry[4] for entry in found))  # type: ignore[misc]  # the addresses are those of IP
 
 
+def reason_of(error: OSError | UnicodeError) -> str:
+    """Return the text of an error of `look_up`, without its number."""
+    return str(error.strerror or error) if isinstance(error, OSError) else str(error)
+
+
 def family_of(address: SocketAddress) -> socket.AddressFamily:
     """Return the address family of an address: IPv4 or IPv6."""
     return socket.AF_INET if len(address) == 2 else socket.AF_INET6

@@ -8,6 +8,7 @@ longest for the rest of its request. A request that is not complete in time ends
 from __future__ import annotations
 
 import contextlib
+import errno
 import socket
 import sys
 import threading
@@ -171,7 +172,9 @@ class HttpServer:
         try:
             self._server = BoundedServer((address, port), limited)
         except (OSError, OverflowError) as error:
-            raise SetupError(f"cannot serve the {what} on TCP port {port} of {address}: {error}") from error
+            in_use = isinstance(error, OSError) and error.errno == errno.EADDRINUSE
+            reason = "another program uses it; stop that program or choose another port" if in_use else error
+            raise SetupError(f"cannot serve the {what} on TCP port {port} of {address}: {reason}") from error
         self.port: int = self._server.server_address[1]
         self.url = f"http://{openable_host(address)}:{self.port}/"
         """URL that a browser can open."""

@@ -50,16 +50,16 @@ SentDatagram = tuple[bytes, Sender]
 T = TypeVar("T")
 
 
-def bind(address: str, port: int, receive_buffer: int) -> socket.socket:
+def bind(address: str, port: int, receive_buffer: int, setting: str = "") -> socket.socket:
     """Return a bound UDP socket whose receive buffer is as near to ``receive_buffer`` bytes as the system allows.
 
     With the address ``::``, it receives IPv4 and IPv6. Raises `SetupError` with port and cause if the socket cannot be
-    bound.
+    bound; ``setting`` tells the user there what sets the port.
     """
     try:
         sock = socket.socket(socket.AF_INET6 if ":" in address else socket.AF_INET, socket.SOCK_DGRAM)
     except OSError as error:  # a system without IPv6
-        raise SetupError(_bind_failure(address, port, error)) from error
+        raise SetupError(_bind_failure(address, port, error, setting)) from error
     try:
         if sock.family == socket.AF_INET6:
             sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 0)  # the default depends on the system
@@ -68,15 +68,16 @@ def bind(address: str, port: int, receive_buffer: int) -> socket.socket:
         sock.bind((address, port))
     except (OSError, UnicodeError) as error:
         sock.close()
-        raise SetupError(_bind_failure(address, port, error)) from error
+        raise SetupError(_bind_failure(address, port, error, setting)) from error
     return sock
 
 
-def _bind_failure(address: str, port: int, error: OSError | UnicodeError) -> str:
+def _bind_failure(address: str, port: int, error: OSError | UnicodeError, setting: str) -> str:
     if not isinstance(error, OSError):
         return f"cannot listen on UDP port {port} of {address}: {error}"
     if error.errno == errno.EADDRINUSE:
-        return f"UDP port {port} on {address} is in use by another program; stop that program or choose another port"
+        other = f"choose another port{f' ({setting})' if setting else ''}"
+        return f"UDP port {port} on {address} is in use by another program; stop that program or {other}"
     return f"cannot listen on UDP port {port} of {address}: {error.strerror}"
 
 
@@ -142,7 +143,9 @@ def resolve(host: str, port: int) -> tuple[str, int]:
         # Names are resolved once, at the start: a lookup can block for seconds.
         found = hosts.look_up(host, port)
     except (OSError, UnicodeError) as error:
-        raise SetupError(f"the destination {host!r} does not resolve to an IP address: {error}") from error
+        raise SetupError(
+            f"the destination {host!r} does not resolve to an IP address: {hosts.reason_of(error)}"
+        ) from error
     # `localhost` is ::1 first, where a bridge that listens on 0.0.0.0 hears nothing.
     return min(found, key=lambda address: hosts.family_of(address) != socket.AF_INET)[0], port
 

@@ -53,8 +53,9 @@ class LiveParameters:
             before, after = self._current, parameters.changed(self._registry, self._current, changes)
             self._apply(after)
             self._current = after
-        for name in changes:
-            self._logger.info("parameter %s is now %s (it was %s)", name, after.values[name], before.values[name])
+        for name, value in after.values.items():
+            if value != before.values[name]:
+                self._logger.info("parameter %s is now %s (it was %s)", name, value, before.values[name])
 
 
 def _refuse_at_start(_: Parameters) -> None:

@@ -123,13 +123,16 @@ def defaults(registry: Registry) -> dict[str, Any]:
     return {name: declared.default for name, declared in declarations(registry).items()}
 
 
+_OF_EVERY_NODE = frozenset({"use_sim_time", "start_type_description_service"})
+"""Parameters that rclpy declares for every node, so that `ros2 param dump` writes them; this node does not use them."""
+
+
 def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
     """Return the parameters: the given values, and the defaults of all others.
 
     Raises `SetupError` for an unknown name or a value that is not allowed.
     """
-    # rclcpp and rclpy declare use_sim_time for every node; this node does not use it.
-    return _checked(registry, {name: value for name, value in given.items() if name != "use_sim_time"})
+    return _checked(registry, {name: value for name, value in given.items() if name not in _OF_EVERY_NODE})
 
 
 def changed(registry: Registry, parameters: Parameters, changes: Mapping[str, Any]) -> Parameters:
@@ -138,11 +141,13 @@ def changed(registry: Registry, parameters: Parameters, changes: Mapping[str, An
     Raises `SetupError` if one of the parameters is unknown or read-only, or if a value is wrong.
     """
     for name, value in changes.items():
-        if name == "use_sim_time":
+        if name == "use_sim_time" and value:
             raise SetupError("the parameter 'use_sim_time' cannot change: this node does not use simulated time")
         if name in DECLARED and DECLARED[name].read_only:
             raise SetupError(f"the parameter {name!r} is read-only; restart the node with -p {name}:={value}")
-    return _checked(registry, {**parameters.values, **changes})
+    # `ros2 param load` sets all that `ros2 param dump` has written.
+    own = {name: value for name, value in changes.items() if name not in _OF_EVERY_NODE}
+    return _checked(registry, {**parameters.values, **own})
 
 
 def _checked(registry: Registry, given: Mapping[str, Any]) -> Parameters:

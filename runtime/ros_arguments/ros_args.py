@@ -54,6 +54,11 @@ class RosArguments:
         return full
 
 
+def is_topic(name: str) -> bool:
+    """Return true if a text can be the name of a topic, such as ``imu``, ``~/imu`` or ``/rover/imu``."""
+    return bool(_TOPIC.fullmatch(name))
+
+
 def split(arguments: list[str]) -> tuple[list[str], list[str]]:
     """Split a command line into two lists: the program's own arguments, and those between ``--ros-args`` and ``--``."""
     own: list[str] = []
@@ -173,7 +178,7 @@ def _add_remap(parsed: RosArguments, text: str) -> None:
         return
     source, target = source.removeprefix("rostopic://"), target.removeprefix("rostopic://")
     for name in (source, target):
-        if not _TOPIC.fullmatch(name):
+        if not is_topic(name):
             raise SetupError(f"{name!r} in the remap {text!r} is not a topic name")
     parsed.remaps.append(_Remap(source, target))
 

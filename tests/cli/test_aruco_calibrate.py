@@ -224,7 +224,7 @@ def test_markers_are_printed(tmp_path: Path) -> None:
     [
         (["--square", "0.04", "--marker", "0.03"], "use A2, or smaller sides"),
         (["--out", "board.svg"], "the name must end with .pdf or .png"),
-        (["--markers", "0-30", "--out", "markers.png"], "the markers need 4 sheets, but a PNG holds only one"),
+        (["--markers", "0-30", "--out", "markers.png"], "the markers need 3 sheets, but a PNG holds only one"),
         (["--markers", "250"], "DICT_5X5_250 has no marker 250"),
         (["--squares", "30x30"], "DICT_4X4_50 has only 50 markers, but 30x30 squares need 450"),
         (["--marker", "0.024"], "a marker must be smaller"),

@@ -145,7 +145,7 @@ def test_another_image_size_is_refused_or_scaled(
     assert "for images of 640x480 pixels, but the images have 480x360; calibrate at this" in capsys.readouterr().err
     assert main([*words, "--rescale"]) == 0
     told = capsys.readouterr()
-    assert "were scaled from images of 640x480 pixels to 480x360" in told.err
+    assert "the parameters were scaled from images of 640x480 pixels to 480x360" in told.err
     assert field.off(0, json.loads(told.out)["camera"]["position"]) < 0.02
 
 
@@ -164,7 +164,57 @@ def test_parameters_without_a_size_are_taken_and_told(
     text = (field.folder / "camera.yml").read_text()
     (tmp_path / "old.yml").write_text("\n".join(line for line in text.splitlines() if "image_" not in line))
     assert main(field.words("--json", "--parameters", tmp_path / "old.yml")) == 0
-    assert "name no image size; assuming 640x480" in capsys.readouterr().err
+    assert "old.yml names no image size; assuming 640x480" in capsys.readouterr().err
+
+
+_ROVER = """%YAML:1.0
+---
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 1163.311, 0., 941.628, 0., 1168.458, 618.535, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ 0.100096, -0.256227, 0.00111085, 0.000269882, 0.203651 ]
+"""
+
+
+@pytest.mark.parametrize(
+    ("centre", "size", "told"),
+    [
+        (
+            "941.628 618.535",
+            None,
+            "rover.yml: the principal point (941.6, 618.5) is outside the image of 640x480 pixels; its parameters are "
+            "likely for images of 1920x1200; calibrate at this size; or add image_width and image_height to the file",
+        ),
+        ("400.0 239.5", None, "is far from the centre of the image of 640x480 pixels; its parameters are likely for"),
+        ("200.0 900.0", None, "its parameters are likely for images of about 401x1801; calibrate"),
+        ("700.0 239.5", (640, 480), "is outside the image of 640x480 pixels; its parameters are likely for images of"),
+        ("460.0 239.5", (640, 480), "if the camera does not crop its images, calibrate again"),
+    ],
+)
+def test_a_principal_point_that_does_not_fit_is_told(
+    field: Field,
+    centre: str,
+    size: tuple[int, int] | None,
+    told: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Parameters of other images are refused with a likely size; those for this size are only doubted inside it."""
+    text = _ROVER
+    for old, new in zip(("941.628", "618.535"), centre.split(), strict=True):
+        text = text.replace(old, new)
+    if size is not None:
+        text = text.replace("camera_matrix", "image_width: {}\nimage_height: {}\ncamera_matrix".format(*size))
+    (tmp_path / "rover.yml").write_text(text)
+    code = main(field.words("--json", "--parameters", tmp_path / "rover.yml"))
+    assert code == (0 if "if the camera" in told else 2)
+    assert told in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -347,7 +397,7 @@ def test_it_asks_for_the_source(
 ) -> None:
     """ENTER is camera 0, a number another; anything else that is a source will do."""
     code, shown = _typed(answer.format(field.folder / "frames"), monkeypatch, _without_source(field))
-    assert "Camera number, URL, video file or folder (ENTER for camera 0): " in shown
+    assert "Camera number, URL, topic:NAME, video file or folder (ENTER for camera 0): " in shown
     assert expected in shown
     assert code == (0 if answer == "{}" else 2)
     assert len(capsys.readouterr().out.splitlines()) == (_FRAMES if answer == "{}" else 0)

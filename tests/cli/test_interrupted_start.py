@@ -23,7 +23,7 @@ _COMMANDS = [
     "lint --history",
     "explain imu_info",
     "next-number",
-    "history",
+    "history 20",
     "run --middleware memory --ros-args -p listen_port:=0 --disable-rosout-logs",
     "send imu_info --to 127.0.0.1:9 --rate 1000 --count 1000",
     "listen --port 0",

@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from linked import PROTO, linked_registry, write_project
+from linked import PROTO, TABLE, linked_registry, write_project
 
 from roverlink.runtime.core.link_message import LinkWriter
 
 Start = Callable[..., Any]
+_BOARDS = "boards: {Arm: {host: 10.0.0.21, port: 6001}, Drive: {host: learn, port: 6001}}"
 
 
 @contextlib.contextmanager
@@ -105,9 +106,14 @@ def test_doctor_tells_a_compatible_schema_from_a_misread_one(
 
 
 @pytest.mark.slow
-def test_the_demo_passes_over_link_messages(done: Start, tmp_path: Path) -> None:
-    """The simulated peers of the demo count the rows; the bridge's link messages are none of them."""
-    project = write_project(tmp_path / "rover")
+@pytest.mark.parametrize("hardware", ["port: 6001", f"{_BOARDS}, sign: required"])
+def test_the_demo_passes_over_link_messages(done: Start, tmp_path: Path, hardware: str) -> None:
+    """The simulated peers of the demo count the rows; the bridge's link messages are none of them.
+
+    Boards that must sign do so, also if the bridge learns the address of one.
+    """
+    table = TABLE.replace("port: 6001", hardware).replace("link:", "signing: {number: 21}\nlink:")
+    project = write_project(tmp_path / "rover", table)
     code, output, errors = done("demo", "--middleware", "memory", "--seconds", 2.5, "--project", project)
     assert code == 0, errors
     assert "5 of 5 messages were bridged" in output

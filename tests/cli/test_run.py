@@ -244,7 +244,7 @@ def test_a_port_in_use_is_told(done: Start, peer: socket.socket) -> None:
     assert (code, output) == (2, "")
     assert errors == (
         f"roverlink: UDP port {port} on 127.0.0.1 is in use by another program; "
-        "stop that program or choose another port"
+        "stop that program or choose another port (parameter listen_port)"
     )
 
 

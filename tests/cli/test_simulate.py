@@ -9,22 +9,25 @@ import random
 import socket
 from collections import Counter, defaultdict
 from collections.abc import Callable
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
 import pytest
-from linked import linked_registry, write_project
+from linked import TABLE, linked_registry, write_project
 
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Translator
 from roverlink.runtime.core.envelope import restore
+from roverlink.runtime.keys.key_file import make_key_file
 from roverlink.simulation.run_account import PUBLISHED, RunTotals, predict
 from roverlink.simulation.scenarios import SCENARIOS, Emission, World, emissions, steady
 
 Start = Callable[..., Any]
 _LONGEST = 1472
 _TRANSLATOR = Translator(REGISTRY)
+_FAULTS = [name for name in SCENARIOS if name != "hostile"]  # the sample rover has no peer that must sign
 
 
 def _world(seed: int = 1) -> World:
@@ -39,7 +42,7 @@ def _fates(stream: list[Emission]) -> Counter[str]:
     return Counter(predict(emission.datagram, _TRANSLATOR, _LONGEST) for emission in stream)
 
 
-@pytest.mark.parametrize("names", [[name] for name in SCENARIOS] + [list(SCENARIOS), list(reversed(SCENARIOS))])
+@pytest.mark.parametrize("names", [[name] for name in _FAULTS] + [_FAULTS, _FAULTS[::-1]])
 @pytest.mark.slow
 def test_a_seed_gives_one_stream_in_the_order_of_time(names: list[str]) -> None:
     """Whatever the scenario, and all of them at once."""
@@ -127,7 +130,7 @@ def test_numbers_of_no_row_are_retired_ones_where_there_are_any() -> None:
 
 def test_a_bridge_in_memory_adds_up(done: Start) -> None:
     """Every scenario at once; each datagram is found, as published or with the reason of its drop."""
-    scenarios = itertools.chain.from_iterable(("--scenario", name) for name in SCENARIOS)
+    scenarios = itertools.chain.from_iterable(("--scenario", name) for name in _FAULTS)
     code, output, errors = done("simulate", "--bridge", "memory", "--seconds", 2, "--rate", 1500, "--json", *scenarios)
     assert code == 0, output + errors
     account = json.loads(output)
@@ -137,6 +140,7 @@ def test_a_bridge_in_memory_adds_up(done: Start) -> None:
     assert account["commands"] > 0
 
 
+@pytest.mark.slow
 def test_the_account_is_told_in_words(done: Start) -> None:
     """Line by line, with the verdict at the end."""
     code, output, _ = done("simulate", "--bridge", "memory", "--seconds", 0.5)
@@ -237,6 +241,25 @@ def test_peers_of_a_table_with_the_link_message_send_it(names: list[str]) -> Non
     assert same == ({3, 5} if "old-schema" in names else {1, 2, 3, 4, 5})
 
 
+@pytest.mark.parametrize(
+    "names", [[], ["stale"], ["reboot"], ["flood"], ["reboot", "flood"], ["flood", "reboot"]], ids=str
+)
+def test_link_messages_count_what_the_program_has_sent_since_its_start(names: list[str]) -> None:
+    """Otherwise the bridge would see losses that there are not, or would not see losses."""
+    registry = linked_registry()
+    world = World(registry, random.Random(1), _LONGEST)  # noqa: S311  # repeatable, not secret
+    sent, told = Counter[Any](), 0
+    for emission in itertools.takewhile(lambda emission: emission.at < 9, emissions(world, 30, names)):
+        program = world.sender_of(emission), emission.life
+        if emission.end is not None:
+            link = registry.envelope.FromString(emission.datagram).link  # type: ignore[attr-defined]
+            assert link.sent == sent[program]
+            told += 1
+        sent[program] += 1
+    assert told > 20
+    assert any(life for _, life in sent) == ("reboot" in names)
+
+
 def test_a_simulated_board_with_old_protos_is_named(done: Start, tmp_path: Path) -> None:
     """The report names each board whose schema differs, with its rows, and all sums agree."""
     project = write_project(tmp_path / "rover")
@@ -247,3 +270,101 @@ def test_a_simulated_board_with_old_protos_is_named(done: Start, tmp_path: Path)
     assert "Drive of hardware has another schema of drive_state\n" in output
     assert "base has another schema of mode\n" in output
     assert "link messages" in output
+
+
+# --- peers that must sign ---------------------------------------------------------------------------------------
+
+_SIGNED = TABLE.replace("link:", "signing: {number: 21}\nlink:").replace("port: 6001", "port: 6001, sign: required")
+
+
+@pytest.fixture(scope="module")
+def signed_project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A project with link messages whose boards must sign, and whose basestation need not."""
+    return write_project(tmp_path_factory.mktemp("signed") / "rover", _SIGNED)
+
+
+def test_attacks_are_refused_each_for_its_reason(done: Start, signed_project: Path) -> None:
+    """The bridge and the peers have keys of this run alone, and all counts are those that the attacks should give."""
+    scenarios = ("reboot", "old-schema", "stale", "flood", "padded", "hostile")
+    options = itertools.chain.from_iterable(("--scenario", name) for name in scenarios)
+    code, output, errors = done(
+        "simulate", "--project", signed_project, "--bridge", "memory", "--seconds", 2, "--json", "--rate", 500, *options
+    )
+    assert code == 0, output + errors
+    account = json.loads(output)
+    attacks = {"malformed_signature", "outdated", "replayed", "unsigned", "wrong_signature"}
+    assert account["bridge"]["dropped"].keys() >= attacks
+    assert {reason: account["sent"][reason] for reason in attacks} == {
+        reason: account["bridge"]["dropped"][reason] for reason in attacks
+    }
+    assert account["bridge"]["links_received"] == account["sent"]["link message"]
+
+
+@pytest.mark.slow
+def test_a_radio_that_reorders_signed_datagrams_loses_the_overtaken_ones(done: Start, signed_project: Path) -> None:
+    """A signed datagram that comes twice is a replay, and one that comes late is outdated."""
+    options = ("--scenario", "lossy", "--scenario", "padded", "--seconds", 1, "--rate", 1000, "--json")
+    code, output, errors = done("simulate", "--project", signed_project, "--bridge", "memory", *options)
+    assert code == 0, output + errors
+    assert json.loads(output)["bridge"]["dropped"].keys() >= {"outdated", "replayed"}
+
+
+@pytest.mark.slow
+def test_each_board_signs_with_its_own_key(done: Start, signed_project: Path, tmp_path: Path) -> None:
+    """The keys in the files are used, and both ends store their timestamps beside them."""
+    files = [tmp_path / f"{name}.keys" for name in ("Arm", "Drive", "hardware")]
+    for file in files:
+        make_key_file(file, file.stem, datetime.now(timezone.utc))
+    options = itertools.chain.from_iterable(("--key-file", file) for file in files)
+    code, output, errors = done(
+        "simulate",
+        "--project",
+        signed_project,
+        "--bridge",
+        "memory",
+        "--seconds",
+        0.5,
+        "--scenario",
+        "hostile",
+        *options,
+    )
+    assert code == 0, output + errors
+    stored = {path.name for path in tmp_path.glob("*.timestamps")}
+    assert stored == {f"{file.name}.ros.timestamps" for file in files} | {
+        f"{name}.keys.{name}.timestamps" for name in ("Arm", "Drive")
+    }
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ((), "the peer 'hardware' must sign (table key `sign`), but there is no key; give a copy of the bridge's key"),
+        (("--key-file", "none.keys"), "none.keys: no such key file"),
+        (("--key-file", "base.keys"), "'hardware' must sign (table key `sign`), but no key file has a key of it"),
+    ],
+)
+def test_a_missing_key_is_told(
+    done: Start, signed_project: Path, tmp_path: Path, options: tuple[str, ...], expected: str
+) -> None:
+    """Exit code 2, and one line that names the option."""
+    make_key_file(tmp_path / "base.keys", "base", datetime.now(timezone.utc))
+    code, output, errors = done("simulate", "--project", signed_project, *options, folder=tmp_path)
+    assert (code, output, len(errors.splitlines())) == (2, "", 1)
+    assert expected in errors
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (
+            ("--scenario", "hostile"),
+            "the scenario hostile attacks peers that must sign (table key `sign`), but the table",
+        ),
+        (("--key-file", "x.keys"), "x.keys: the table has no `signing`; leave out the key file"),
+    ],
+)
+def test_a_table_without_signatures_has_no_use_for_them(done: Start, options: tuple[str, ...], expected: str) -> None:
+    """Exit code 2, and one line."""
+    code, output, errors = done("simulate", "--bridge", "memory", *options)
+    assert (code, output, len(errors.splitlines())) == (2, "", 1)
+    assert expected in errors

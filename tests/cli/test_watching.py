@@ -25,6 +25,7 @@ from typing import Any
 
 import pytest
 import websockets
+from linked import TABLE, write_project
 from needs import needs_dds
 from polling import wait_until
 from prometheus_client.parser import text_string_to_metric_families
@@ -68,6 +69,7 @@ class _Board:
         self._thread.join()
 
 
+@pytest.mark.slow
 @needs_dds
 def test_diagnostics_are_heard_by_anybody(start: Start, done: Start) -> None:
     """Once a second, as diagnostic_msgs, with no option at all; `--no-diagnostics` is silent."""
@@ -390,6 +392,27 @@ def test_doctor_finds_what_is_wrong(done: Start, taken: int) -> None:
     assert found["dst_ip"]["verdict"] == "warning"
     assert "rover.invalid, the host of basestation, hardware, cannot be resolved" in found["dst_ip"]["says"]
     assert found["generated code"]["verdict"] == "ok"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ("topic: mode", None),
+        ("topic: wanted_mode", "the generated code is not that of this table"),
+        ("topc: mode", "the table has errors, so it was not compared with the generated code"),
+    ],
+)
+def test_doctor_warns_if_the_table_was_changed_and_not_generated(
+    done: Start, tmp_path: Path, changed: str, says: str | None
+) -> None:
+    """The bridge uses the generated code, so a row or a host that is only in the table has no effect."""
+    project = write_project(tmp_path / "rover")
+    (project / "mapping.yaml").write_text(TABLE.replace("topic: mode", changed), encoding="utf-8")
+    free = ("--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
+    found = json.loads(done("doctor", "--json", "--project", project, *free)[1])
+    said = [one["says"] for one in found if one["check"] == "mapping.yaml"]
+    assert said == [] if says is None else says in said[0]
 
 
 def test_doctor_warns_of_small_buffers(done: Start) -> None:

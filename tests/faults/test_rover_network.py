@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 import signal
 import socket
 import subprocess
@@ -131,20 +132,26 @@ def network() -> Iterator[RoverNetwork]:
 
 @pytest.fixture
 def start(network: RoverNetwork, tmp_path: Path) -> Iterator[Any]:
-    """A function that starts the bridge, with the address of the basestation."""
+    """A function that starts the bridge, with the address of the basestation, and with more keys in the table."""
     started: list[_Rover] = []
 
-    def begin(base: str = f"{RoverNetwork.RADIO}.2") -> _Rover:
-        (tmp_path / "proto").mkdir()
-        (tmp_path / "proto" / "all.proto").write_text(_PROTO)
-        (tmp_path / "mapping.yaml").write_text(_TABLE.replace("BASE", base).replace("DEADMAN", _DEADMAN))
-        subprocess.run([sys.executable, "-m", "roverlink", "generate"], cwd=tmp_path, check=True, capture_output=True)
-        started.append(_Rover(network, tmp_path))
+    def begin(base: str = f"{RoverNetwork.RADIO}.2", *, more: str = "") -> _Rover:
+        started.append(_Rover(network, _project(tmp_path / "rover", base, more)))
         return started[0]
 
     yield begin
     for rover in started:
         rover.close()
+
+
+def _project(folder: Path, base: str = "", more: str = "", proto: str = _PROTO) -> Path:
+    """Make a project, with more keys in its table; its folder."""
+    (folder / "proto").mkdir(parents=True)
+    (folder / "proto" / "all.proto").write_text(proto)
+    table = _TABLE.replace("BASE", base or f"{RoverNetwork.RADIO}.2").replace("DEADMAN", _DEADMAN)
+    (folder / "mapping.yaml").write_text(table + more)
+    subprocess.run([sys.executable, "-m", "roverlink", "generate"], cwd=folder, check=True, capture_output=True)
+    return folder
 
 
 def _numbers(datagrams: list[bytes]) -> set[int]:
@@ -240,3 +247,34 @@ def test_a_basestation_behind_a_bad_radio(network: RoverNetwork, start: Any) -> 
     assert arrived != sent[: len(arrived)]
     account = rover.stop()
     assert account["forwarded"] == account["published"] == 1000
+
+
+_LINK = "link: {number: 20}\n"
+_BOARD_PROGRAM = """
+import sys, time
+from roverlink.runtime import load_registry
+from roverlink.runtime.client import BlockingPeer
+registry = load_registry(sys.argv[1])
+with BlockingPeer.open("hardware", board="ArmBoard", registry=registry, host=sys.argv[2], local_port=0) as board:
+    print(time.time(), flush=True)
+    for _ in board:
+        pass
+"""
+_NAMED_WITHIN_S = 2.0  # an operator must see it before the rover drives
+
+
+def test_a_board_with_another_schema_is_named_within_two_seconds(
+    network: RoverNetwork, start: Any, tmp_path: Path
+) -> None:
+    """The board was flashed with other protos; the log names the board and its row, and no other row."""
+    rover = start(more=_LINK)
+    other = _project(tmp_path / "board", more=_LINK, proto=_PROTO.replace("Goal { int32 x", "Goal { float x", 1))
+    program = [sys.executable, "-c", _BOARD_PROGRAM, str(other), network.ROVER]
+    with subprocess.Popen(["ip", "netns", "exec", network.arm, *program], stdout=subprocess.PIPE, text=True) as board:
+        assert board.stdout is not None
+        began = float(board.stdout.readline())
+        wait_until(lambda: rover.logged("has another schema of"), "the warning")
+        board.kill()
+    (warning,) = (line for line in rover.log if "has another schema of" in line)
+    assert "ArmBoard of hardware has another schema of arm (1): " in warning
+    assert float(re.findall(r"\[([\d.]+)\]", warning)[0]) - began < _NAMED_WITHIN_S

@@ -7,7 +7,7 @@ from typing import Any
 from visits import Events
 
 from bench.watched_link import watched_link
-from roverlink.link_page.link_alarms import conditions_of, peers_of
+from roverlink.link_page.link_alarms import Condition, conditions_of, peers_of
 
 
 def _row(board: str, age: float | None, direction: str = "hardware_to_ros", **more: Any) -> dict[str, Any]:
@@ -23,10 +23,7 @@ def _states(*rows: dict[str, Any]) -> tuple[str, dict[str, str]]:
 
 def _subjects(*rows: dict[str, Any]) -> list[str]:
     node = {"level": "OK", "message": ""}
-    found = conditions_of(
-        {"quiet": False, "node": node, "peers": peers_of(node, list(rows)), "rows": list(rows), "links": []}
-    )
-    return list(found)
+    return list(conditions_of({"quiet": False, "node": node, "peers": peers_of(node, rows), "rows": rows}))
 
 
 def test_a_bridge_tells_its_boards() -> None:
@@ -71,3 +68,25 @@ def test_boards_that_fall_silent_together_are_one_alarm() -> None:
     """The alarm is that of the peer, also at the moment when only the first board is past its limit."""
     assert _subjects(_row("Arm", 3.5), _row("Drive", 2.9)) == []
     assert _subjects(_row("Arm", 4.5), _row("Drive", 3.9)) == ["peer hardware"]
+
+
+def test_the_address_and_the_schema_stand_at_their_board() -> None:
+    """Each board has the state of its address and the result of its link messages; a fault of either is an alarm."""
+    node = {"level": "OK", "message": ""}
+    rows = [_row("Arm", 1.0), _row("Drive", 1.0)]
+    ends = [
+        {"peer": "hardware", "board": "Arm", "link": "not_resolved", "address": ""},
+        {"peer": "hardware", "board": "Drive", "link": "not_learned", "address": ""},
+        {"peer": "radio", "link": "ok", "address": "239.0.0.7:6000"},
+    ]
+    differs = {"peer": "hardware", "board": "Drive", "level": "WARN", "message": "another schema of speed"}
+    hardware, radio = peers_of(node, rows, ends, [differs])
+    arm, drive = hardware["boards"]
+    assert (arm["link"], drive["link"], drive["report"]) == ("not_resolved", "not_learned", differs)
+    assert "report" not in arm
+    assert "report" not in hardware
+    assert (radio["name"], radio["state"], radio["address"]) == ("radio", "listens", "239.0.0.7:6000")
+    assert conditions_of({"quiet": False, "node": node, "peers": [hardware, radio], "rows": rows}) == {
+        "link Arm of hardware": Condition("WARN", "its host cannot be resolved"),
+        "schema Drive of hardware": Condition("WARN", "another schema of speed"),
+    }

@@ -127,6 +127,24 @@ def test_boards_are_shown_below_their_peer(visitor: Visitor) -> None:
         assert "no message yet" in visitor.text(".boards [data-key='DrivingBoard']")
 
 
+def test_schema_and_statistics_stand_inside_the_board(visitor: Visitor) -> None:
+    """Each board tells the state of its address, whether its schema is the same, and the loss; it fits a phone."""
+    with followed_page() as page:
+        page.hear("rover", ages={"imu_info": 0.2, "drive_diag": 0.1}, links=True)
+        visitor.screen(390, 800)
+        visitor.open(page.url)
+        visitor.until(lambda: visitor.count(".boards li"))
+        sensor, arm, driving = (
+            visitor.text(f".boards [data-key='{name}Board']") for name in ("Sensor", "Arm", "Driving")
+        )
+        assert "the same schema" in sensor
+        assert "loss in 2." in sensor
+        assert "host not resolved" in arm
+        assert "another schema of drive_diag, drive_motor" in driving
+        assert "192.168.0.22:9" in driving
+        assert visitor.run(FITS)
+
+
 def test_whoever_has_the_token_acts(visitor: Visitor, tmp_path: Path) -> None:
     """A wrong token is refused; the right one acknowledges for all and sets parameters, until it is locked again."""
     token_file = tmp_path / "token"

@@ -57,8 +57,7 @@ def test_an_alarm_is_acknowledged_for_all_browsers(link: WatchedLink) -> None:
     alarm = _silence(link, events)
     assert not alarm["acknowledged"]
     assert act(link.url, "/acknowledge", [alarm["number"]], TOKEN) == (204, "")
-    while not events.alarm("stop drive_motor")["acknowledged"]:
-        pass
+    events.alarm("stop drive_motor", lambda now: now["acknowledged"])
     events.close()
     late = Events(link.url)
     assert late.alarm("stop drive_motor")["acknowledged"]
@@ -197,8 +196,7 @@ def test_top_only_acknowledges(token_file: Path) -> None:
         events = Events(page.url)
         assert events.next("page")["sets_parameters"] is False
         assert act(page.url, "/acknowledge", [events.alarm("peer hardware")["number"]], TOKEN)[0] == 204
-        while not events.alarm("peer hardware")["acknowledged"]:
-            pass
+        events.alarm("peer hardware", lambda now: now["acknowledged"])
         events.close()
         status, text = act(page.url, "/parameters", {"dst_ip": "127.0.0.1"}, TOKEN)
         assert (status, "open the page of the bridge itself" in text) == (409, True)

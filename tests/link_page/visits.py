@@ -6,6 +6,7 @@ import http.client
 import json
 import time
 import urllib.request
+from collections.abc import Callable
 from typing import Any
 
 from polling import PATIENCE_S
@@ -41,6 +42,7 @@ class Events:
 
     def __init__(self, url: str, bridge: str = "") -> None:
         self._deadline = time.monotonic() + PATIENCE_S
+        self._bridges: dict[str, Any] = {"alarms": []}
         self._stream = urllib.request.urlopen(f"{url}events?bridge={bridge}", timeout=PATIENCE_S)
 
     def next(self, name: str) -> Any:
@@ -49,13 +51,22 @@ class Events:
             line = self._stream.readline().decode()
             assert line, "the stream has ended"
             assert time.monotonic() < self._deadline, f"still waiting for {name}"
-            if line == f"event: {name}\n":
-                return json.loads(self._stream.readline().decode().removeprefix("data: "))
+            event = line.removeprefix("event: ").rstrip("\n")
+            if event not in (name, "bridges") or not line.startswith("event: "):
+                continue
+            content = json.loads(self._stream.readline().decode().removeprefix("data: "))
+            if event == "bridges":
+                self._bridges = content
+            if event == name:
+                return content
 
-    def alarm(self, subject: str) -> dict[str, Any]:
-        """The alarm with this subject, as soon as there is one."""
-        while (found := alarm_in(self.next("bridges"), subject)) is None:
-            pass
+    def alarm(self, subject: str, wanted: Callable[[dict[str, Any]], bool] = bool) -> dict[str, Any]:
+        """The alarm with this subject, as soon as it is as wanted.
+
+        The page sends its alarms only when they change, so the last ones may have come while another event was awaited.
+        """
+        while (found := alarm_in(self._bridges, subject)) is None or not wanted(found):
+            self.next("bridges")
         return found
 
     def close(self) -> None:

@@ -16,6 +16,7 @@ import pytest
 from prometheus_client.parser import text_string_to_metric_families
 from rich.console import Console
 
+from bench.followed_page import ENDS, LINKS
 from generated.registry import REGISTRY
 from roverlink import top_screen
 from roverlink.console import LOG_FORMATS
@@ -337,6 +338,21 @@ def test_the_page_of_top(request: pytest.FixtureRequest) -> None:
         _SCREEN.write_text(shown, encoding="utf-8")
     assert shown == _SCREEN.read_text(encoding="utf-8")
     assert has_problems(page)
+
+
+def test_top_shows_a_line_for_each_end_with_link_messages() -> None:
+    """The problems of an address, the schema and the statistics of a board stand in one line, problems first."""
+    page = page_of(diagnostic_array.array_of(dataclasses.replace(_busy(), ends=ENDS, links=LINKS), _STAMP, {}))
+    assert page is not None
+    console = Console(width=140, record=True, file=io.StringIO())
+    console.print(top_screen.printed([HeardBridge(page, 0, 0)], 140))
+    lines = [line.rstrip() for line in console.export_text().splitlines()]
+    arm = lines.index("ArmBoard of hardware: not resolved; no link message yet")
+    times = "round trip 2.1 ms; jitter 0.3 ms; clock 0.3 ms"
+    assert lines[arm + 1 : arm + 3] == [
+        f"DrivingBoard of hardware: another schema of drive_diag, drive_motor; loss in 0.0%, out 0.0%; {times}",
+        f"SensorBoard of hardware: the same schema; loss in 2.5%, out 0.0%; {times}",
+    ]
 
 
 def _array(name: str, **origin: Any) -> DiagnosticArray:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from judge import Bridge, Judge, interface, values
 from polling import PATIENCE_S, wait_until
-from rclpy.parameter import Parameter
+from rclpy.parameter import Parameter, parameter_dict_from_yaml_file, parameter_value_to_python
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
 
@@ -105,6 +107,52 @@ def test_what_cannot_be_set_is_refused(judge: Judge, bridge: Start, name: str, v
     assert not result.successful
     assert reason in result.reason
     assert [values(one) for one in _call(judge, "get_parameters", names=[name, "source_policy"]).values] == before
+
+
+@rclpy_only
+def test_a_host_is_followed_while_the_bridge_runs(judge: Judge, bridge: Start, new_board: socket.socket) -> None:
+    """Host, port and policies that are set together take effect at once; a host that is not known is a warning."""
+    running = bridge()
+    port = new_board.getsockname()[1]
+    moved = _parameters(dst_ip="localhost", dst_a_port=port, forward_policy="all", source_policy="any")
+    assert _call(judge, "set_parameters_atomically", parameters=moved).result.successful
+    wait_until(lambda: _heard_after(running, new_board), "a forwarded datagram")
+    (result,) = _call(judge, "set_parameters", parameters=_parameters(dst_ip="board.invalid")).results
+    assert result.successful
+    running.program.wait_for("board.invalid cannot be resolved")
+
+
+def _heard_after(running: Bridge, board: socket.socket) -> bool:
+    """Send a datagram of a board; true if the peer gets one."""
+    running.send(imu_info={"accel_x": 1.0})
+    board.settimeout(0.2)
+    try:
+        return bool(board.recv(2048))
+    except TimeoutError:
+        return False
+
+
+@rclpy_only
+def test_a_dumped_file_starts_a_bridge_with_the_same_parameters(judge: Judge, bridge: Start, tmp_path: Path) -> None:
+    """What `ros2 param dump` writes is good for `--params-file`, and `ros2 param load` sets what may change."""
+    running = bridge("-p", "max_datagram:=1000", "-p", "source_policy:=any", "-p", "dst_a_port:=6123")
+    names = _call(judge, "list_parameters").result.names
+    dumped = {
+        name: parameter_value_to_python(value)
+        for name, value in zip(names, _call(judge, "get_parameters", names=names).values)
+    }
+    file = tmp_path / "udp_forwarder.yaml"
+    file.write_text(yaml.safe_dump({"/udp_forwarder": {"ros__parameters": dumped}}), encoding="utf-8")
+    running.program.interrupt()
+    bridge("--params-file", str(file), "-p", "listen_port:=0", "-p", "dst_a_port:=6124")
+    wait_until(lambda: _get(judge, "dst_a_port") == 6124, "the second bridge")
+    assert [_get(judge, name) for name in ("max_datagram", "source_policy")] == [1000, "any"]
+    loaded = parameter_dict_from_yaml_file(str(file))
+    results = _call(judge, "set_parameters", parameters=list(loaded.values())).results
+    refused = {name for name, result in zip(loaded, results) if not result.successful}
+    assert {"listen_port", "listen_address", "max_datagram"} <= refused
+    assert not refused & {"dst_ip", "dst_a_port", "dst_b_port", "forward_policy", "source_policy", "receive_buffer"}
+    assert _get(judge, "dst_a_port") == 6123
 
 
 @rclpy_only

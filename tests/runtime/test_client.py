@@ -487,7 +487,7 @@ def test_a_peer_that_is_not_open_says_so(bridge: socket.socket, was_open: bool) 
             peer.close()
     uses: list[Callable[[], object]] = [lambda: peer.send(_MODE), lambda: peer.repeat(_MODE, 1), peer.receive]
     for use in (*uses, lambda: next(iter(peer))):
-        with pytest.raises(ClosedError, match="the peer basestation is not open; use it inside its `with` block"):
+        with pytest.raises(ClosedError, match="basestation is not open; use it inside its `with` block"):
             use()
 
 

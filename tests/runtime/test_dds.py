@@ -17,12 +17,13 @@ import pytest
 from needs import NO_DDS
 from polling import PATIENCE_S, wait_until
 
-from generated.messages import ImuSensorInformation, SensorState
+from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation, SensorState
 from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.middleware import Endpoint, Middleware, NodeIdentity, open_middleware
+from roverlink.runtime.middleware.following import FollowingSubscription
 from roverlink.runtime.text.values import message_to_values
 
 pytest.importorskip("cyclonedds", reason=NO_DDS)
@@ -122,6 +123,17 @@ def test_a_program_without_a_node_is_listed_without_a_name(join: Open, topic: st
     with _Peer("read", "--topic", f"rt{topic}", "--count", 1) as peer:
         peer.says()
         wait_until(lambda: ours.endpoints(topic, False) == [Endpoint("", Qos())], "the reader")
+
+
+def test_topics_with_publishers_are_listed_with_their_types(join: Open, topic: str) -> None:
+    """A topic is listed while it has a publisher; one that is only read is not."""
+    ours, other = join(), join("joystick")
+    other.publisher(topic, ImuSensorInformation, Qos())
+    _gathered(other, f"{topic}_back", ImuSensorInformation)
+    wait_until(lambda: ours.topics().get(topic) == "comms/msg/ImuSensorInformation", "the topic")
+    assert f"{topic}_back" not in ours.topics()
+    other.close()
+    wait_until(lambda: topic not in ours.topics(), "the topic to leave")
 
 
 # --- the wire ---------------------------------------------------------------------------------------------------
@@ -330,6 +342,89 @@ def test_a_publisher_of_a_node_that_has_left_fails(topic: str) -> None:
     middleware.close()
     with pytest.raises(MiddlewareError, match=f"Cyclone DDS cannot write on rt{topic}"):
         publisher.publish([cdr.encode(_SAMPLE)])
+
+
+def test_a_subscription_can_end(join: Open, topic: str) -> None:
+    """It leaves the graph, its callback is not called any more, and other subscriptions go on, also under load."""
+    ours, other = join(), join("other")
+    ended, staying = list[bytes](), _gathered(ours, topic, ImuSensorInformation)
+    publisher = other.publisher(topic, ImuSensorInformation, Qos())
+    sample = cdr.encode(_SAMPLE)
+    for _ in range(20):
+        subscription = ours.subscribe(topic, ImuSensorInformation, Qos(), ended.extend)
+
+        def both() -> bool:
+            publisher.publish([sample])
+            return bool(ended)
+
+        wait_until(both, "a message")
+        subscription.close()
+        wait_until(lambda: len(other.endpoints(topic, False)) == 1, "the end of the subscription")
+        ended.clear()
+        staying.clear()
+        publisher.publish([sample])
+        wait_until(lambda: staying, "a message of the other subscription")
+        assert not ended
+
+
+def test_an_exact_depth_is_kept_while_we_are_busy(join: Open, topic: str) -> None:
+    """Of many large messages that wait, only the newest ones are kept."""
+    ours, publisher = join(), join("other").publisher(topic, ImuSensorInformation, Qos("best_effort"))
+    seen: list[bytes] = []
+    busy, go_on = threading.Event(), threading.Event()
+
+    def take(messages: Sequence[bytes]) -> None:
+        seen.extend(messages)
+        busy.set()
+        go_on.wait(PATIENCE_S)
+
+    ours.subscribe(topic, ImuSensorInformation, Qos("best_effort", depth=3), take, exact_depth=True)
+    samples = [cdr.encode(ImuSensorInformation(error_code=number)) for number in range(100)]
+
+    def first() -> bool:
+        publisher.publish(samples[:1])
+        return busy.is_set()
+
+    wait_until(first, "a message")
+    marks = _gathered(join("third"), topic, ImuSensorInformation, Qos("best_effort"))
+
+    def all_came() -> bool:
+        publisher.publish(samples)
+        return samples[-1] in {mark[: len(samples[-1])] for mark in marks}
+
+    wait_until(all_came, "the messages")
+    before = len(seen)
+    go_on.set()
+    wait_until(lambda: len(seen) > before, "what was kept")
+    assert [cdr.decode(ImuSensorInformation, one).error_code for one in seen[before:]] == [97, 98, 99]
+
+
+def test_a_subscription_follows_its_publishers(join: Open, topic: str) -> None:
+    """It is reliable with a reliable publisher; if another one takes its place, it takes over type and QoS."""
+    ours, seen = join(), list[type[Message]]()
+    types = (ImuSensorInformation, DrivingBoardMotorMessage)
+    following = FollowingSubscription(ours, topic, types, lambda kind, _: seen.append(kind), depth=5)
+    assert not following.look()
+    for message_type, qos in (
+        (ImuSensorInformation, Qos("best_effort")),
+        (ImuSensorInformation, Qos("reliable", "transient_local")),
+        (DrivingBoardMotorMessage, Qos("reliable")),
+    ):
+        node = join("camera")
+        publisher = node.publisher(topic, message_type, qos)
+        wait_until(lambda: ours.topics().get(topic) == message_type.__msgtype__, "the publisher")  # noqa: B023
+
+        def heard() -> bool:
+            following.look()
+            publisher.publish([cdr.encode(message_type())])  # noqa: B023
+            return bool(seen)
+
+        wait_until(heard, "a message")
+        assert seen[0] is message_type
+        wait_until(lambda: [one.qos for one in node.endpoints(topic, False)] == [qos], "the QoS")  # noqa: B023
+        node.close()
+        wait_until(lambda: topic not in ours.topics(), "the publisher to leave")
+        seen.clear()
 
 
 def test_a_late_subscriber_gets_the_next_message(join: Open, topic: str) -> None:

@@ -6,9 +6,11 @@ import contextlib
 import dataclasses
 import logging
 import socket
+import sys
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -379,16 +381,35 @@ def test_a_peer_that_cannot_be_heard_is_a_warning(caplog: pytest.LogCaptureFixtu
     assert "cannot hear it; start the bridge with -p listen_address:=\"'::'\"" in caplog.text
 
 
+def _interfaces_with_ipv6() -> list[str]:
+    """The network interfaces that have an IPv6 address; the loopback interface has no route to IPv6 groups."""
+    table = Path("/proc/net/if_inet6")
+    names = {line.split()[-1] for line in table.read_text().splitlines()} if table.is_file() else set()
+    return sorted(names - {"lo"})
+
+
+def _member(group: str, interface: str) -> socket.socket:
+    """A listener that has joined a group on an interface."""
+    member, index = _listener(group), socket.if_nametoindex(interface).to_bytes(4, sys.byteorder)
+    if ":" in group:
+        joining = socket.inet_pton(socket.AF_INET6, group) + index
+        member.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_JOIN_GROUP, joining)
+    else:
+        member.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(group) + bytes(4) + index)
+    return member
+
+
 @needs_linux
-def test_a_multicast_group() -> None:
+@pytest.mark.parametrize(("group", "interfaces"), [("239.7.7.7", ["lo"]), ("ff15::77", _interfaces_with_ipv6())])
+def test_a_multicast_group(group: str, interfaces: list[str]) -> None:
     """Everyone who has joined the group on that interface gets the datagrams."""
-    with _listener("239.7.7.7") as member:
-        joining = socket.inet_aton("239.7.7.7") + bytes(4) + socket.if_nametoindex("lo").to_bytes(4, "little")
-        member.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, joining)
-        with _Rig(_registry(_end("hw", "239.7.7.7", _port(member), interface="lo", ttl=3))) as rig:
-            wait_until(lambda: rig.state(_HARDWARE).state == "ok", "the interface")
-            datagram = rig.publish("drive_motor")
-            assert member.recv(2000) == datagram
+    if not interfaces:
+        pytest.skip("needs a network interface with IPv6")
+    settings = {"interface": interfaces[0], "ttl": 1}
+    with _member(group, interfaces[0]) as member, _Rig(_registry(_end("hw", group, _port(member), **settings))) as rig:
+        wait_until(lambda: rig.state(_HARDWARE).state == "ok", "the interface")
+        datagram = rig.publish("drive_motor")
+        assert member.recv(2000) == datagram
 
 
 @needs_linux

@@ -13,13 +13,14 @@ from typing import Any
 import pytest
 from linked import linked_registry
 from polling import wait_until
+from tables import of_peers
 
-from roverlink.runtime import Bridge, Qos, Registry
+from roverlink.runtime import Bridge, Qos, Registry, SetupError
 from roverlink.runtime.bridge.link_exchange import DIFFERS, SAME, UNKNOWN, EndReport
 from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core import link_message
 from roverlink.runtime.core.link_message import LinkWriter
-from roverlink.runtime.core.registry import EndName
+from roverlink.runtime.core.registry import End, EndName
 from roverlink.runtime.core.translator import Translator
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.ros_arguments import parameters
@@ -40,7 +41,8 @@ class _Rig:
     def __init__(self, registry: Registry, **given: Any) -> None:
         self.registry = registry
         self.sockets = {peer.name: _socket() for peer in registry.peers}
-        ports = {peer.port_parameter: self.sockets[peer.name].getsockname()[1] for peer in registry.peers}
+        ends = [peer for peer in registry.peers if not peer.boards]
+        ports = {peer.port_parameter: self.sockets[peer.name].getsockname()[1] for peer in ends}
         self.values = {"listen_port": 0, "listen_address": "127.0.0.1", **ports, **given}
         self.graph = Graph()
         self.log: list[str] = []
@@ -268,6 +270,23 @@ def test_loss_and_round_trip_are_measured(registry: Registry) -> None:
         assert report.clock_offset_us == pytest.approx(-wall_us, abs=500_000)
 
 
+def test_the_loss_is_that_of_the_end_that_the_sender_turns_out_to_be(registry: Registry) -> None:
+    """A basestation whose first link message lists only forwarded rows is taken for their board until the next one."""
+    assert registry.link is not None
+    with _Rig(registry) as rig:
+        rig.send(*[_payload(registry, "arm_state")] * 3)
+        session = link_message.new_session()
+        begun, base = (
+            LinkWriter(registry.envelope, session, {number: registry.link.hashes[number] for number in numbers})
+            for numbers in ([1], [4, 5])
+        )
+        rig.send(begun.write(1))
+        assert rig.report(_ARM).senders == 1
+        base.write(1)
+        rig.send(base.write(2), base.write(3))
+        assert (rig.report(_BASE).lost_in, rig.report(_BASE).loss_in) == (0, 0.0)
+
+
 def test_lost_commands_are_counted_by_what_the_board_received(registry: Registry) -> None:
     """The board tells how many datagrams came before the link message that it answers; the rest is lost."""
     with _Rig(registry) as rig:
@@ -346,3 +365,78 @@ def test_a_client_exchanges_link_messages_by_itself(registry: Registry) -> None:
             report = rig.report(_BASE)
             assert (report.schema, report.differing) == (schema, rows)
             assert peer.link.statistics.inbound.lost == 0
+            assert peer.link.statistics.clock_offset_us == pytest.approx(0, abs=500_000)
+
+
+def test_a_client_can_be_one_board(registry: Registry) -> None:
+    """Its link messages tell the rows of this board alone, and it cannot send those of another board."""
+    other = registry.by_name["arm_state"].payload_type()
+    with (
+        _Rig(registry) as rig,
+        BlockingPeer.open("hardware", board="Drive", registry=registry, port=rig.bridge.port, local_port=0) as board,
+    ):
+        board.send(registry.by_name["drive_state"].payload_type())
+        with pytest.raises(SetupError, match="Drive of hardware cannot send arm_state: Arm sends it"):
+            board.send(other)
+        wait_until(lambda: rig.report(_DRIVE).schema == SAME, "the link message of the board")
+        assert rig.report(_ARM).schema == UNKNOWN
+        wait_until(lambda: rig.bridge.account.published == {"drive_state": 1}, "the payload")
+
+
+@pytest.mark.parametrize(
+    ("peer", "board", "expected"),
+    [
+        ("hardware", "Drve", "unknown board 'Drve'; did you mean 'Drive'?"),
+        ("hardware", "Wheel", "unknown board 'Wheel'; known: Arm, Drive"),
+    ],
+)
+def test_an_unknown_board_is_an_error(registry: Registry, peer: str, board: str, expected: str) -> None:
+    """The error names the boards of the peer."""
+    with pytest.raises(SetupError) as caught:
+        BlockingPeer.open(peer, board=board, registry=registry)
+    assert str(caught.value) == expected
+
+
+# --- addresses --------------------------------------------------------------------------------------------------
+
+
+def _learning(registry: Registry, **of_hardware: Any) -> Registry:
+    """Return the registry with two boards whose addresses are learned."""
+    boards = tuple(
+        End(name, host="learn", host_parameter=f"{name}_host", port_parameter=f"{name}_port")
+        for name in ("Arm", "Drive")
+    )
+    return of_peers(registry, hardware={"boards": boards, "port_parameter": "", **of_hardware})
+
+
+def test_a_link_message_teaches_the_address_of_its_board(registry: Registry) -> None:
+    """A board that only receives says by its link messages where it is; those of one board tell nothing of another."""
+    with _Rig(_learning(registry)) as rig:
+        rig.send(_board(registry, _DRIVE_ROWS).write(_now_us()))
+        wait_until(lambda: rig.bridge.link_states()[_DRIVE].state == "ok", "the address of the one board")
+        assert rig.bridge.link_states()[_ARM].state == "not_learned"
+        rig.send(_board(registry, [*_ARM_ROWS, *_DRIVE_ROWS]).write(_now_us()))  # one program for both boards
+        wait_until(lambda: rig.bridge.link_states()[_ARM].state == "ok", "the address of the other board")
+
+
+def test_a_link_message_that_only_repeats_rows_of_others_teaches_nothing(registry: Registry) -> None:
+    """The basestation tells rows that are forwarded to it; these are not the board's own words."""
+    with _Rig(_learning(registry)) as rig:
+        session = link_message.new_session()
+        for numbers in ([4, 1], [1]):
+            writer = LinkWriter(registry.envelope, session, dict.fromkeys(numbers, 0))
+            rig.send(writer.write(_now_us()))
+        rig.send(_board(registry, _DRIVE_ROWS).write(_now_us()))
+        wait_until(lambda: rig.bridge.link_states()[_DRIVE].state == "ok", "the batch after the two")
+        assert rig.bridge.link_states()[_ARM].state == "not_learned"
+
+
+def test_a_link_message_from_a_wrong_source_is_ignored(registry: Registry) -> None:
+    """It neither teaches an address nor refuses rows, and the log says why."""
+    with _Rig(_learning(registry, sources=("127.0.0.2",)), source_policy="mapping", link_policy="refuse") as rig:
+        rig.send(_board(registry, _DRIVE_ROWS, {2: 7}).write(_now_us()))
+        text = "a link message of Drive of hardware has come from an address that is not in its `sources`"
+        wait_until(lambda: any(text in line for line in rig.log), "the warning")
+        assert rig.bridge.link_states()[_DRIVE].state == "not_learned"
+        assert rig.report(_DRIVE).schema == UNKNOWN
+        assert rig.bridge.account.other_schemas == {}

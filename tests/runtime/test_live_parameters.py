@@ -164,6 +164,15 @@ def test_a_change_is_logged(caplog: pytest.LogCaptureFixture) -> None:
     assert "parameter dst_ip is now 127.0.0.2 (it was 127.0.0.1)" in caplog.messages
 
 
+def test_values_that_stay_are_not_logged(caplog: pytest.LogCaptureFixture) -> None:
+    """`ros2 param load` sets all parameters, those of every node too; the log tells what has changed."""
+    with _Running() as running, caplog.at_level(logging.INFO):
+        running.live.change({"dst_ip": "127.0.0.1", "use_sim_time": False, "dst_a_port": 6123})
+    assert [record.getMessage() for record in caplog.records if "parameter" in record.getMessage()] == [
+        "parameter dst_a_port is now 6123 (it was 6000)"
+    ]
+
+
 def test_a_node_that_starts_refuses_changes() -> None:
     """Before the bridge is there, a change is refused."""
     live = LiveParameters(REGISTRY, parameters.read(REGISTRY, {}), _LOGGER)

@@ -142,11 +142,21 @@ def test_leaving_takes_only_ones_own_subscriptions_away() -> None:
     publisher = staying.publisher("/imu", ImuSensorInformation, Qos())
     seen: list[bytes] = []
     staying.subscribe("/imu", ImuSensorInformation, Qos(), seen.extend)
+    staying.subscribe("/imu", ImuSensorInformation, Qos(), seen.extend).close()
     with leaving:
         leaving.subscribe("/imu", ImuSensorInformation, Qos(), seen.extend)
         publisher.publish([b"both"])
     publisher.publish([b"one"])
     assert seen == [b"both", b"both", b"one"]
+
+
+def test_topics_in_memory_have_types() -> None:
+    """A topic is listed while it has a publisher."""
+    graph = Graph()
+    with MemoryMiddleware(graph) as node:
+        node.publisher("/imu", ImuSensorInformation, Qos())
+        assert MemoryMiddleware(graph).topics() == {"/imu": "comms/msg/ImuSensorInformation"}
+    assert MemoryMiddleware(graph).topics() == {}
 
 
 # --- rclpy ------------------------------------------------------------------------------------------------------
@@ -263,9 +273,19 @@ class _Ros:
 
     def create_subscription(
         self, msg_type: Any, topic: str, callback: Any, qos_profile: Any, *, raw: bool = False
-    ) -> None:
+    ) -> str:
         self.calls.append(("create_subscription", msg_type, topic, qos_profile, raw))
         self.subscriptions[topic] = callback
+        return topic
+
+    def destroy_subscription(self, subscription: Any) -> None:
+        del self.subscriptions[subscription]
+
+    def count_publishers(self, topic: str) -> int:
+        return len(self.get_publishers_info_by_topic(topic))
+
+    def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
+        return [("/cmd", ["comms/msg/Command"]), ("/imu", ["comms/msg/Imu"])]
 
     def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[Any]:
         return [self.endpoint] if topic_name == "/cmd" else []
@@ -391,6 +411,18 @@ def test_rclpy_lists_the_endpoints_of_a_topic(ros: _Ros) -> None:
     assert middleware.endpoints("/cmd", True) == [Endpoint("/joystick", Qos("best_effort"))]
     ros.endpoint = _graph_endpoint("_NODE_NAME_UNKNOWN_", "RELIABLE", deadline=1, lease=1)
     assert middleware.endpoints("/imu", False) == [Endpoint("", Qos(), ("deadline", "liveliness"))]
+
+
+def test_rclpy_lists_the_topics_that_have_publishers(ros: _Ros) -> None:
+    """Each with its type; a topic that has subscriptions only is not listed."""
+    assert open_middleware("rclpy", _NODE).topics() == {"/cmd": "comms/msg/Command"}
+
+
+def test_a_subscription_of_rclpy_can_end(ros: _Ros) -> None:
+    """Its callback is not called any more."""
+    subscription = open_middleware("rclpy", _NODE).subscribe("/imu_data", ImuSensorInformation, Qos(), lambda _: None)
+    subscription.close()
+    assert ros.subscriptions == {}
 
 
 def test_rclpy_spins_while_it_is_entered(ros: _Ros) -> None:

@@ -275,7 +275,7 @@ def test_the_defaults_are_those_of_the_contract(registry: Registry) -> None:
 
 
 def test_given_parameters_are_taken(registry: Registry) -> None:
-    """Each parameter that is given replaces its default; `use_sim_time`, which every node has, changes nothing."""
+    """Each parameter that is given replaces its default; those that every node has change nothing."""
     given = {
         "listen_port": 0,
         "listen_address": "127.0.0.1",
@@ -288,7 +288,7 @@ def test_given_parameters_are_taken(registry: Registry) -> None:
         "receive_buffer": 1,
     }
     assert set(given) == set(parameters.defaults(registry))
-    read = parameters.read(registry, {**given, "use_sim_time": True})
+    read = parameters.read(registry, {**given, "use_sim_time": True, "start_type_description_service": True})
     assert [address.port for address in read.addresses.values()] == [1, 65_535]
     for name, value in given.items():
         assert name in ("dst_a_port", "dst_b_port") or getattr(read, name) == value

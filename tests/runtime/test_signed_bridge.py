@@ -39,6 +39,7 @@ LOGGER = logging.getLogger("test_signed_bridge")
 ALL_SIGN = {peer.name: {"must_sign": True} for peer in REGISTRY.peers}
 COMMAND = REGISTRY.by_name["control_mode"]  # of the basestation
 SENSOR = REGISTRY.by_name["ph_info"]  # of the hardware; it is forwarded to the basestation
+PROGRESS = REGISTRY.by_name["drive_progress"]  # of a board of the hardware
 MOTOR = REGISTRY.by_name["drive_motor"]  # to the hardware
 
 
@@ -213,6 +214,27 @@ def test_a_client_with_the_key_file_signs_and_verifies(tmp_path: Path) -> None:
         wait_until(lambda: peer.arrived() == [] and peer.traffic.dropped == {"unsigned": 1}, "the stranger's datagram")
 
 
+@pytest.mark.parametrize("owner", ["DrivingBoard", "hardware"])
+def test_a_client_that_is_a_board_signs_with_its_key_or_with_that_of_its_peer(tmp_path: Path, owner: str) -> None:
+    """The bridge finds a valid signature, whichever of the two keys the board has."""
+    registry, file = signing({"hardware": {"must_sign": True}}), tmp_path / "one.keys"
+    make_key_file(file, owner, datetime.now(timezone.utc))
+    verifier = SignedLinks(NUMBER, [file], LOGGER).verifier
+    with _socket() as bridge:
+        options: dict[str, Any] = {"registry": registry, "port": bridge.getsockname()[1], "local_port": 0}
+        with BlockingPeer.open("hardware", board="DrivingBoard", key_files=[file], **options) as board:
+            board.send(payload_at(PROGRESS.payload_type, 1.0))
+            verifier.verify(bridge.recv(65_536), {"hardware", "DrivingBoard"})
+
+
+def test_the_key_of_another_board_is_no_help(tmp_path: Path) -> None:
+    """A board without a key of its own, or of its peer, ends before it sends anything."""
+    registry, file = signing({"hardware": {"must_sign": True}}), tmp_path / "one.keys"
+    make_key_file(file, "DrivingBoard", datetime.now(timezone.utc))
+    with pytest.raises(SetupError, match="no key with which ArmBoard of hardware signs"):
+        BlockingPeer.open("hardware", board="ArmBoard", registry=registry, key_files=[file])
+
+
 def _free_port() -> int:
     with _socket() as sock:
         port: int = sock.getsockname()[1]
@@ -322,6 +344,18 @@ def test_a_missing_key_is_an_error_at_the_start() -> None:
         SetupError, match=r"datagrams of .*'basestation' must be signed .*roverlink link keygen basestation"
     ):
         Bridge(signing({"basestation": {"must_sign": True}}), settings, MemoryMiddleware(Graph()), str, LOGGER)
+
+
+def test_boards_at_one_address_need_a_key_of_their_peer_for_link_messages(tmp_path: Path) -> None:
+    """Each board has a key, but the bridge's link messages go to all of them: unsigned ones would be sent."""
+    registry = signing({"hardware": {"must_sign": True}}, linked_registry())
+    files = [tmp_path / f"{board}.keys" for board in ("Arm", "Drive")]
+    for file in files:
+        make_key_file(file, file.stem, datetime.now(timezone.utc))
+    links = open_links(registry, files, LOGGER)
+    settings = parameters.read(registry, {"listen_port": 0})
+    with pytest.raises(SetupError, match=r"datagrams of 'hardware' must be signed .*roverlink link keygen hardware"):
+        Bridge(registry, settings, MemoryMiddleware(Graph()), lambda topic: f"/{topic}", LOGGER, links=links)
 
 
 def test_a_key_file_without_signing_is_an_error(tmp_path: Path) -> None:

@@ -13,11 +13,14 @@ from roverlink.vision import CameraParameters
 
 MATRIX = np.array([[1163.3, 0, 941.6], [0, 1168.5, 618.5], [0, 0, 1.0]])
 ROVER = (0.100096, -0.256227, 0.00111085, 0.000269882, 0.203651)
+RATIONAL = (0.3, 0.1, 1e-3, -2e-3, 0.02, 0.4, 0.15, 0.03)
 CAMERAS = {
     "pinhole": CameraParameters(MATRIX, np.array([]), (1920, 1200)),
     "4 coefficients": CameraParameters(MATRIX, np.array([0.1, -0.2, 0.001, -0.002]), (1920, 1200)),
     "rover": CameraParameters(MATRIX, np.array(ROVER), (1920, 1200)),
-    "rational": CameraParameters(MATRIX, np.array([0.3, 0.1, 1e-3, -2e-3, 0.02, 0.4, 0.15, 0.03]), (1920, 1200)),
+    "rational": CameraParameters(MATRIX, np.array(RATIONAL), (1920, 1200)),
+    "thin prism": CameraParameters(MATRIX, np.array([*RATIONAL, 0.01, -0.004, -0.008, 0.003]), (1920, 1200)),
+    "tilt": CameraParameters(MATRIX, np.array([*RATIONAL, 0.01, -0.004, -0.008, 0.003, 0.05, -0.08]), (1920, 1200)),
     "fisheye": CameraParameters(MATRIX, np.array([0.1, -0.02, 0.01, -0.002]), (1920, 1200), fisheye=True),
 }
 rays = st.tuples(st.floats(-0.6, 0.6), st.floats(-0.5, 0.5)).map(np.array)
@@ -44,6 +47,18 @@ def test_undistorting_takes_distorting_back(kind: str, ray: np.ndarray) -> None:
     """A pixel's ray meets that pixel."""
     camera = CAMERAS[kind]
     assert camera.undistort(camera.distort(ray)) == pytest.approx(ray, abs=1e-9)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.sampled_from([kind for kind, camera in CAMERAS.items() if not camera.fisheye]), rays)
+def test_undistorting_is_that_of_opencv(kind: str, ray: np.ndarray) -> None:
+    """OpenCV finds the same ray for a pixel, where its iteration is let run to the end."""
+    camera = CAMERAS[kind]
+    pixel = camera.distort(ray)
+    criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 500, 1e-13)
+    undistort = getattr(cv2, "undistortPointsIter", cv2.undistortPoints)  # OpenCV 4 has its own function for criteria
+    expected = undistort(pixel.reshape(1, 1, 2), MATRIX, camera.distortion, R=np.eye(3), P=np.eye(3), criteria=criteria)
+    assert camera.undistort(pixel) == pytest.approx(expected.ravel(), abs=1e-7)
 
 
 @settings(deadline=None, max_examples=40)

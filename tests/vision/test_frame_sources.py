@@ -95,7 +95,7 @@ def test_what_is_no_recording_is_told(tmp_path: Path, name: str, contents: bytes
     [
         ("film.mp4", "no file or folder 'film.mp4'"),
         ("frames/run1", "no file or folder 'frames/run1'"),
-        ("", "the number of a camera or a URL"),
+        ("", "the number of a camera, a URL .*, or topic:NAME"),
         ("ftp://rover/film", "unknown scheme 'ftp'"),
         ("http://[::", "http://\\[::: not a valid URL: Invalid IPv6"),
         ("99", "cannot open camera 99"),

@@ -94,17 +94,28 @@ def test_the_file_is_the_same_whichever_opencv_is_installed(tmp_path: Path) -> N
     assert path.read_text() == WRITTEN
 
 
-def test_what_opencv_writes_is_read(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["camera.yml", "camera.xml"])
+def test_what_opencv_writes_is_read(tmp_path: Path, name: str) -> None:
     """Files of whichever version is installed, whose first line differs."""
-    path = tmp_path / "camera.yml"
+    path = tmp_path / name
     file = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
     file.write("camera_matrix", MATRIX)
     file.write("distortion_coefficients", np.array(ROVER)[:, None])
+    file.write("image_width", 1920)
+    file.write("image_height", 1200)
+    file.write("distortion_model", "plumb_bob")
+    file.write("calibration_time", "Sat 22 Nov")
+    file.startWriteStruct("views", cv2.FileNode_SEQ)
+    for number in range(2):
+        file.startWriteStruct("", cv2.FileNode_MAP)
+        file.write("number", number)
+        file.endWriteStruct()
+    file.endWriteStruct()
     file.release()
     camera = read_parameters(path)
     assert (camera.matrix == MATRIX).all()
     assert (camera.distortion == ROVER).all()
-    assert camera.size is None
+    assert camera.size == (1920, 1200)
 
 
 @pytest.mark.parametrize(("text", "size"), [(OLD, None), (ROS, (1920, 1200))])
@@ -116,6 +127,31 @@ def test_files_of_others_are_read(tmp_path: Path, text: str, size: tuple[int, in
     assert (camera.matrix == MATRIX).all()
     assert (camera.distortion == ROVER).all()
     assert camera.size == size
+
+
+@pytest.mark.parametrize(
+    ("model", "coefficients", "as_here"),
+    [
+        ("radtan", "0.1, -0.2, 0.001, 0.002", "plumb_bob"),
+        ("plumb_bob", "", "plumb_bob"),
+        ("none", "", "plumb_bob"),
+        ('""', "0, 0, 0, 0, 0", "plumb_bob"),
+        ("rational_polynomial", ", ".join(["0.01"] * 12), "rational_polynomial"),
+        ("rational_polynomial", ", ".join(["0.01"] * 14), "rational_polynomial"),
+        ("fisheye", "0.1, -0.02, 0.01, -0.002", "equidistant"),
+        ("kannala_brandt", "0.1, -0.02, 0.01, -0.002", "equidistant"),
+    ],
+)
+def test_models_have_the_names_that_others_use(tmp_path: Path, model: str, coefficients: str, as_here: str) -> None:
+    """Those of ROS, OpenCV and Kalibr; drivers leave out the coefficients or the name where nothing is distorted."""
+    path = tmp_path / "camera.yml"
+    numbers = [float(one) for one in coefficients.split(",") if one]
+    start = ROS[: ROS.index("distortion_model")]
+    coefficients = f"distortion_coefficients: {{rows: 1, cols: {len(numbers)}, data: [{coefficients}]}}\n"
+    path.write_text(f"{start}distortion_model: {model}\n{coefficients}")
+    camera = read_parameters(path)
+    assert camera.distortion.tolist() == numbers
+    assert model_name(camera) == as_here
 
 
 def test_a_camera_without_distortion_is_written_as_zeros(tmp_path: Path) -> None:
@@ -155,6 +191,7 @@ def test_a_camera_without_distortion_is_written_as_zeros(tmp_path: Path) -> None
         ),
         ("   dt: d\n", "   dt: d\n   dt: f\n", r"yml:7:4: the key dt occurs twice"),
         ("distortion_coef", "distortion_model: fishy\ndistortion_coef", r"yml:9:19: unknown distortion model 'fishy'"),
+        ("distortion_coef", "distortion_model: none\ndistortion_coef", r"yml:9:19: .* is none, but there are coeff"),
         (
             "distortion_coef",
             "distortion_model: equidistant\ndistortion_coef",
@@ -169,6 +206,45 @@ def test_mistakes_are_told_with_their_place(tmp_path: Path, old: str, new: str, 
     with pytest.raises(SetupError, match=words) as raised:
         read_parameters(path)
     assert str(raised.value).count(str(path)) == 1
+
+
+XML = """<?xml version="1.0"?>
+<opencv_storage>
+<camera_matrix type_id="opencv-matrix">
+  <rows>3</rows>
+  <cols>3</cols>
+  <dt>d</dt>
+  <data>
+    1163.311 0. 941.628 0. 1168.458
+    618.535 0. 0. 1.</data></camera_matrix>
+<distortion_coefficients type_id="opencv-matrix">
+  <rows>1</rows> <cols>5</cols> <dt>d</dt> <data>0.1 -0.2 0.001 0.0002 0.2</data>
+</distortion_coefficients>
+</opencv_storage>
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("618.535 0.", "618.535 zero", r"xml:9:13: a number of camera_matrix is zero"),
+        ("<rows>3", "<rows>2", r"xml:7:3: camera_matrix is 2x3, but has 9 numbers"),
+        ("camera_matrix type", "camera_matrx type", r"xml:9:30: not valid XML: mismatched tag"),
+        ("<?xml", "<!DOCTYPE x [<!ENTITY a 'b'>]>\n<?xml", r"xml:1:\d+: the file has a document type"),
+        ("opencv_storage", "calibration", r"xml:2:1: the file is <calibration>, and no FileStorage"),
+        ("<rows>1</rows>", "<rows>1</rows> <rows>2</rows>", r"xml:11:18: the key rows occurs twice"),
+        (XML, "<opencv_storage></opencv_storage>", r"no camera parameters found"),
+        (XML, "<a", r"xml:1:\d+: not valid XML: unclosed token"),
+    ],
+)
+def test_mistakes_in_xml_are_told_with_their_place(tmp_path: Path, old: str, new: str, words: str) -> None:
+    """The file, the line and the column, as for YAML."""
+    path = tmp_path / "camera.xml"
+    path.write_text(XML)
+    assert read_parameters(path).matrix == pytest.approx(MATRIX)
+    path.write_text(XML.replace(old, new))
+    with pytest.raises(SetupError, match=words):
+        read_parameters(path)
 
 
 def test_missing_parameters_say_how_to_make_them(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ y) in which it meets the plane z = 1. Integer pixel coordinates are the centres 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +17,8 @@ from roverlink.runtime.core.errors import SetupError
 
 Floats = NDArray[np.floating[Any]]
 
-_MODELS = {0: "no distortion", 4: "k1 k2 p1 p2", 5: "k1 k2 p1 p2 k3", 8: "k1 k2 p1 p2 k3 k4 k5 k6"}
+_NAMES = ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tx", "ty"]
+_MODELS = {0: "no distortion"} | {count: " ".join(_NAMES[:count]) for count in (4, 5, 8, 12, 14)}
 _FISHEYE = 4
 _NEWTON_STEPS = 20
 _CONVERGED = 1e-10  # in the plane z = 1; less than a millionth of a pixel
@@ -26,9 +28,9 @@ _CONVERGED = 1e-10  # in the plane z = 1; less than a millionth of a pixel
 class CameraParameters:
     """Intrinsic parameters of a camera; the methods convert rays to pixels and back.
 
-    `matrix` is the 3x3 camera matrix in pixels. `distortion` has 0, 4, 5 or 8 coefficients in OpenCV's order, or the 4
-    of OpenCV's fisheye model if `fisheye` is true. `size` is (width, height) of the images of the calibration, if
-    known. Raises `SetupError` for impossible values.
+    `matrix` is the 3x3 camera matrix in pixels. `distortion` has 0, 4, 5, 8, 12 or 14 coefficients in OpenCV's order,
+    or the 4 of OpenCV's fisheye model if `fisheye` is true. `size` is (width, height) of the images of the calibration,
+    if known. Raises `SetupError` for impossible values.
     """
 
     matrix: Floats
@@ -132,10 +134,10 @@ def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
     """Return the distorted rays (..., 2) by OpenCV's rational model, and their derivative (..., 2, 2).
 
     The derivative is with respect to the rays. The model is a quotient of polynomials in r^2 = x^2 + y^2, with
-    tangential distortion by Brown and Conrady.
+    tangential distortion by Brown and Conrady, thin prism distortion (s1 to s4), and a sensor that is tilted (tx, ty).
     """
     given: list[float] = coefficients.tolist()
-    k1, k2, p1, p2, k3, k4, k5, k6 = given + [0.0] * (8 - len(given))
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tx, ty = given + [0.0] * (len(_NAMES) - len(given))
     x, y = rays[..., 0], rays[..., 1]
     xx, yy, xy = x * x, y * y, x * y
     r2 = xx + yy
@@ -152,7 +154,33 @@ def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
     slope[..., 0, 0] = radial + xx * growth + 2 * p1 * y + 6 * p2 * x
     slope[..., 1, 1] = radial + yy * growth + 6 * p1 * y + 2 * p2 * x
     slope[..., 0, 1] = slope[..., 1, 0] = xy * growth + 2 * p1 * x + 2 * p2 * y
-    return bent, slope
+    if s1 or s2 or s3 or s4:
+        linear, square = np.array([s1, s3]), np.array([s2, s4])
+        r2 = r2[..., None]
+        bent += r2 * (linear + r2 * square)
+        slope += (2 * (linear + 2 * r2 * square))[..., None] * rays[..., None, :]
+    return _tilt(bent, slope, tx, ty) if tx or ty else (bent, slope)
+
+
+def _tilt(bent: Floats, slope: Floats, tx: float, ty: float) -> tuple[Floats, Floats]:
+    """Return distorted rays (..., 2) and their derivative (..., 2, 2), projected onto a tilted image sensor.
+
+    The sensor is turned by `tx` about its x axis and then by `ty` about its y axis, in radians, as in OpenCV.
+    """
+    sin_x, cos_x, sin_y, cos_y = math.sin(tx), math.cos(tx), math.sin(ty), math.cos(ty)
+    turn = np.array(
+        [
+            [cos_y, sin_y * sin_x, -sin_y * cos_x],
+            [0, cos_x, sin_x],
+            [sin_y, -cos_y * sin_x, cos_y * cos_x],
+        ]
+    )
+    # Along the optical axis onto the plane z = 1 again, with the centre of the image where it was.
+    onto = np.array([[turn[2, 2], 0, -turn[0, 2]], [0, turn[2, 2], -turn[1, 2]], [0, 0, 1]]) @ turn
+    above, below = bent @ onto[:2, :2].T + onto[:2, 2], bent @ onto[2, :2] + onto[2, 2]
+    tilted = above / below[..., None]
+    by_bent = (onto[:2, :2] - tilted[..., None] * onto[2, :2]) / below[..., None, None]
+    return tilted, by_bent @ slope
 
 
 def _bend_fisheye(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:

@@ -16,10 +16,10 @@
        dt: d
        data: [ 0.100096, -0.256227, 0.00111085, 0.000269882, 0.203651 ]
 
-Only `camera_matrix` and `distortion_coefficients` are required; unknown keys are ignored. Image size and distortion
-model have the keys of ROS's `camera_calibration`, so its files can be read as well. The text is parsed as YAML and not
-by OpenCV, because errors then have a line number. It is not written by OpenCV either, because 5.0 writes another first
-line than 4.x.
+The XML of OpenCV's FileStorage is read as well. Only `camera_matrix` and `distortion_coefficients` are required;
+unknown keys are ignored. Image size and distortion model have the keys of ROS's `camera_calibration`, so its files can
+be read as well. The text is parsed as YAML and not by OpenCV, because errors then have a line number. It is not written
+by OpenCV either, because 5.0 writes another first line than 4.x.
 """
 
 from __future__ import annotations
@@ -33,12 +33,16 @@ import numpy as np
 from roverlink.runtime.atomic_files import write_whole
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
-from roverlink.vision.yaml_file import LARGEST, Item, parse
+from roverlink.vision.camera.file_storage_xml import compose_xml
+from roverlink.vision.yaml_file import LARGEST, Item, parse, parse_with
 
 PLUMB_BOB, RATIONAL, EQUIDISTANT = "plumb_bob", "rational_polynomial", "equidistant"
 """Names of the distortion models in ROS (sensor_msgs/distortion_models.hpp)."""
-_MODELS = {PLUMB_BOB: (4, 5), RATIONAL: (8,), EQUIDISTANT: (4,)}
+_MODELS = {PLUMB_BOB: (4, 5), RATIONAL: (8, 12, 14), EQUIDISTANT: (4,)}
 """Allowed numbers of distortion coefficients of each model."""
+_OTHER_NAMES = {"radtan": PLUMB_BOB, "fisheye": EQUIDISTANT, "kannala_brandt": EQUIDISTANT}
+"""Names of the same models in Kalibr (radtan), OpenCV (fisheye) and camera drivers."""
+_UNDISTORTED = ("none", "")
 
 _LINE = 120  # columns; OpenCV before 4.5.4 rejects lines longer than 4096
 _TAG = "!!opencv-matrix"
@@ -70,7 +74,7 @@ def read_parameters(path: Path) -> CameraParameters:
         raise SetupError(f"{path}: cannot read the file: {error}") from error
     entries = _Entries(path, text)
     matrix, distortion = entries.matrix("camera_matrix"), entries.matrix("distortion_coefficients")
-    size, fisheye = entries.size(), entries.model(distortion.size) == EQUIDISTANT
+    size, fisheye = entries.size(), entries.model(distortion) == EQUIDISTANT
     try:
         return CameraParameters(matrix, distortion, size, fisheye)
     except SetupError as error:
@@ -126,9 +130,11 @@ class _Entries:
 
     def __init__(self, path: Path, text: str) -> None:
         self._path = path
-        if text.startswith("%YAML"):  # "%YAML:1.0" is not valid YAML; as a comment it keeps the line numbers
-            text = "#" + text
-        whole = parse(path, text)
+        if text.lstrip("\ufeff \t\r\n").startswith("<"):
+            whole = parse_with(compose_xml, path, text)
+        else:
+            # "%YAML:1.0" is not valid YAML; as a comment it keeps the line numbers.
+            whole = parse(path, "#" + text if text.startswith("%YAML") else text)
         self._items = whole.entries() if whole.is_mapping else {}
         if not self._items:
             raise SetupError(f"{path}: no camera parameters found; the file needs keys such as camera_matrix")
@@ -142,7 +148,7 @@ class _Entries:
         data = parts["data"].items(f"a number of {key}") if {"rows", "cols", "data"} <= parts.keys() else None
         if data is None:
             raise item.error(f"{key} is not a matrix with rows, cols and data")
-        rows, columns = (_whole(parts[name], name) for name in ("rows", "cols"))
+        rows, columns = (_whole(parts[name], name, least=0) for name in ("rows", "cols"))
         numbers = [_number(number) for number in data]
         if len(numbers) != rows * columns:
             raise parts["data"].error(f"{key} is {rows}x{columns}, but has {len(numbers)} numbers")
@@ -161,26 +167,35 @@ class _Entries:
         width, height = (_whole(self._items[key], key) for key in keys)
         return width, height
 
-    def model(self, coefficients: int) -> str:
+    def model(self, distortion: Floats) -> str:
         """Return the distortion model that the file names. Without a name, the number of coefficients decides."""
         item = self._items.get("distortion_model")
         if item is None:
-            return RATIONAL if coefficients in _MODELS[RATIONAL] else PLUMB_BOB
+            return RATIONAL if distortion.size in _MODELS[RATIONAL] else PLUMB_BOB
         name = item.text or ""
-        if name not in _MODELS:
-            raise item.error(f"unknown distortion model {name!r}; {nearest(name, _MODELS)}")
-        if coefficients not in _MODELS[name]:
-            wanted = " or ".join(map(str, _MODELS[name]))
+        if name in _UNDISTORTED:
+            if distortion.any():
+                raise item.error(
+                    f"the distortion model is {item.shown}, but there are coefficients that are not 0; "
+                    f"name their model, such as {PLUMB_BOB}"
+                )
+            return PLUMB_BOB
+        model = _OTHER_NAMES.get(name, name)
+        if model not in _MODELS:
+            raise item.error(f"unknown distortion model {name!r}; {nearest(name, [*_MODELS, *_OTHER_NAMES, 'none'])}")
+        # ROS writes no coefficients at all for a pinhole camera without distortion.
+        if distortion.size not in _MODELS[model] and (distortion.size or model == EQUIDISTANT):
+            wanted = " or ".join(map(str, _MODELS[model]))
             raise item.error(
-                f"the distortion model {name!r} needs {wanted} coefficients, but the file has {coefficients}"
+                f"the distortion model {name!r} needs {wanted} coefficients, but the file has {distortion.size}"
             )
-        return name
+        return model
 
 
-def _whole(item: Item, what: str) -> int:
+def _whole(item: Item, what: str, least: int = 1) -> int:
     number = item.value
-    if isinstance(number, bool) or not isinstance(number, int) or number <= 0:
-        raise item.error(f"{what} is {item.shown}; it must be a whole number above 0")
+    if isinstance(number, bool) or not isinstance(number, int) or number < least:
+        raise item.error(f"{what} is {item.shown}; it must be a whole number, at least {least}")
     return number
 
 

@@ -28,7 +28,8 @@ class View:
     def as_dict(self) -> dict[str, Any]:
         """Return the results as JSON values: metres, pixels, quaternions x y z w, covariances row by row."""
         markers = [_sighting(one) for one in self.sightings]
-        found = {"stamp": self.frame.stamp, "frame": self.frame.number, "markers": markers}
+        frame = {"stamp": self.frame.stamp, "frame": self.frame.number, "frame_id": self.frame.frame_id}
+        found = {**frame, "markers": markers}
         return {**found, "camera": _place(self.place)} if self.place else found
 
 

@@ -1,4 +1,4 @@
-"""Sources of frames: a camera, a network stream, a video file, or a folder of images.
+"""Sources of frames: a camera, a network stream, a ROS 2 topic, a video file, or a folder of images.
 
     with open_source("192.168.0.7:8080", say=print) as source:
         for frame in source:
@@ -6,11 +6,26 @@
 
 The frames of a recorded source end; their stamps count from the start of the recording. The frames of a `live` source
 continue until the source is closed; a stamp is the time at which the frame was taken.
+
+`TopicSets` reads several topics together, such as colour, depth and the camera's parameters, synchronized by their
+stamps.
 """
 
 from roverlink.vision.frames.frame import RATE, Frame, FrameSource
 from roverlink.vision.frames.open_source import open_source
 from roverlink.vision.frames.playing import play
 from roverlink.vision.frames.recorded import ImageFiles
+from roverlink.vision.frames.topic_sets import TopicMessage, TopicSets
+from roverlink.vision.frames.topic_source import TopicSource
 
-__all__ = ["RATE", "Frame", "FrameSource", "ImageFiles", "open_source", "play"]
+__all__ = [
+    "RATE",
+    "Frame",
+    "FrameSource",
+    "ImageFiles",
+    "TopicMessage",
+    "TopicSets",
+    "TopicSource",
+    "open_source",
+    "play",
+]

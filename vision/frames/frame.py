@@ -19,11 +19,13 @@ class Frame:
     """Image of a camera, with its time and its number."""
 
     image: Image
-    """BGR image (H, W, 3), 8 bits."""
+    """BGR image (H, W, 3) or grey image (H, W), 8 bits. It may be read-only."""
     stamp: int
     """Time of the frame in nanoseconds: since 1970 for a live source, otherwise since the start of the recording."""
     number: int
     """Number of the frame at the source, from 0; a step above 1 means that frames were skipped."""
+    frame_id: str = ""
+    """Name of the camera's coordinate frame; empty if the source does not know it."""
 
     @property
     def size(self) -> tuple[int, int]:

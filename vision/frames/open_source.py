@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import urlsplit, urlunsplit
 
@@ -12,6 +13,8 @@ from roverlink.vision.frames.live import Say, open_camera, open_stream
 from roverlink.vision.frames.recorded import IMAGES, VIDEOS, ImageFiles, VideoFile
 
 SCHEMES = ("http", "https", "rtsp")
+TOPIC = "topic:"
+"""Start of the text that names a ROS 2 topic."""
 _WEBCAM = "/video"
 """Path of the stream of the phone app IP Webcam; users often give the address of its web page instead."""
 _DEVICE = re.compile(r"/dev/video(\d+)")
@@ -19,16 +22,24 @@ _HOST = re.compile(r"(localhost|[\w-]+(\.[\w-]+)+|[\w-]+(?=:)|\[[0-9A-Fa-f:]+\])
 
 
 def open_source(
-    text: str, *, size: tuple[int, int] | None = None, rate: float = RATE, say: Say = lambda _: None
+    text: str,
+    *,
+    size: tuple[int, int] | None = None,
+    rate: float = RATE,
+    say: Say = lambda _: None,
+    open_topic: Callable[[str], FrameSource] | None = None,
 ) -> FrameSource:
-    """Open the source of frames that a text names: a camera's number, a device, a file, a folder of images, or a URL.
+    """Open the source of frames that a text names: a camera's number, a device, a file, a folder, a URL, or a topic.
 
-    Examples of the text: ``0``, ``/dev/video2``, ``drive.mp4``, ``rtsp://192.168.0.7/live``, ``192.168.0.7:8080``.
+    Examples of the text: ``0``, ``/dev/video2``, ``drive.mp4``, ``rtsp://192.168.0.7/live``, ``192.168.0.7:8080``,
+    ``topic:/camera/image_raw``. `open_topic` is called with the name of a topic.
     `size` (width, height) is requested from a camera. `rate` is the number of images a second for a folder. `say` is
     called with messages about a live source that stalls, ends or works again. Raises `SetupError` if the source cannot
     be opened.
     """
     text = text.strip()
+    if text.startswith(TOPIC) and open_topic is not None:
+        return open_topic(text.removeprefix(TOPIC))
     path = Path(text).expanduser()
     device = _DEVICE.fullmatch(str(path.resolve())) if text.startswith("/dev/") else None
     if device or text.isdecimal():
@@ -41,7 +52,8 @@ def open_source(
     if _HOST.fullmatch(text) and path.suffix.lower() not in IMAGES | VIDEOS:
         return open_stream(_urls(f"http://{text}"), say)
     raise SetupError(
-        f"no file or folder {text!r}; a source can also be the number of a camera or a URL ({', '.join(SCHEMES)})"
+        f"no file or folder {text!r}; a source can also be the number of a camera, a URL ({', '.join(SCHEMES)}), or "
+        f"{TOPIC}NAME"
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
 from roverlink.vision.field.localization import FieldPose
-from roverlink.vision.markers.detection import Image
+from roverlink.vision.markers.detection import Image, to_colour
 from roverlink.vision.markers.tracker import Sighting
 from roverlink.vision.opencv import cv2
 
@@ -27,11 +27,11 @@ _FONT = 0
 
 
 def draw(image: Image, camera: CameraParameters, sightings: Sequence[Sighting], place: FieldPose | None) -> Image:
-    """Return a copy of an image (H, W, 3) with the outline, axes, name and distance of each landmark drawn into it.
+    """Return a copy (H, W, 3) of an image with the outline, axes, name and distance of each landmark drawn into it.
 
     If `place` is given, the camera's position on the field is written into the image too.
     """
-    drawn: Image = image.copy()
+    drawn = to_colour(image)
     rejected = place.rejected if place else ()
     for one in sightings:
         _outline(drawn, one, REJECTED if one.id in rejected else SEEN)
@@ -43,6 +43,12 @@ def draw(image: Image, camera: CameraParameters, sightings: Sequence[Sighting], 
         text = f"{place.frame}: x {x:.2f}  y {y:.2f}  z {z:.2f} m, by {len(place.used)}"
         _write(drawn, text, (6 * _width(drawn), drawn.shape[0] - 8 * _width(drawn)))
     return drawn
+
+
+def write_above(image: Image, text: str) -> Image:
+    """Write a line of text into the upper left corner of an image (H, W, 3), and return the image."""
+    _write(image, text, (0, 0))
+    return image
 
 
 def _width(image: Image) -> int:

@@ -61,6 +61,12 @@ def to_grey(image: Image) -> Image:
     return np.ascontiguousarray(image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
 
 
+def to_colour(image: Image) -> Image:
+    """Convert an image, grey (H, W) or BGR (H, W, 3), to a BGR image (H, W, 3), which is a copy."""
+    colour: Image = image.copy() if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+    return colour
+
+
 class Detector:
     """Finds markers in images with OpenCV's detector, with different parameters for each kind of search."""
 

@@ -43,15 +43,17 @@ class Publishing:
         self,
         middleware: Middleware,
         camera: CameraParameters,
-        names: FrameNames,
+        marker_frame: str,
         topic: Callable[[str], str],
         say: Callable[[str], None] = lambda _: None,
     ) -> None:
         """Create the publishers; `topic` returns the fully qualified name of a topic.
 
+        `marker_frame` is the start of the name of a landmark's coordinate frame, as in `FrameNames`.
         `say` is called with a message if a topic cannot be published, for instance if rclpy lacks the message type.
         """
-        self._middleware, self._camera, self._names, self._topic, self._say = middleware, camera, names, topic, say
+        self._middleware, self._camera, self._topic, self._say = middleware, camera, topic, say
+        self._marker_frame = marker_frame
         self._transforms = self._open("/tf", tf2_msgs.TFMessage, _TRANSFORMS)
         self._detections = self._open("aruco/detections", vision_msgs.Detection3DArray)
         self._camera_info = self._open("aruco/camera_info", sensor_msgs.CameraInfo, _LATEST)
@@ -61,7 +63,8 @@ class Publishing:
 
     def publish(self, view: View) -> None:
         """Publish the results of a frame on all topics. If the frame has no landmarks, nothing is published on /tf."""
-        names, stamp, sightings = self._names, view.frame.stamp, view.sightings
+        stamp, sightings = view.frame.stamp, view.sightings
+        names = FrameNames(view.frame.frame_id, self._marker_frame)
         if sightings:
             self._transforms.put(lambda: sighting_messages.transforms_of(sightings, names))
         for one in sightings:

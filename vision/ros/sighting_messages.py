@@ -32,8 +32,8 @@ _QUALITY = 80  # of JPEG
 class FrameNames:
     """Names of the coordinate frames in the messages."""
 
-    camera: str = "camera_frame"
-    marker: str = "aruco_"
+    camera: str
+    marker: str
     """Prefix of a marker's number or a board's name."""
 
     def of(self, target: TargetId) -> str:

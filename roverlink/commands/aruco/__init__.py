@@ -17,7 +17,7 @@ def add(commands: Subparsers) -> None:
         "track ArUco markers, calibrate cameras, print boards",
         "roverlink aruco track 0",
         "Camera commands: track ArUco markers, calibrate a camera, print boards and markers.\n"
-        "They need OpenCV: pip install 'opencv-contrib-python-headless>=4.11'.",
+        "They need OpenCV: pip install 'opencv-contrib-python-headless>=4.8'.",
     )
     subcommands = parser.add_subparsers(required=True, metavar="command")
     for name in _COMMANDS:

@@ -7,7 +7,10 @@ from pathlib import Path
 
 from roverlink.aruco.board_options import add_board
 from roverlink.aruco.camera_source import PARAMETERS, add_source
-from roverlink.console import Subparsers, command, count, port
+from roverlink.console import Subparsers, add_middleware, command, count, port
+from roverlink.runtime.ros_arguments import ros_args
+
+NODE = "camera_calibration"
 
 _MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
 
@@ -23,7 +26,9 @@ def add(commands: Subparsers) -> None:
         "its squares. Hold the board before the camera at different places and angles. The command takes useful\n"
         "images (views) from a camera, a stream or a video, until the views cover the whole image or you press\n"
         "Ctrl-C. From a folder, it takes every image. Exit code 1: the views are not sufficient to calibrate, or\n"
-        "the parameters must not be used; then they are written to another file, with .rejected in its name.",
+        "the parameters must not be used; then they are written to another file, with .rejected in its name.\n"
+        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
+        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME.",
     )
     add_source(parser)
     add_board(parser)
@@ -70,11 +75,12 @@ def add(commands: Subparsers) -> None:
         metavar="ADDRESS",
         help="with --page: IPv4 address of the page (default: %(default)s, which only this computer can reach)",
     )
-    parser.set_defaults(run=run)
+    add_middleware(parser)
+    parser.set_defaults(run=run, takes_ros_args=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Calibrate the camera. The exit code is 1 if the views do not determine its parameters well enough."""
     from roverlink.aruco.calibration import calibrate  # only here, so that the help needs no OpenCV
 
-    return calibrate(arguments)
+    return calibrate(arguments, ros_args.parse(arguments.ros_args, NODE))

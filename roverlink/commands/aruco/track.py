@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from roverlink.aruco.board_options import metres
-from roverlink.aruco.camera_source import PARAMETERS, add_source
+from roverlink.aruco.camera_source import CAMERA_FRAME, PARAMETERS, add_source
 from roverlink.console import MIDDLEWARES_HELP, Subparsers, add_project, command, count, node_logger
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import NAMES
@@ -44,9 +44,15 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--parameters",
         type=Path,
-        default=PARAMETERS,
         metavar="FILE",
-        help="file with the camera parameters, made by `roverlink aruco calibrate` (default: %(default)s)",
+        help="file with the camera parameters, made by `roverlink aruco calibrate` (default: the camera info beside a "
+        f"ROS 2 topic; for other sources, {PARAMETERS})",
+    )
+    parser.add_argument(
+        "--camera-info",
+        metavar="TOPIC",
+        help="with a ROS 2 topic as source: topic with the camera parameters (default: camera_info in the namespace of "
+        "the source)",
     )
     parser.add_argument(
         "--rescale",
@@ -55,9 +61,9 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--camera-frame",
-        default="camera_frame",
         metavar="NAME",
-        help="name of the camera's coordinate frame on /tf (default: %(default)s)",
+        help="name of the camera's coordinate frame in all results (default: the frame of the images of a ROS 2 topic; "
+        f"for other sources, {CAMERA_FRAME})",
     )
 
 

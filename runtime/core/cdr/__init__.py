@@ -56,17 +56,19 @@ def template(message: Message, varying: Sequence[str]) -> Template:
     return template_of(encode(message), message, varying)
 
 
-def decode(message_type: type[M], data: bytes) -> M:
+def decode(message_type: type[M], data: bytes, views: bool = False) -> M:
     """Parse a serialized message; bytes after its end are ignored.
 
-    Raises `ConversionError` if the data is too short, is not plain CDR, or has a string that is not UTF-8.
+    With ``views``, the value of a ``uint8[]`` field is a memoryview of ``data`` in place of a ``bytes`` object, so the
+    pixels of an image are not copied. Raises `ConversionError` if the data is too short, is not plain CDR, or has a
+    string that is not UTF-8.
     """
     # Padding may follow: rmw_fastrtps may append a slack byte, and DDS pads samples to whole words.
     order = _BYTE_ORDERS.get(bytes(data[:2]))
     if order is None or len(data) < len(LITTLE_ENDIAN):
         raise ConversionError(f"not plain CDR (header 00 01 or 00 00): it starts with {bytes(data[:4]).hex(' ')!r}")
     try:
-        return _codec(message_type, order).decode(data)
+        return _codec(message_type, order, views).decode(data)
     except struct.error as error:
         raise ConversionError(f"{len(data)} bytes are too short for {message_type.__msgtype__}") from error
     except UnicodeDecodeError as error:
@@ -74,6 +76,6 @@ def decode(message_type: type[M], data: bytes) -> M:
 
 
 @cached_by_type
-def _codec(message_type: type[M], order: str) -> Codec[M]:
+def _codec(message_type: type[M], order: str, views: bool = False) -> Codec[M]:
     leaves = leaves_of(message_type)
-    return variable_codec(message_type, order) if leaves is None else fixed_codec(message_type, order, leaves)
+    return variable_codec(message_type, order, views) if leaves is None else fixed_codec(message_type, order, leaves)

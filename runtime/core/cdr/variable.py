@@ -32,11 +32,12 @@ _COUNT = Primitive("uint32", "I", 4)
 class _Reader:
     """Serialized message with the position of the next byte to read, counted from after the encapsulation header."""
 
-    __slots__ = ("body", "position")
+    __slots__ = ("body", "position", "views")
 
-    def __init__(self, data: bytes) -> None:
+    def __init__(self, data: bytes, views: bool) -> None:
         self.body = memoryview(data)[len(LITTLE_ENDIAN) :]
         self.position = 0
+        self.views = views
 
     def unpack(self, format: str, alignment: int) -> tuple[Any, ...]:
         start = self.position + -self.position % alignment
@@ -45,12 +46,18 @@ class _Reader:
         return values
 
     def take(self, count: int) -> bytes:
+        return bytes(self.view(count))
+
+    def view(self, count: int) -> memoryview:
         # A corrupt length must not allocate gigabytes: check it against the data that is left.
         if count > len(self.body) - self.position:
             raise struct.error(f"{count} bytes wanted, {len(self.body) - self.position} left")
-        taken = bytes(self.body[self.position : self.position + count])
+        view = self.body[self.position : self.position + count]
         self.position += count
-        return taken
+        return view
+
+    def octets(self, count: int) -> bytes | memoryview:
+        return self.view(count) if self.views else self.take(count)
 
 
 _Write = Callable[[bytearray, Any], None]
@@ -64,8 +71,11 @@ class Part(NamedTuple):
     read: _Read
 
 
-def variable_codec(message_type: type[M], order: str) -> Codec[M]:
-    """Make the codec of any message class; ``order`` is the byte order, ``<`` or ``>`` as in `struct`."""
+def variable_codec(message_type: type[M], order: str, views: bool = False) -> Codec[M]:
+    """Make the codec of any message class; ``order`` is the byte order, ``<`` or ``>`` as in `struct`.
+
+    With ``views``, a decoded ``uint8[]`` is a memoryview of the data.
+    """
     part = _message_part(message_type, order)
 
     def encode_variable(message: M) -> bytes:
@@ -74,7 +84,7 @@ def variable_codec(message_type: type[M], order: str) -> Codec[M]:
         return LITTLE_ENDIAN + bytes(body)
 
     def decode_variable(data: bytes) -> M:
-        message: M = part.read(_Reader(data))
+        message: M = part.read(_Reader(data, views))
         return message
 
     return Codec(encode_variable, decode_variable)
@@ -190,7 +200,7 @@ class _Elements(NamedTuple):
 def _elements_part(element: FieldType, order: str) -> _Elements:
     # `uint8[]` is what images and bytes use; one copy instead of one call for each byte.
     if element == UINT8:
-        return _Elements(_write_bytes, lambda reader, count: reader.take(count))
+        return _Elements(_write_bytes, lambda reader, count: reader.octets(count))
     if isinstance(element, Primitive):
         return _primitive_elements(element, order)
     part = part_of(element, order)

@@ -19,7 +19,7 @@ from roverlink.vision.calibration.page.page_state import Taken, advice, collecte
 from roverlink.vision.calibration.solution import Calibration, PoorViewsError
 from roverlink.vision.calibration.views import View
 from roverlink.vision.camera.camera_model import Floats
-from roverlink.vision.markers.detection import Image
+from roverlink.vision.markers.detection import Image, to_colour
 from roverlink.vision.opencv import cv2
 
 _TIMEOUT_S = 5.0
@@ -216,7 +216,7 @@ class LiveCalibration:
 def _jpeg(image: Image, corners: Floats, width: int) -> bytes:
     """Return an image as JPEG, at most `width` pixels wide, with corners (N, 2) marked."""
     scale = min(1.0, width / image.shape[1])
-    small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    small = cv2.resize(to_colour(image), None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     radius = max(1, small.shape[1] // 240)
     for x, y in np.rint(corners * scale).astype(int).tolist():
         cv2.circle(small, (x, y), radius + 1, _RIM, cv2.FILLED)

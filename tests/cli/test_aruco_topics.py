@@ -1,0 +1,212 @@
+"""Camera commands on ROS 2 topics: images over real DDS, as a camera driver publishes them."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from needs import NO_OPENCV, needs_dds
+from polling import wait_until
+from programs import Start
+
+from roverlink.__main__ import main
+from roverlink.runtime import Qos
+from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
+
+cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
+np = pytest.importorskip("numpy", reason=NO_OPENCV)
+
+from roverlink.demo.field import SIDE, Film, parameters, render_film, write_field  # noqa: E402  # they need OpenCV
+from roverlink.runtime.interfaces import sensor_msgs, tf2_msgs, vision_msgs  # noqa: E402
+from tests.vision import board_frames  # noqa: E402
+from tests.vision.ros_images import FRAME, Camera, camera_info, image  # noqa: E402
+
+pytestmark = [needs_dds, pytest.mark.usefixtures("own_domain")]
+
+_FRAMES = 3
+_PERIOD = 33_333_333
+_BEGAN = 1_700_000_000_000_000_000
+_IMAGES, _INFO = "/camera/color/image_raw", "/camera/color/camera_info"
+
+
+@pytest.fixture
+def own_domain(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]) -> None:
+    """DDS on this host alone, as the programs of these tests have it."""
+    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.setenv(name, environment[name])
+
+
+@pytest.fixture(scope="module")
+def film() -> Film:
+    """A short drive."""
+    return render_film(_FRAMES)
+
+
+@pytest.fixture
+def words(tmp_path: Path) -> list[str]:
+    """The command line that tracks the drive with the parameters of the camera driver."""
+    write_field(tmp_path)
+    landmarks = str(tmp_path / "landmarks.yaml")
+    return ["aruco", "track", f"topic:{_IMAGES}", "--side", str(SIDE), "--landmarks", landmarks]
+
+
+@contextmanager
+def _repeated(publish: Callable[[int], None]) -> Iterator[None]:
+    """Call a function again and again with 0, 1, 2, ..., on a thread, as a driver publishes."""
+    stopped = threading.Event()
+
+    def run() -> None:
+        number = 0
+        while not stopped.wait(0.02):
+            publish(number)
+            number += 1
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield
+    finally:
+        stopped.set()
+        thread.join()
+
+
+@contextmanager
+def _driving(
+    film: Film, qos: Qos = Qos(depth=5), info: Any = None, *, grey: bool = False  # noqa: B008
+) -> Iterator[Middleware]:
+    """A camera driver that publishes the drive: the stamp of a frame says which one it is."""
+    with ExitStack() as held:
+        node = held.enter_context(open_middleware("dds", NodeIdentity("driver")))
+        images, infos = Camera(node, _IMAGES, qos=qos), Camera(node, _INFO, sensor_msgs.CameraInfo, qos)
+
+        def publish(number: int) -> None:
+            stamp = _BEGAN + _PERIOD * number
+            picture = film.frames[number % _FRAMES]
+            images.publish(
+                image(picture[:, :, 0], "mono8", stamp, padding=3) if grey else image(picture, "bgr8", stamp)
+            )
+            infos.publish(info or camera_info(parameters(), stamp))
+
+        held.enter_context(_repeated(publish))
+        yield node
+
+
+def _off(film: Film, view: dict[str, Any]) -> float:
+    """Metres from where the camera was found to where it was."""
+    number, rest = divmod(view["stamp"] - _BEGAN, _PERIOD)
+    assert not rest
+    truth = film.truth[number % _FRAMES].translation
+    return float(np.linalg.norm(truth - view["camera"]["position"]))
+
+
+@pytest.mark.parametrize("reliability", ["reliable", "best_effort"])
+def test_poses_have_the_stamp_and_frame_of_their_image(
+    film: Film, words: list[str], capsys: pytest.CaptureFixture[str], reliability: str
+) -> None:
+    """Images of either QoS are tracked at their true places, with the parameters of the driver's CameraInfo."""
+    with _driving(film, Qos(reliability, depth=5)):
+        assert main([*words, "--json", "--count", "4"]) == 0
+    told = capsys.readouterr()
+    views = [json.loads(line) for line in told.out.splitlines()]
+    assert len(views) == 4
+    for view in views:
+        assert view["frame_id"] == FRAME
+        assert {one["id"] for one in view["markers"]} <= {7, 8, 9, 10}  # the drive begins again every third frame
+        assert _off(film, view) < 0.01
+    assert f"camera parameters: from {_INFO}" in told.err
+
+
+@pytest.mark.parametrize("given", [(), ("--camera-frame", "eye")])
+def test_ros_2_hears_the_stamp_and_frame_of_the_image(film: Film, words: list[str], given: tuple[str, ...]) -> None:
+    """They are on /tf and in the detections, unless the frame is given; names follow the ROS arguments."""
+    topics: dict[str, Any] = {"/tf": tf2_msgs.TFMessage, "/camera/aruco/detections": vision_msgs.Detection3DArray}
+    heard: dict[str, list[Any]] = {topic: [] for topic in topics}
+    words[2] = "topic:picture"
+    ros = ("--ros-args", "-r", "__ns:=/camera", "-r", "picture:=color/image_raw")
+    with _driving(film) as node:
+        for topic, message_type in topics.items():
+            kept = heard[topic]
+
+            def take(messages: Any, kept: list[Any] = kept, message_type: Any = message_type) -> None:
+                kept.extend(cdr.decode(message_type, one) for one in messages)
+
+            node.subscribe(topic, message_type, Qos(), take)
+        assert main([*words, "--middleware", "dds", "--count", "10", *given, *ros]) == 0
+        wait_until(lambda: all(heard.values()), "both topics")
+    headers = [one.header for message in heard["/tf"] for one in message.transforms]
+    for header in (*headers, *(message.header for message in heard["/camera/aruco/detections"])):
+        assert header.frame_id == (given[-1] if given else FRAME)
+        assert (header.stamp.sec * 10**9 + header.stamp.nanosec - _BEGAN) % _PERIOD == 0
+
+
+def test_parameters_from_a_file_need_no_camera_info(
+    film: Film, words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The file overrides the CameraInfo of the driver, which is not calibrated."""
+    given = ("--json", "--count", "1", "--parameters", str(tmp_path / "camera.yml"))
+    with _driving(film, info=sensor_msgs.CameraInfo(width=640, height=480)):
+        assert main([*words, *given]) == 0
+        assert _off(film, json.loads(capsys.readouterr().out)) < 0.01
+        assert main([*words, *given[:3]]) == 2
+    assert f"{_INFO}: the camera is not calibrated" in capsys.readouterr().err
+
+
+def test_a_film_has_the_stamp_and_frame_of_its_images(film: Film, words: list[str], tmp_path: Path) -> None:
+    """They are written into the upper left corner, and the landmarks in colour, also if the camera is grey."""
+    with _driving(film, grey=True):
+        assert main([*words, "--save", str(tmp_path / "seen.avi"), "--count", "1"]) == 0
+    _, picture = cv2.VideoCapture(str(tmp_path / "seen.avi")).read()
+    corner = picture[:18, :300].astype(int)
+    assert (corner.min(axis=2) > 200).sum() > 200  # light letters
+    assert (corner.max(axis=2) < 60).sum() > 1000  # in a dark box
+    assert (np.ptp(picture.astype(int), axis=2) > 80).sum() > 300
+
+
+@pytest.mark.parametrize(
+    ("source", "given", "expected"),
+    [
+        ("topic:", (), "'' is not the name of a topic"),
+        ("topic:/a b", (), "'/a b' is not the name of a topic"),
+        (
+            "topic:/a",
+            ("--parameters", "camera.yml", "--camera-info", "/b"),
+            "--camera-info has no effect, because --par",
+        ),
+        ("0", ("--camera-info", "/b"), "--camera-info has no effect, because the source is not topic:NAME"),
+    ],
+)
+def test_what_cannot_be_a_topic_is_told(
+    words: list[str], source: str, given: tuple[str, ...], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Names and options are checked before anything is waited for."""
+    words[2] = source
+    assert main([*words, *given]) == 2
+    assert expected in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_topic_without_a_publisher_is_waited_for(film: Film, words: list[str], start: Start) -> None:
+    """The program says what it waits for, and Ctrl-C ends the wait; a camera that starts later is tracked."""
+    tracker = start(*words, "--json", "--middleware", "none")
+    tracker.wait_for(f"waiting: nothing publishes on {_IMAGES} yet")
+    with _driving(film):
+        tracker.wait_for('"markers"', tracker.output)
+    assert tracker.interrupt() == 0
+
+
+def test_a_camera_is_calibrated_over_a_topic(start: Start, tmp_path: Path) -> None:
+    """Views of the board are taken from the topic."""
+    picture = board_frames.frame((0, 0), (0.5, 0.5), 0.36)
+    program = start("aruco", "calibrate", f"topic:{_IMAGES}", "--json", "--out", tmp_path / "camera.yml")
+    with open_middleware("dds", NodeIdentity("driver")) as node:
+        camera = Camera(node, _IMAGES)
+        with _repeated(lambda _: camera.publish(image(picture, "mono8", time.time_ns()))):
+            program.wait_for('"view"', program.output)
+            assert program.interrupt() == 1  # one view is not enough
