@@ -80,7 +80,7 @@ class Chessboard(CalibrationBoard):
         shape = self.columns - 1, self.rows - 1
 
         def find(image: Image) -> tuple[NDArray[np.intp], Floats]:
-            found, corners = cv2.findChessboardCornersSB(image, shape, flags=cv2.CALIB_CB_NORMALIZE_IMAGE)
+            found, corners = cv2.findChessboardCornersSB(image, shape)
             if not found:
                 return nothing_found()
             grid = np.reshape(corners, (shape[1], shape[0], 2)).astype(float)
