@@ -18,9 +18,9 @@ from roverlink.vision.calibration.solution import Calibration
 from roverlink.vision.calibration.verdict import Evidence
 from roverlink.vision.calibration.views import View
 
-_SUSPICIOUS = 1.2
+_SUSPICIOUS = 1.05
 """Ratio of the residuals to the image noise above which other lens models are tried, which takes some seconds."""
-_MANY_REJECTED = 0.02
+_MANY_REJECTED = 0.01
 """Share of rejected corners with the same effect."""
 _SIGNIFICANT = 16.3
 """Squared bend in units of its covariance above which it is no chance (chi squared, 3 degrees of freedom, 99.9 %)."""
