@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from bench.vision.calibration import PLAIN, Miss, measure_runs
 from bench.vision.contestants import OURS
+from bench.vision.lenses import measure_runs as measure_lenses
 
 SIZE = (640, 480)
 
@@ -27,3 +29,11 @@ def _check(miss: Miss) -> None:
     assert max(abs(miss.cx), abs(miss.cy)) < 0.5
     assert miss.projection_mean < 0.15
     assert miss.projection_max < 0.4
+
+
+@pytest.mark.slow
+def test_the_intervals_of_all_lenses_hold_the_truth() -> None:
+    """From images, with a narrow, a wide and a fisheye lens."""
+    ours = [run for run in measure_lenses(2) if run.contestant == OURS]
+    assert np.mean([run.inside for run in ours]) >= 0.9
+    assert max(run.projection for run in ours) < 0.3
