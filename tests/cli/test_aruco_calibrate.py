@@ -21,7 +21,13 @@ np = pytest.importorskip("numpy", reason=NO_OPENCV)
 pypdfium2 = pytest.importorskip("pypdfium2", reason="need pypdfium2 (pip install pypdfium2)")
 
 from roverlink.aruco.board_options import add_board, board_of  # noqa: E402  # they need OpenCV
-from roverlink.vision.calibration import BoardDetector, CharucoBoard  # noqa: E402
+from roverlink.vision.calibration import (  # noqa: E402
+    AprilGrid,
+    BoardDetector,
+    CalibrationBoard,
+    CharucoBoard,
+    Chessboard,
+)
 from roverlink.vision.camera.parameters_file import read_parameters  # noqa: E402
 from tests.vision.board_frames import BOARD, MATRIX, SIZE, frames  # noqa: E402
 
@@ -105,6 +111,25 @@ def test_an_image_that_cannot_be_read_is_skipped(
     assert f"skipped 1 of {IMAGES + 1} images" in said.err
     named = [name for line in said.out.splitlines() if (name := line.split(" ")[0]).endswith(".png")]
     assert named == [*(f"view{index}.png" for index in range(1, IMAGES)), "wall.png"]
+
+
+@pytest.mark.parametrize(
+    ("board", "options"),
+    [
+        (Chessboard(6, 5, 0.015), ["chessboard", "--squares", "6x5", "--square", "0.015"]),
+        (AprilGrid(6, 4, 0.03), ["aprilgrid", "--squares", "6x4", "--marker", "0.03"]),
+    ],
+    ids=["chessboard", "aprilgrid"],
+)
+def test_other_boards_calibrate_too(board: CalibrationBoard, options: list[str], tmp_path: Path) -> None:
+    """A chessboard that is in the image as a whole, and an AprilGrid of Kalibr."""
+    folder = tmp_path / "images"
+    folder.mkdir()
+    for index, image in enumerate(frames(24, board)):
+        cv2.imwrite(str(folder / f"view{index}.png"), image)
+    out = tmp_path / "camera.yml"
+    assert main(["aruco", "calibrate", str(folder), "--out", str(out), "--board", *options]) == 0
+    assert read_parameters(out).focal == pytest.approx(MATRIX.diagonal()[:2], rel=2e-3)
 
 
 def test_parameters_that_must_not_be_used_replace_no_good_ones(
