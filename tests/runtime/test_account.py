@@ -30,7 +30,7 @@ def clock() -> _Clock:
 @pytest.fixture
 def warnings(clock: _Clock) -> ThrottledWarnings:
     """Warnings by that clock."""
-    return ThrottledWarnings(logging.getLogger("bridge"), clock)
+    return ThrottledWarnings(logging.getLogger("test_account"), clock)
 
 
 def test_the_first_warning_is_given_at_once(warnings: ThrottledWarnings, caplog: pytest.LogCaptureFixture) -> None:

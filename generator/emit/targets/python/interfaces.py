@@ -24,7 +24,7 @@ OF_THE_RUNTIME = frozenset(
         *(f"diagnostic_msgs/msg/{name}" for name in ("DiagnosticArray", "DiagnosticStatus", "KeyValue")),
         *(f"geometry_msgs/msg/{name}" for name in ("Point", "Pose", "PoseWithCovariance", "PoseWithCovarianceStamped")),
         *(f"geometry_msgs/msg/{name}" for name in ("Quaternion", "Transform", "TransformStamped", "Vector3")),
-        *(f"sensor_msgs/msg/{name}" for name in ("CameraInfo", "CompressedImage", "RegionOfInterest")),
+        *(f"sensor_msgs/msg/{name}" for name in ("CameraInfo", "CompressedImage", "Image", "RegionOfInterest")),
         "std_msgs/msg/Header",
         "tf2_msgs/msg/TFMessage",
     }
