@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from textwrap import shorten
 from typing import Any
 
 import cv2
@@ -46,6 +46,7 @@ COMPUTED = 40
 NOISE = 0.03
 """Standard deviation in pixels of the corners in that table."""
 _QUANTILE = 1.96  # 97.5 % quantile of the normal distribution
+_SHORT = 32  # characters of a doubt in a table
 _FEWEST = 12  # corners of a view in that table
 _FLAGS: Any = cv2 if hasattr(cv2, "CALIB_RECOMPUTE_EXTRINSIC") else cv2.fisheye  # cv2.fisheye in OpenCV 4
 _FISHEYE = _FLAGS.CALIB_USE_INTRINSIC_GUESS | _FLAGS.CALIB_RECOMPUTE_EXTRINSIC | _FLAGS.CALIB_FIX_SKEW
@@ -194,4 +195,5 @@ def _judged(name: str, views: Sequence[View], truth: Lens = CAMERA, model: Model
 
 def _words(judgement: Judgement) -> str:
     """Return the verdict, with the first words of each doubt."""
-    return "\n".join([judgement.verdict.value, *(re.split("[:;(]", doubt.text)[0] for doubt in judgement.doubts)])
+    doubts = (shorten(doubt.text, _SHORT, placeholder="...") for doubt in judgement.doubts)
+    return "\n".join([judgement.verdict.value, *doubts])
