@@ -79,7 +79,9 @@ def _covariance(observations: Sequence[Observation], estimate: Estimate) -> Floa
     sides = np.stack([root @ side for _, side in said])
     # For each view, its own push on the parameters. If the standard deviations of the corners told everything, these
     # would add up to the identity in this basis; eigenvalues above 1 are what they do not tell.
-    disagreement = sides.T @ sides * len(said) / max(len(said) - len(normal), 1)
+    # The correction for few clusters is at most 2. It grows without limit as the number of views comes near that of the
+    # parameters: with 12 views, the stated uncertainty was two to three times the error.
+    disagreement = sides.T @ sides * len(said) / (len(said) - min(len(normal), len(said) / 2))
     sizes, axes = np.linalg.eigh(disagreement)
     covariance: Floats = root.T @ (axes * np.maximum(sizes, 1)) @ axes.T @ root
     return covariance
