@@ -59,7 +59,7 @@ def open_source(
     if text and path.exists():
         if path.is_dir() or path.suffix.lower() in IMAGES:
             settings.check(text, "rate")
-            return ImageFiles(path, settings.rate or RATE)
+            return ImageFiles(path, settings.rate or RATE, say)
         settings.check(text)
         return VideoFile(path)
     if _HOST.fullmatch(text) and path.suffix.lower() not in IMAGES | VIDEOS:

@@ -37,36 +37,55 @@ _OUTLINE = 16  # points per side of a print's outline, since the lens bends it
 
 @dataclass(frozen=True, slots=True)
 class Lens:
-    """Pinhole camera with OpenCV's distortion coefficients k1 k2 p1 p2 k3.
+    """Camera with OpenCV's distortion coefficients: k1 k2 p1 p2 k3, and k4 k5 k6 of a rational model.
 
-    `matrix` is the 3x3 camera matrix in pixels, `size` is (width, height) of the image.
+    If `fisheye` is true, the coefficients are k1 k2 k3 k4 of OpenCV's fisheye model. `matrix` is the 3x3 camera matrix
+    in pixels, `size` is (width, height) of the image.
     """
 
     matrix: Floats
-    distortion: tuple[float, float, float, float, float]
+    distortion: tuple[float, ...]
     size: tuple[int, int]
+    fisheye: bool = False
 
     def distorted(self, rays: Floats) -> Floats:
         """Return the pixels (..., 2) at which the camera sees rays (..., 2). A ray is a point in the plane z = 1."""
         x, y = rays[..., 0], rays[..., 1]
-        k1, k2, p1, p2, k3 = self.distortion
-        r2 = x * x + y * y
-        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-        bent_x = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
-        bent_y = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
+        bent_x, bent_y = self._fisheye(x, y) if self.fisheye else self._rational(x, y)
         (fx, _, cx), (_, fy, cy), _ = self.matrix
         return np.stack([fx * bent_x + cx, fy * bent_y + cy], axis=-1)
 
     def rays(self, pixels: Floats) -> Floats:
-        """Return the rays (..., 2) that the camera sees at pixels (..., 2), by fixed-point iteration on `distorted`."""
-        rays = (pixels - self.matrix[:2, 2]) / self.matrix.diagonal()[:2]
+        """Return the rays (..., 2) that the camera sees at pixels (..., 2), by Newton's method on `distorted`."""
         focal = self.matrix.diagonal()[:2]
+        rays = (pixels - self.matrix[:2, 2]) / focal
+        step = 1e-6
         for _ in range(50):
-            miss = (pixels - self.distorted(rays)) / focal
-            rays = rays + miss
-            if np.abs(miss).max() < 1e-12:
+            seen = self.distorted(rays)
+            miss = pixels - seen
+            if np.abs(miss / focal).max() < 1e-12:
                 break
+            by_x, by_y = ((self.distorted(rays + step * axis) - seen) / step for axis in np.eye(2))
+            determinant = by_x[..., 0] * by_y[..., 1] - by_y[..., 0] * by_x[..., 1]
+            change_x = by_y[..., 1] * miss[..., 0] - by_y[..., 0] * miss[..., 1]
+            change_y = by_x[..., 0] * miss[..., 1] - by_x[..., 1] * miss[..., 0]
+            rays = rays + np.stack([change_x, change_y], axis=-1) / determinant[..., None]
         return rays
+
+    def _rational(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        k1, k2, p1, p2, k3, k4, k5, k6 = self.distortion + (0.0,) * (8 - len(self.distortion))
+        r2 = x * x + y * y
+        radial = (1 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1 + r2 * (k4 + r2 * (k5 + r2 * k6)))
+        bent_x = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
+        return bent_x, y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
+
+    def _fisheye(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        k1, k2, k3, k4 = self.distortion
+        r = np.maximum(np.hypot(x, y), 1e-12)
+        angle = np.arctan(r)
+        a2 = angle * angle
+        scale = angle * (1 + a2 * (k1 + a2 * (k2 + a2 * (k3 + a2 * k4)))) / r
+        return x * scale, y * scale
 
 
 @dataclass(frozen=True, slots=True)
