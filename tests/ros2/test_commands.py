@@ -40,7 +40,7 @@ def test_top_shows_a_bridge_of_another_process(bridge: Callable[..., Bridge], do
     running = bridge()
     running.send(imu_info={})
     code, output, errors = done("top", "--once", "--json", "--middleware", "rclpy", "--timeout", 30)  # type: ignore[misc]
-    assert code == 0, f"{output}\n{errors}"
+    assert code in (0, 1), f"{output}\n{errors}"  # 1 if rclpy was so slow to start that the board counts as silent
     page = json.loads(output)
     row = next(row for row in page["rows"] if row["name"] == "imu_info")
     assert (page["node"]["pid"], row["topic"], row["count"]) == (running.program.pid, "imu_data", 1)
