@@ -15,6 +15,13 @@ from programs import Program, Start
 
 _REPOSITORY = Path(__file__).parents[1]
 
+with contextlib.suppress(ImportError):  # the environments of tests/ros2 have no Hypothesis
+    from hypothesis import HealthCheck, settings
+
+    # A loaded machine says nothing about the code: no property has a deadline.
+    settings.register_profile("roverlink", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+    settings.load_profile("roverlink")
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Know the option that writes golden files anew."""

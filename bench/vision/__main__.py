@@ -15,14 +15,16 @@ from bench.result import SectionResult
 from roverlink.runtime.core.errors import SetupError
 
 POSES, QUICK_POSES = 200, 30
+DEGRADED_POSES, QUICK_DEGRADED_POSES = 60, 10
 EMPTY_FRAMES, QUICK_EMPTY_FRAMES = 500, 50
 DRIVE_FRAMES, QUICK_DRIVE_FRAMES = 60, 20
 DIFFICULT_SCENES, QUICK_DIFFICULT_SCENES = 40, 10
-CALIBRATIONS, QUICK_CALIBRATIONS = (5, 20), (1, 3)
-"""Runs with large images, and with small ones for the intervals."""
+CALIBRATIONS, QUICK_CALIBRATIONS = 5, 1
+LENSES, QUICK_LENSES = 20, 3
+"""Runs for each lens."""
 PLAIN_WIDTH = 130  # columns, if the output is not a terminal
 RECEIVING_S, QUICK_RECEIVING_S = 10.0, 3.0
-SECTIONS = ("accuracy", "nothing", "finding", "speed", "calibration", "receiving")
+SECTIONS = ("accuracy", "consistency", "nothing", "finding", "speed", "calibration", "lenses", "receiving")
 
 
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
@@ -64,7 +66,7 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
 
 def _run(options: argparse.Namespace) -> None:
     try:  # imported here, so that --help needs no OpenCV
-        from bench.vision import accuracy, calibration, finding, nothing, receiving, speed
+        from bench.vision import accuracy, calibration, consistency, finding, lenses, nothing, receiving, speed
     except ImportError as error:
         raise BenchError(f"{error}; `make bench-vision` installs the missing packages") from error
     progress = Console(stderr=True, highlight=False, markup=False)
@@ -74,6 +76,9 @@ def _run(options: argparse.Namespace) -> None:
         results["speed"] = speed.measure(QUICK_DRIVE_FRAMES if options.quick else DRIVE_FRAMES, progress.print)
     if "accuracy" in options.only:
         results["accuracy"] = accuracy.measure(options.poses, accuracy.SIZES, progress.print)
+    if "consistency" in options.only:
+        poses = QUICK_DEGRADED_POSES if options.quick else DEGRADED_POSES
+        results["consistency"] = consistency.measure(poses, consistency.SIZES, progress.print)
     if "nothing" in options.only:
         results["nothing"] = nothing.measure(QUICK_EMPTY_FRAMES if options.quick else EMPTY_FRAMES, progress.print)
     if "finding" in options.only:
@@ -81,7 +86,9 @@ def _run(options: argparse.Namespace) -> None:
         results["finding"] = finding.measure(*counts, progress.print)
     if "calibration" in options.only:
         runs = QUICK_CALIBRATIONS if options.quick else CALIBRATIONS
-        results["calibration"] = calibration.measure(*runs, progress.print)
+        results["calibration"] = calibration.measure(runs, progress.print)
+    if "lenses" in options.only:
+        results["lenses"] = lenses.measure(QUICK_LENSES if options.quick else LENSES, progress.print)
     if "receiving" in options.only:
         seconds = QUICK_RECEIVING_S if options.quick else RECEIVING_S
         results["receiving"] = receiving.measure(seconds, options.out, progress.print)

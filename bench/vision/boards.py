@@ -12,7 +12,6 @@ from multiprocessing import get_context
 import cv2
 import numpy as np
 
-from bench.vision.scenes import lens
 from roverlink.vision.calibration import CharucoBoard
 from roverlink.vision.images.rendering import RAYS, Floats, Grey, Lens, Pose, Print, project, render, texture
 
@@ -39,9 +38,9 @@ class BoardView:
     pose: Pose
 
 
-def board_views(size: tuple[int, int], seed: int, count: int) -> Iterator[BoardView]:
-    """Yield views of the camera `lens(*size)`, rendered on all processors; equal seeds give equal views."""
-    jobs = [(size, seed, index) for index in range(count)]
+def board_views(camera: Lens, seed: int, count: int) -> Iterator[BoardView]:
+    """Yield views of a camera, rendered on all processors; equal seeds give equal views."""
+    jobs = [(camera, seed, index) for index in range(count)]
     with ProcessPoolExecutor(len(os.sched_getaffinity(0)), get_context("spawn")) as pool:
         yield from pool.map(_view, jobs)
 
@@ -57,19 +56,22 @@ def corrupted(view: BoardView) -> BoardView:
 
 def true_corners(camera: Lens, pose: Pose, ids: Sequence[int]) -> Floats:
     """Return the true pixels (N, 2) of corners of the board."""
+    return project(camera, pose, on_print(BOARD.points[list(ids)]))
+
+
+def on_print(points: Floats) -> Floats:
+    """Convert points (N, 3) from the frame of the board to that of its print."""
     width, height = BOARD.size
-    points = (BOARD.points[list(ids)] - np.array([width / 2, height / 2, 0])) * np.array(
-        [1, -1, 1]
-    )  # y points up on the print
-    return project(camera, pose, points)
+    converted: Floats = (points - np.array([width / 2, height / 2, 0])) * np.array([1, -1, 1])  # y points up there
+    return converted
 
 
-def _view(job: tuple[tuple[int, int], int, int]) -> BoardView:
-    size, seed, index = job
-    camera, rng = lens(*size), np.random.default_rng([seed, *size, index])
-    fill, pose = _random_pose(camera, rng)
-    plane = board_print(fill * size[0] / BOARD.columns)
-    return BoardView(f"view {index}", render(camera, texture(size, rng), [(plane, pose)], rng), pose)
+def _view(job: tuple[Lens, int, int]) -> BoardView:
+    camera, seed, index = job
+    rng = np.random.default_rng([seed, *camera.size, index])
+    fill, pose = random_pose(camera, rng)
+    plane = board_print(fill * camera.size[0] / BOARD.columns)
+    return BoardView(f"view {index}", render(camera, texture(camera.size, rng), [(plane, pose)], rng), pose)
 
 
 def board_print(square_px: float) -> Print:
@@ -83,7 +85,7 @@ def board_print(square_px: float) -> Print:
     return Print(np.where(grey > 127, _WHITE, _BLACK).astype(np.uint8), BOARD.square / texels)
 
 
-def _random_pose(camera: Lens, rng: np.random.Generator) -> tuple[float, Pose]:
+def random_pose(camera: Lens, rng: np.random.Generator) -> tuple[float, Pose]:
     """Return a pose that shows at least three corners of the board, and the share of the width that it fills."""
     size = np.array(camera.size)
     half = np.array([*BOARD.size, 0]) / 2

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import cv2
 import numpy as np
 
-from bench.vision.scenes import DICTIONARY, SIDE, corner_points
+from bench.vision.scenes import DICTIONARY, FRAME_NS, SIDE, corner_points
 from roverlink.vision.camera.camera_model import CameraParameters
+from roverlink.vision.camera.uncertainty import Uncertainty
 from roverlink.vision.images.rendering import Floats, Grey, Lens
 from roverlink.vision.markers.marker_set import MarkerSet
 from roverlink.vision.markers.tracker import Tracker
@@ -36,10 +37,19 @@ class Estimate:
 Estimator = Callable[[Grey], Sequence[Estimate]]
 
 
+EXACT = Uncertainty(side_sigma=0, corner_floor=0)
+"""Uncertainty of rendered markers: their sides and corners are exact."""
+
+
 def estimators(lens: Lens) -> dict[str, Estimator]:
-    """Return functions that estimate poses from single frames, by name."""
+    """Return functions that estimate poses from single frames, by name; camera and markers are exact."""
     plain = {name: _Plain(lens, refinement) for name, refinement in REFINEMENTS.items()}
-    return {OURS: _Ours(lens), **plain}
+    return {OURS: Ours(exact_camera_of(lens), EXACT), **plain}
+
+
+def exact_camera_of(lens: Lens) -> CameraParameters:
+    """Return roverlink's parameters of a lens, which are known to be exact."""
+    return replace(camera_of(lens), covariance=np.zeros((4, 4)))
 
 
 def camera_of(lens: Lens) -> CameraParameters:
@@ -54,15 +64,20 @@ def plain_detector(refinement: int = cv2.aruco.CORNER_REFINE_NONE) -> Any:
     return cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARY), parameters)
 
 
-class _Ours:
-    def __init__(self, lens: Lens) -> None:
-        self._tracker = Tracker(camera_of(lens), MarkerSet(side=SIDE))
+class Ours:
+    """Estimator of roverlink; an image may have an earlier one, from which the speed of the image follows."""
 
-    def __call__(self, frame: Grey) -> Sequence[Estimate]:
+    def __init__(self, camera: CameraParameters, uncertainty: Uncertainty) -> None:
+        self._tracker = Tracker(camera, MarkerSet(side=SIDE), uncertainty=uncertainty)
+
+    def __call__(self, frame: Grey, earlier: Grey | None = None) -> Sequence[Estimate]:
+        """Estimate the poses in a frame; `earlier` is the frame before it."""
         self._tracker.reset()  # each frame by itself, without help of earlier ones
+        if earlier is not None:
+            self._tracker.track(earlier, 0)
         return [
             Estimate(one.id, one.pose.rotation, one.pose.translation, one.covariance)
-            for one in self._tracker.track(frame, 0)
+            for one in self._tracker.track(frame, FRAME_NS)
             if isinstance(one.id, int)
         ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,8 @@ from bench.vision.accuracy import SIZES, measure
 from roverlink.demo.field import RATE_HZ, SIDE, Film, landmarks, parameters, render_film, write_field
 from roverlink.vision import Landmarks, MarkerSet, Tracker, localize
 from roverlink.vision.camera.camera_model import Floats
-from roverlink.vision.field.view import View, look
+from roverlink.vision.field.view import Eye, Lookout, View
+from roverlink.vision.frames import Frame
 from roverlink.vision.images.drawing import SEEN, draw
 from roverlink.vision.images.film import Film as Writer
 from roverlink.vision.markers.detection import Detection, Detector, Image, to_grey
@@ -60,13 +62,18 @@ def write_recording(folder: Path, film: Film) -> None:
 def draw_steps(folder: Path, film: Film) -> None:
     """Draw a picture for each step from a frame to a position on the field."""
     tracker = Tracker(parameters(), MarkerSet(side=SIDE))
-    _, second = look(list(film)[:2], tracker, landmarks())  # the first frame is searched completely
+    _, second = _views(list(film)[:2], tracker)  # the first frame is searched completely
     _write(folder / "frame.png", second.frame.image)
     _write(folder / "looks.png", _with_looks(second))
     rough, *_ = Detector(MarkerSet(side=SIDE)).scan(to_grey(second.frame.image))
     _write(folder / "edges.png", _with_edges(second, rough))
     _write(folder / "seen.png", draw(second.frame.image, parameters(), second.sightings, second.place))
     _draw_field(folder / "field.png", film)
+
+
+def _views(frames: Iterable[Frame], tracker: Tracker) -> list[View]:
+    lookout = Lookout(landmarks=landmarks())
+    return [lookout.view(Eye(tracker), frame) for frame in frames]
 
 
 def _with_looks(view: View) -> Image:
@@ -107,7 +114,7 @@ def _draw_field(path: Path, film: Film) -> None:
     figure = Figure(figsize=(9, 3.8), layout="constrained")
     FigureCanvasAgg(figure)
     field, near = figure.subplots(1, 2)
-    views = list(look(film, Tracker(parameters(), MarkerSet(side=SIDE)), landmarks()))
+    views = _views(film, Tracker(parameters(), MarkerSet(side=SIDE)))
     _plot_field(field, film, views)
     _plot_place(near, film, views[0])
     figure.savefig(path, dpi=90)

@@ -23,6 +23,8 @@ from roverlink.vision.images.rendering import (
 DICTIONARY = cv2.aruco.DICT_5X5_250
 SIDE = 0.05
 """Side of the marker in metres."""
+FRAME_NS = 33_000_000
+"""Time between two frames in nanoseconds."""
 FOCAL = 920.0
 DISTORTION = (0.100096, -0.256227, 0.00111085, 0.000269882, 0.203651)
 """Distortion of the rover's camera."""
@@ -105,4 +107,4 @@ def drive(count: int, seed: int, size: tuple[int, int] = (1280, 720)) -> Iterato
             (marker_print(DICTIONARY, number, SIDE, texels=texels_for(side_px)), poses[number])
             for number, side_px, _, _ in starts
         ]
-        yield DriveFrame(render(camera, scene, planes, rng), index * 33_000_000, poses)
+        yield DriveFrame(render(camera, scene, planes, rng), index * FRAME_NS, poses)

@@ -22,8 +22,8 @@ import numpy as np
 from roverlink.aruco.board_options import board_of
 from roverlink.aruco.calibration_page import serve_page
 from roverlink.aruco.calibration_text import CalibrationText, JsonText, PlainText
-from roverlink.aruco.camera_source import open_source, source_of
-from roverlink.console import FINDINGS, OK
+from roverlink.aruco.camera_source import open_source, settings_of, source_of
+from roverlink.console import FINDINGS, OK, counted
 from roverlink.installed_packages import installed_version
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
@@ -32,10 +32,11 @@ from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision.calibration import (
     BoardDetector,
     Calibration,
-    CharucoBoard,
+    CalibrationBoard,
     Collection,
     Model,
     PoorViewsError,
+    Verdict,
     View,
 )
 from roverlink.vision.calibration import calibrate as solve
@@ -45,11 +46,15 @@ from roverlink.vision.calibration.writing import write_calibration
 from roverlink.vision.frames import Frame, FrameSource, ImageFiles
 from roverlink.vision.opencv import cv2
 
+REJECTED = ".rejected"
+"""Part of the name of a file with parameters that must not be used, before its ending."""
+
 
 def calibrate(arguments: argparse.Namespace, ros: RosArguments) -> int:
     """Collect views, calibrate, write the files, and return the exit code.
 
-    Raises `SetupError` if the source of frames, the board or the folder for the files is not usable.
+    The exit code is 1 if the views are not sufficient, or if the result must not be used. Raises `SetupError` if the
+    source of frames, the board or the folder for the files is not usable.
     """
     board = board_of(arguments)
     if not arguments.out.resolve().parent.is_dir():  # checked before the work, not after it
@@ -61,38 +66,48 @@ def calibrate(arguments: argparse.Namespace, ros: RosArguments) -> int:
             return stack.enter_context(open_middleware(arguments.middleware, ros.node))
 
         source = stack.enter_context(
-            open_source(source_of(arguments, text.note), arguments, ros, middleware, say=text.note)
+            open_source(source_of(arguments, text.note), settings_of(arguments), ros, middleware, say=text.note)
         )
         if arguments.page:
             try:
-                text.calibrated(*_on_page(source, board, arguments, text.note))
+                result = _on_page(source, board, arguments, text.note)
             except KeyboardInterrupt:
                 text.note("stopped; nothing was saved")
                 return FINDINGS
-            return OK
-        views = _images(source, board) if isinstance(source, ImageFiles) else _stream(source, board, arguments, text)
+            return _told(text, *result)
+        if isinstance(source, ImageFiles):
+            views: Sequence[View] = _images(source, board)
+            if skipped := len(source.unreadable):
+                text.note(f"skipped {skipped} of {counted(len(source.paths), 'image')}, which cannot be read")
+        else:
+            views = _stream(source, board, arguments, text)
     try:
         calibration = solve(views, board, Model(arguments.model))
     except PoorViewsError as error:
         text.refused(error, views)
         return FINDINGS
-    text.calibrated(calibration, *_write(arguments.out, calibration, board))
-    return OK
+    return _told(text, calibration, *_write(arguments.out, calibration, board))
 
 
-def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
+def _told(text: CalibrationText, calibration: Calibration, path: Path, page: Path) -> int:
+    """Show the calibration to the user, and return the exit code."""
+    text.calibrated(calibration, path, page)
+    return FINDINGS if calibration.judgement.verdict is Verdict.UNUSABLE else OK
+
+
+def _images(source: ImageFiles, board: CalibrationBoard) -> list[View]:
     """Return the view (board corners) of each image. No image is left out, because the user has chosen the images."""
     detector = BoardDetector(board)
     views = []
     with progress(source.name) as report_progress:
         for frame, name in _named(source):
             views.append(detector.find(frame.image, name, frame.stamp))
-            report_progress(len(views), len(source.paths))
+            report_progress(frame.number + 1, len(source.paths))
     return views
 
 
 def _stream(
-    source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, text: CalibrationText
+    source: FrameSource, board: CalibrationBoard, arguments: argparse.Namespace, text: CalibrationText
 ) -> Sequence[View]:
     """Collect useful views until they cover the whole image, the source of frames ends, or the user presses Ctrl-C."""
     collection = Collection(board, arguments.views)
@@ -109,7 +124,7 @@ def _stream(
 
 
 def _on_page(
-    source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, say: Callable[[str], None]
+    source: FrameSource, board: CalibrationBoard, arguments: argparse.Namespace, say: Callable[[str], None]
 ) -> tuple[Calibration, Path, Path]:
     """Let the user calibrate on the web page; return the calibration saved last, and the paths of its two files."""
     saved: list[tuple[Calibration, Path, Path]] = []
@@ -145,7 +160,8 @@ def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
     modification time of a video plus the frame's time in it.
     """
     if isinstance(source, ImageFiles):
-        for path, frame in zip(source.paths, source):
+        for frame in source:
+            path = source.paths[frame.number]
             yield replace(frame, stamp=path.stat().st_mtime_ns), path.name
     elif source.live:
         for frame in source:
@@ -156,8 +172,14 @@ def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
             yield replace(frame, stamp=began + frame.stamp), f"frame {frame.number}"
 
 
-def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[Path, Path]:
-    """Write the parameters to ``path`` and the report beside it; return the paths of both files."""
+def _write(path: Path, calibration: Calibration, board: CalibrationBoard) -> tuple[Path, Path]:
+    """Write the parameters to ``path`` and the report beside it; return the paths of both files.
+
+    Parameters that must not be used get a name of their own, so that they never replace good ones. They are written
+    nevertheless, because the views of a camera cannot be had again.
+    """
+    if calibration.judgement.verdict is Verdict.UNUSABLE:
+        path = path.with_name(f"{path.stem}{REJECTED}{path.suffix}")
     page = path.with_suffix(".html")
     write_report(page, calibration, board, versions())
     write_calibration(path, calibration)

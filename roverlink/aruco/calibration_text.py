@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 from roverlink.console import counted, print_error, print_note
-from roverlink.vision.calibration import Calibration, Collection, Need, Offer, PoorViewsError, View
+from roverlink.vision.calibration import Calibration, Collection, Need, Offer, PoorViewsError, Verdict, View
 from roverlink.vision.calibration.report import parameters
 
 _HINT_S = 2.0
@@ -85,7 +85,7 @@ class PlainText:
             print_error(f"the views are not sufficient for a calibration: {reason}")
 
     def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
-        """Print the views, the camera's parameters, their uncertainty, and the names of the two written files."""
+        """Print the views, the camera's parameters, their uncertainty, the judgement, and the two written files."""
         console = Console(highlight=False, markup=False, soft_wrap=True)
         console.print(_view_table(calibration))
         console.print()
@@ -94,9 +94,15 @@ class PlainText:
         dropped = sum(bool(one.dropped) for one in calibration.views)
         console.print(
             f"\nreprojection error {calibration.rms:.3f} px (root mean square), {counted(dropped, 'view')} dropped\n"
-            f"uncertainty of a direction {mean:.3f} px on average, {most:.3f} px at most (standard deviation)\n"
-            f"wrote {path} and the report {report}"
+            f"uncertainty of a direction {mean:.3f} px on average, {most:.3f} px at most (standard deviation)"
         )
+        judgement = calibration.judgement
+        console.print(f"judgement: {judgement.verdict.value}")
+        for doubt in judgement.doubts:
+            console.print(f"  - {doubt.text}")
+        console.print(f"wrote {path} and the report {report}")
+        if judgement.verdict is Verdict.UNUSABLE:
+            console.print("the file has another name, so that it replaces no good one; rename it to use it anyway")
 
 
 class JsonText:
@@ -153,6 +159,10 @@ def as_dict(calibration: Calibration) -> dict[str, Any]:
             )
         },
         "uncertainty": {"mean": mean, "max": most},
+        "judgement": {
+            "verdict": calibration.judgement.verdict.value,
+            "doubts": [{"verdict": one.verdict.value, "text": one.text} for one in calibration.judgement.doubts],
+        },
         "views": [
             {
                 "name": one.view.name,

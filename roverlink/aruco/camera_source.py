@@ -15,6 +15,7 @@ from roverlink.runtime.ros_arguments.ros_args import RosArguments, is_topic
 
 if TYPE_CHECKING:
     from roverlink.runtime.middleware import Middleware
+    from roverlink.vision.camera.camera_settings import CameraSettings
     from roverlink.vision.frames import FrameSource
 
 PARAMETERS = Path("charuco_camera_params.yml")
@@ -22,6 +23,9 @@ PARAMETERS = Path("charuco_camera_params.yml")
 
 CAMERA_FRAME = "camera_frame"
 """Name of a camera's coordinate frame if neither the user nor the source names it."""
+
+SETTINGS = ("size", "rate", "format", "exposure", "gain", "focus", "latency")
+"""Options for the settings of a camera: the fields of `CameraSettings`."""
 
 _CAMERA = "0"
 _SIZE = re.compile(r"([1-9]\d{0,4})x([1-9]\d{0,4})")
@@ -33,14 +37,30 @@ def add_source(parser: argparse.ArgumentParser) -> None:
         "source",
         nargs="?",
         help="number of a camera, URL of a stream (http, https, rtsp), topic:NAME (ROS 2 topic with images), video "
-        "file, or folder of images (default: the command asks for it in a terminal; elsewhere, camera 0)",
+        "file, folder of images, or gstreamer:PIPELINE (default: the command asks for it in a terminal; elsewhere, "
+        "camera 0)",
     )
-    parser.add_argument(
-        "--size", type=_size, metavar="WxH", help="image size in pixels to request from the camera, such as 1280x720"
+    add = parser.add_argument_group("settings of the camera").add_argument
+    add("--size", type=_size, metavar="WxH", help="image size in pixels, such as 1280x720")
+    add("--rate", type=rate, metavar="HZ", help="images a second; also those of a folder (default there: 30)")
+    add("--format", metavar="FOURCC", help="pixel format, such as MJPG, with which many USB cameras are faster")
+    add("--exposure", type=float, metavar="MS", help="exposure time in milliseconds instead of the automatic one")
+    add("--gain", type=float, metavar="N", help="gain, in the units of the driver")
+    add("--focus", type=float, metavar="N", help="focus instead of the automatic one, in the units of the driver")
+    add(
+        "--latency",
+        type=float,
+        metavar="S",
+        help="seconds from the exposure of a camera's or stream's image to its arrival; stamps are earlier by this "
+        "(default: 0)",
     )
-    parser.add_argument(
-        "--rate", type=rate, metavar="HZ", help="with a folder: number of images a second (default: 30)"
-    )
+
+
+def settings_of(arguments: argparse.Namespace) -> CameraSettings:
+    """Return the settings of the camera. Raises `SetupError` if one of them is not possible."""
+    from roverlink.vision.camera.camera_settings import CameraSettings
+
+    return CameraSettings(**{name: getattr(arguments, name) for name in SETTINGS})
 
 
 def source_of(arguments: argparse.Namespace, say: Callable[[str], None]) -> str:
@@ -58,26 +78,24 @@ def full_topic(name: str, ros: RosArguments) -> str:
 
 def open_source(
     text: str,
-    arguments: argparse.Namespace,
+    settings: CameraSettings,
     ros: RosArguments,
     middleware: Callable[[], Middleware],
     size: tuple[int, int] | None = None,
     say: Callable[[str], None] = print_note,
 ) -> FrameSource:
-    """Open the source of frames that a text names, with the options for it.
+    """Open the source of frames that a text names.
 
-    ``middleware`` is called if the source is a topic. If the options give no image size, the camera is asked for images
-    of ``size``. ``say`` is called with messages for the user, also later, for instance if the camera is lost. Raises
-    `SetupError` if the source cannot be opened.
+    ``middleware`` is called if the source is a topic. If the settings have no image size, the camera is asked for
+    images of ``size``. ``say`` is called with messages for the user, also later, for instance if the camera is lost.
+    Raises `SetupError` if the source cannot be opened.
     """
     from roverlink.vision import frames
 
     def open_topic(name: str) -> FrameSource:
         return frames.TopicSource(middleware(), full_topic(name, ros), say)
 
-    return frames.open_source(
-        text, size=arguments.size or size, rate=arguments.rate or frames.RATE, say=say, open_topic=open_topic
-    )
+    return frames.open_source(text, settings, size=size, say=say, open_topic=open_topic)
 
 
 def _asked(say: Callable[[str], None]) -> str:

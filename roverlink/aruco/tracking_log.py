@@ -5,17 +5,19 @@ from __future__ import annotations
 import logging
 import statistics
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TypeVar
 
 import numpy as np
 
 from roverlink.console import counted
 from roverlink.vision import CameraParameters, MarkerSet
+from roverlink.vision.field.localization import FieldPose
 from roverlink.vision.field.view import View
-from roverlink.vision.frames import Frame
-from roverlink.vision.markers.detection import Image
 from roverlink.vision.markers.dictionaries import other_dictionary
 from roverlink.vision.markers.marker_set import TargetId
+
+_Frame = TypeVar("_Frame")
 
 _HINT_EVERY = 100
 """Number of frames between searches for other dictionaries, while no marker has been found.
@@ -31,18 +33,19 @@ class TrackingLog:
     and each number that several markers share. If no marker is found, it names the dictionary of the visible ones.
     """
 
-    def __init__(self, logger: logging.Logger, camera: CameraParameters, markers: MarkerSet) -> None:
-        self._logger, self._camera, self._markers = logger, camera, markers
+    def __init__(self, logger: logging.Logger, markers: MarkerSet, cameras: Mapping[str, CameraParameters]) -> None:
+        self._logger, self._markers, self._cameras = logger, markers, cameras
         self._frames = self._with_landmarks = 0
-        self._seen: set[TargetId] = set()
+        self._seen: set[tuple[str, TargetId]] = set()
         self._rejected: tuple[TargetId, ...] = ()
+        self._disagreed = False
         self._shared: set[TargetId] = set()
         self._hinted = False
         self._begin = 0.0
         self._times: list[float] = []
 
-    def timed(self, frames: Iterable[Frame]) -> Iterator[Frame]:
-        """Yield the frames, and measure for each frame the time until the next call of `add`."""
+    def timed(self, frames: Iterable[_Frame]) -> Iterator[_Frame]:
+        """Yield frames, and measure for each of them the time until the next call of `add`."""
         for frame in frames:
             self._begin = time.perf_counter()
             yield frame
@@ -55,28 +58,46 @@ class TrackingLog:
         self._times.append(time.perf_counter() - self._begin)
         self._frames += 1
         self._with_landmarks += bool(view.sightings)
+        by = f"{view.camera}: " if view.camera else ""
         for one in view.sightings:
-            if one.id not in self._seen:
-                self._seen.add(one.id)
+            if (view.camera, one.id) not in self._seen:
+                self._seen.add((view.camera, one.id))
                 distance = np.linalg.norm(one.pose.translation)
-                self._logger.info("found landmark %s at a distance of %.2f m", one.id, distance)
+                self._logger.info("%sfound landmark %s at a distance of %.2f m", by, one.id, distance)
             if one.shared and one.id not in self._shared:
                 self._shared.add(one.id)
                 self._logger.warning(
-                    "several markers with the number %s are visible; their frames are not on /tf, and none of them is "
-                    "used as a landmark; print each marker with a number of its own",
+                    "%sseveral markers with the number %s are visible; their frames are not on /tf, and none of them "
+                    "is used as a landmark; print each marker with a number of its own",
+                    by,
                     one.id,
                 )
         if not (self._seen or self._hinted) and (self._frames.bit_count() == 1 or self._frames % _HINT_EVERY == 0):
-            self._hint(view.frame.image)
-        rejected = view.place.rejected if view.place else ()
-        for target in set(rejected) - set(self._rejected):
-            self._logger.warning("landmark %s is not at the position in the landmarks file; ignoring it", target)
-        self._rejected = rejected
+            self._hint(view)
+        if view.rover:
+            self._judge(view.rover.place)
+        elif not view.camera:
+            self._judge(view.place)
 
-    def _hint(self, image: Image) -> None:
+    def _judge(self, place: FieldPose | None) -> None:
+        """Log the landmarks that do not fit a pose, if they are others than before."""
+        if place and not place.agreed:
+            rejected, used = (", ".join(map(str, sorted(some, key=str))) for some in (place.rejected, place.used))
+            if not self._disagreed:
+                self._logger.warning(
+                    "landmarks %s and %s contradict each other; there is no pose until most of them agree",
+                    used,
+                    rejected,
+                )
+        else:
+            for target in sorted(set(place.rejected if place else ()) - set(self._rejected), key=str):
+                self._logger.warning("landmark %s is not at the position in the landmarks file; ignoring it", target)
+        self._disagreed = place is not None and not place.agreed
+        self._rejected = place.rejected if place else ()
+
+    def _hint(self, view: View) -> None:
         """Log the dictionary of the markers in an image in which no marker of the chosen dictionary was found."""
-        if found := other_dictionary(image, self._camera, self._markers):
+        if found := other_dictionary(view.frame.image, self._cameras[view.camera], self._markers):
             dictionary, numbers = found
             self._hinted = True
             self._logger.warning(
@@ -98,6 +119,6 @@ class TrackingLog:
             "%s, %d of them with landmarks (%s); median computing time %.1f ms per frame",
             counted(self._frames, "frame"),
             self._with_landmarks,
-            ", ".join(sorted(map(str, self._seen))) or "none",
+            ", ".join(sorted({str(target) for _, target in self._seen})) or "none",
             1e3 * statistics.median(self._times),
         )

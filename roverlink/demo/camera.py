@@ -22,7 +22,7 @@ from typing import IO, cast
 import numpy as np
 
 from roverlink.commands.aruco.track import NO_MIDDLEWARE
-from roverlink.demo.field import RATE_HZ, SIDE, landmarks, render_film, write_field
+from roverlink.demo.field import SIDE, landmarks, render_film, rover_position, write_cameras, write_field
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.middleware import Middleware
 from roverlink.vision.camera.camera_model import Floats
@@ -51,8 +51,8 @@ class DemoCamera:
         self._folder = TemporaryDirectory(prefix="roverlink-camera-")
         folder = Path(self._folder.name)
         frames = folder / "frames"
-        self._command = [sys.executable, "-m", "roverlink", "aruco", "track", str(frames), "--loop", "--json"]
-        self._command += ["--rate", str(RATE_HZ), "--side", str(SIDE), "--parameters", str(folder / "camera.yml")]
+        self._command = [sys.executable, "-m", "roverlink", "aruco", "track", str(folder / "cameras.yaml")]
+        self._command += ["--loop", "--json", "--side", str(SIDE)]
         self._command += ["--landmarks", str(folder / "landmarks.yaml")]
         self._command += ["--middleware", NO_MIDDLEWARE if middleware == "memory" else middleware]
         self._command += ["--project", str(project), "--ros-args", "--log-level", "warn"]
@@ -61,6 +61,7 @@ class DemoCamera:
         self._worst = 0.0
         frames.mkdir()
         write_field(folder)
+        write_cameras(folder)
         for frame in self._film:
             cv2.imwrite(str(frames / f"{frame.number}.png"), frame.image)
 
@@ -89,8 +90,9 @@ class DemoCamera:
         self._child.send_signal(signal.SIGINT)
         self._child.wait(_TIMEOUT_S)
         self._thread.join()
+        known = len(landmarks().places)
         return (
-            f"the simulated camera located itself in {self._frames} frames with {len(landmarks().places)} landmarks; "
+            f"the simulated camera located the rover in {self._frames} frames with {known} landmarks; "
             f"largest error {1e3 * self._worst:.0f} mm"
         )
 
@@ -104,10 +106,10 @@ class DemoCamera:
     def _listen(self) -> None:
         for line in self._output:
             view = json.loads(line)
-            if "camera" not in view:
+            if "position" not in view.get("rover", {}):
                 continue
-            place = np.array(view["camera"]["position"])
+            place = np.array(view["rover"]["position"])
             self._publish_position(place)
-            truth = self._film.truth[view["frame"] % len(self._film.truth)].translation
+            truth = rover_position(self._film.truth[view["frame"] % len(self._film.truth)])
             self._worst = max(self._worst, float(np.linalg.norm(place - truth)))
             self._frames += 1

@@ -10,8 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import yaml
 
 from roverlink.vision import CameraParameters, Landmark, Landmarks, Pose
+from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.camera.parameters_file import write_parameters
 from roverlink.vision.frames import Frame
 from roverlink.vision.images.rendering import Lens, Print, marker_print, render, texture
@@ -27,6 +29,7 @@ SIDE = 0.15
 """Side of the markers in metres."""
 SURVEY = 0.002
 """Standard deviation of the landmarks' measured positions in metres. For their rotations, the default is used."""
+_HEIGHT_M = 0.6  # of the camera on the rover
 _SIZE = (640, 480)
 _LENS = Lens(
     np.array([[600.0, 0, 322.5], [0, 602.0, 236.0], [0, 0, 1]]),
@@ -54,8 +57,8 @@ class Film:
 
 
 def landmarks() -> Landmarks:
-    """Return the four landmarks, with their poses in the frame ``field``."""
-    return Landmarks("field", {number: Landmark(_on_field(number), SURVEY) for number in _LANDMARKS})
+    """Return the four landmarks, with their poses in the frame ``map``."""
+    return Landmarks("map", {number: Landmark(_on_field(number), SURVEY) for number in _LANDMARKS})
 
 
 def parameters() -> CameraParameters:
@@ -70,8 +73,26 @@ def write_field(folder: Path) -> None:
         f"  {number}: {{position: {one.pose.translation.tolist()}, rpy: [90, 0, -90]}}"
         for number, one in landmarks().places.items()
     ]
-    text = "\n".join(["frame: field", f"survey: {{position: {SURVEY}}}", "landmarks:", *lines, ""])
+    text = "\n".join(["frame: map", f"survey: {{position: {SURVEY}}}", "landmarks:", *lines, ""])
     (folder / "landmarks.yaml").write_text(text, encoding="utf-8")
+
+
+def write_cameras(folder: Path) -> None:
+    """Write ``cameras.yaml``: the simulated camera, with the images in the folder ``frames`` beside the file."""
+    keys = {
+        "source": "frames",
+        "rate": RATE_HZ,
+        "parameters": "camera.yml",
+        "mount": {"position": [0, 0, _HEIGHT_M], "rpy": [0, 0, 0]},
+    }
+    text = yaml.safe_dump({"cameras": {"front": keys}}, sort_keys=False)
+    (folder / "cameras.yaml").write_text(text, encoding="utf-8")
+
+
+def rover_position(camera: Pose) -> Floats:
+    """Return the position (3,) in metres of the rover, given the pose of its camera (camera to field)."""
+    position: Floats = camera.translation - np.array([0, 0, _HEIGHT_M])
+    return position
 
 
 def render_film(frames: int = FRAMES) -> Film:
@@ -92,7 +113,7 @@ def _on_field(number: int) -> Pose:
 
 def _place(angle: float) -> Pose:
     """Return the pose of the camera (camera to field) when the rover is at ``angle``, in radians, on its circle."""
-    return Pose(_AHEAD, np.array([0.3 * np.sin(angle), 0.3 * np.cos(angle), 0.6]))
+    return Pose(_AHEAD, np.array([0.3 * np.sin(angle), 0.3 * np.cos(angle), _HEIGHT_M]))
 
 
 def _print(number: int, camera: Pose) -> tuple[Print, PrintPose]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import shutil
 import signal
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +21,13 @@ np = pytest.importorskip("numpy", reason=NO_OPENCV)
 pypdfium2 = pytest.importorskip("pypdfium2", reason="need pypdfium2 (pip install pypdfium2)")
 
 from roverlink.aruco.board_options import add_board, board_of  # noqa: E402  # they need OpenCV
-from roverlink.vision.calibration import BoardDetector, CharucoBoard  # noqa: E402
+from roverlink.vision.calibration import (  # noqa: E402
+    AprilGrid,
+    BoardDetector,
+    CalibrationBoard,
+    CharucoBoard,
+    Chessboard,
+)
 from roverlink.vision.camera.parameters_file import read_parameters  # noqa: E402
 from tests.vision.board_frames import BOARD, MATRIX, SIZE, frames  # noqa: E402
 
@@ -86,6 +93,67 @@ def test_scripts_get_json(images: Path, tmp_path: Path, capsys: pytest.CaptureFi
         assert 0 < found["parameters"][name]["deviation"] < 0.3
     assert 0 < found["uncertainty"]["mean"] < found["uncertainty"]["max"] < 0.5
     assert [view["name"] for view in found["views"] if view["dropped"]] == ["wall.png"]
+    assert found["judgement"]["verdict"] in ("good", "usable")
+    assert all(doubt["text"] for doubt in found["judgement"]["doubts"])
+
+
+def test_an_image_that_cannot_be_read_is_skipped(
+    images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is named once and counted, and the others are used, each with its own name."""
+    folder = tmp_path / "images"
+    shutil.copytree(images, folder)
+    (folder / "view0.png").write_bytes(b"no image")
+    out = tmp_path / "camera.yml"
+    assert main(["aruco", "calibrate", str(folder), "--out", str(out)]) == 0
+    said = capsys.readouterr()
+    assert said.err.count("view0.png: cannot read the file as an image; it is skipped") == 1
+    assert f"skipped 1 of {IMAGES + 1} images" in said.err
+    named = [name for line in said.out.splitlines() if (name := line.split(" ")[0]).endswith(".png")]
+    assert named == [*(f"view{index}.png" for index in range(1, IMAGES)), "wall.png"]
+
+
+@pytest.mark.parametrize(
+    ("board", "options"),
+    [
+        (Chessboard(6, 5, 0.015), ["chessboard", "--squares", "6x5", "--square", "0.015"]),
+        (AprilGrid(6, 4, 0.03), ["aprilgrid", "--squares", "6x4", "--marker", "0.03"]),
+    ],
+    ids=["chessboard", "aprilgrid"],
+)
+def test_other_boards_calibrate_too(board: CalibrationBoard, options: list[str], tmp_path: Path) -> None:
+    """A chessboard that is in the image as a whole, and an AprilGrid of Kalibr."""
+    folder = tmp_path / "images"
+    folder.mkdir()
+    for index, image in enumerate(frames(24, board)):
+        cv2.imwrite(str(folder / f"view{index}.png"), image)
+    out = tmp_path / "camera.yml"
+    assert main(["aruco", "calibrate", str(folder), "--out", str(out), "--board", *options]) == 0
+    assert read_parameters(out).focal == pytest.approx(MATRIX.diagonal()[:2], rel=2e-3)
+
+
+def test_parameters_that_must_not_be_used_replace_no_good_ones(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """They are in a file with another name; the reason is there, and the exit code is 1."""
+    folder = tmp_path / "images"
+    folder.mkdir()
+    rows, columns = np.indices(SIZE[::-1], np.float32)
+    shears = np.random.default_rng(2).normal(0, 6, IMAGES)
+    for index, (image, shear) in enumerate(zip(frames(IMAGES), shears)):
+        moved = columns - np.float32(shear) * (rows / SIZE[1] - np.float32(0.5))
+        cv2.imwrite(str(folder / f"view{index}.png"), cv2.remap(image, moved, rows, cv2.INTER_CUBIC))
+    out = tmp_path / "camera.yml"
+    out.write_text("good parameters")
+    assert main(["aruco", "calibrate", str(folder), "--out", str(out)]) == 1
+    said = capsys.readouterr().out
+    assert "judgement: do not use" in said
+    assert "rolling shutter" in said
+    assert out.read_text() == "good parameters"
+    rejected = tmp_path / "camera.rejected.yml"
+    assert read_parameters(rejected).size == SIZE
+    assert cv2.FileStorage(str(rejected), cv2.FILE_STORAGE_READ).getNode("judgement").string() == "do not use"
+    assert "rolling shutter" in (tmp_path / "camera.rejected.html").read_text(encoding="utf-8")
 
 
 def test_too_few_views_are_refused(images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -186,6 +254,9 @@ def test_markers_are_printed(tmp_path: Path) -> None:
         (["--squares", "30x30"], "DICT_4X4_50 has only 50 markers, but 30x30 squares need 450"),
         (["--marker", "0.024"], "a marker must be smaller"),
         (["--dictionary", "DICT_4X4_5"], "did you mean 'DICT_4X4_50'?"),
+        (["--board", "chessboard", "--marker", "0.01"], "--marker does not belong to --board chessboard, which has"),
+        (["--board", "aprilgrid", "--legacy"], "--legacy does not belong to --board aprilgrid, which has"),
+        (["--board", "aprilgrid", "--spacing", "2"], "the spacing is 2.0"),
     ],
 )
 def test_what_cannot_be_printed_is_told(

@@ -19,7 +19,6 @@ import pytest
 from needs import NO_OPENCV, needs_dds
 from polling import PATIENCE_S, wait_until
 
-from generated.messages import BasestationRoverLocalization
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
 from roverlink.runtime import Qos
@@ -30,7 +29,15 @@ from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middlewa
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 
-from roverlink.demo.field import SIDE, Film, landmarks, render_film, write_field  # noqa: E402  # they need OpenCV
+from roverlink.demo.field import (  # noqa: E402  # they need OpenCV
+    SIDE,
+    Film,
+    landmarks,
+    render_film,
+    rover_position,
+    write_cameras,
+    write_field,
+)
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs  # noqa: E402
 
 _FRAMES = 6
@@ -91,7 +98,7 @@ def test_json_says_what_is_where(field: Field, capsys: pytest.CaptureFixture[str
             assert np.linalg.norm(one["position"] - there) < 0.02 * np.linalg.norm(there)
             assert np.shape(one["corners"]) == (4, 2)
         assert field.off(view["frame"], view["camera"]["position"]) < 0.01
-        assert view["camera"]["frame"] == "field"
+        assert view["camera"]["frame"] == "map"
         assert view["camera"]["used"] == [7, 8, 9, 10]
         assert np.linalg.eigvalsh(np.reshape(view["camera"]["covariance"], (6, 6))).min() > 0
 
@@ -265,6 +272,7 @@ def test_a_principal_point_that_does_not_fit_is_told(
         (("--side", "300=0.1"), "DICT_5X5_250 has no marker 300"),
         (("--boards", "none.yaml"), "cannot read the boards"),
         (("--landmarks", "none.yaml"), "cannot read the landmarks"),
+        (("--covariance-scale", "0"), "covariance_scale is 0.0; it must be positive"),
         (("--save", "film.gif"), "the name must end with .mp4 or .avi"),
         (("--ros-args", "-p", "side:=0.1"), "has no parameter 'side'; it is set by options"),
     ],
@@ -285,6 +293,28 @@ def test_a_side_that_cannot_be_is_told(side: str, capsys: pytest.CaptureFixture[
     with pytest.raises(SystemExit):
         main(["aruco", "track", "--side", side])
     assert "is not METRES or ID=METRES" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--side-sigma", "--corner-floor", "--covariance-scale", "--readout-time"])
+@pytest.mark.parametrize("value", ["x", "-1", "nan", "inf"])
+def test_an_uncertainty_that_cannot_be_is_told(option: str, value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The options of the covariances are finite numbers that are not negative."""
+    with pytest.raises(SystemExit):
+        main(["aruco", "track", f"{option}={value}"])
+    assert "is not a finite number of at least 0" in capsys.readouterr().err
+
+
+def test_the_options_of_the_covariance_are_used(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each one changes the covariances, and no pose."""
+    found = {}
+    for option, value in [("", ""), ("--side-sigma", "0.05"), ("--corner-floor", "1"), ("--covariance-scale", "9")]:
+        assert main(field.words("--json", "--count", "1", *filter(None, (option, value)))) == 0
+        found[option] = json.loads(capsys.readouterr().out.splitlines()[0])["markers"]
+    plain = found.pop("")
+    for markers in found.values():
+        for before, after in zip(plain, markers, strict=True):
+            assert after["position"] == pytest.approx(before["position"])
+            assert after["covariance"][14] > 2 * before["covariance"][14]
 
 
 def test_landmarks_have_to_be_what_can_be_seen(
@@ -356,10 +386,9 @@ def test_ros_2_hears_what_is_seen(field: Field) -> None:
         "/front/aruco/camera_info": sensor_msgs.CameraInfo,
         "/front/aruco/image/compressed": sensor_msgs.CompressedImage,
         "/front/aruco/camera_pose": geometry_msgs.PoseWithCovarianceStamped,
-        "/rover_localization": BasestationRoverLocalization,
     }
     began = time.time_ns()
-    ros = ("-r", "__ns:=/front", "-r", "aruco/detections:=seen", "-r", "rover_localization:=/rover_localization")
+    ros = ("-r", "__ns:=/front", "-r", "aruco/detections:=seen")
     names = ("--camera-frame", "eye", "--marker-frame", "mark_", "--middleware", "dds", "--count", 20, "--loop")
     with open_middleware("dds", NodeIdentity("listener")) as middleware:
         listener = Listener(middleware)
@@ -373,7 +402,8 @@ def test_ros_2_hears_what_is_seen(field: Field) -> None:
     }
     stamps = {one.header.stamp.sec * 10**9 + one.header.stamp.nanosec for one in transforms}
     assert began < min(stamps) <= max(stamps) < time.time_ns()
-    for place in listener.heard["/rover_localization"]:
+    for message in listener.heard["/front/aruco/camera_pose"]:
+        place = message.pose.pose.position
         assert min(field.off(number, (place.x, place.y, place.z)) for number in range(_FRAMES)) < 0.01
     image = cv2.imdecode(np.frombuffer(listener.heard["/front/aruco/image/compressed"][0].data, np.uint8), 1)
     assert image.shape == (480, 640, 3)
@@ -389,11 +419,14 @@ def test_the_basestation_hears_where_the_rover_is(field: Field, start: Start) ->
         port = f"dst_a_port:={basestation.getsockname()[1]}"
         bridge = start("run", "--middleware", "dds", "--ros-args", "-p", "listen_port:=0", "-p", port)
         bridge.wait_for("on UDP port")
-        tracker = start(*field.words("--middleware", "dds", "--loop"))
+        write_cameras(field.folder)
+        given = ("--side", SIDE, "--landmarks", field.folder / "landmarks.yaml")
+        tracker = start(*("aruco", "track", field.folder / "cameras.yaml", *given, "--middleware", "dds", "--loop"))
         for _ in range(20):
             envelope = REGISTRY.envelope.FromString(basestation.recv(2000))
             place = envelope.rover_localization
-            assert min(field.off(number, (place.x, place.y, place.z)) for number in range(_FRAMES)) < 0.01
+            off = [rover_position(pose) - (place.x, place.y, place.z) for pose in field.film.truth]
+            assert np.linalg.norm(off, axis=1).min() < 0.01
         assert tracker.interrupt() == 0
         assert "of them with landmarks (10, 7, 8, 9)" in str(tracker)
         assert bridge.interrupt() == 0

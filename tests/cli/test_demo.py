@@ -55,7 +55,7 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
     assert account
     assert int(account[1]) == int(account[2]) > 0
     assert "not bridged" not in output
-    seen = re.search(r"located itself in (\d+) frames with 4 landmarks; largest error (\d+) mm", output)
+    seen = re.search(r"located the rover in (\d+) frames with 4 landmarks; largest error (\d+) mm", output)
     if importlib.util.find_spec("cv2"):
         assert seen
         assert int(seen[1]) > 0

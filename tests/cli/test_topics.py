@@ -264,7 +264,7 @@ def _same(left: Any, right: Any) -> bool:
     return bool(left == right) or (isinstance(left, float) and math.isnan(left) and math.isnan(right))
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], max_examples=40)
+@settings(suppress_health_check=[HealthCheck.too_slow], max_examples=40)
 @given(_MESSAGES)
 def test_printed_yaml_is_read_as_the_same_values(values: dict[str, Any]) -> None:
     """Whatever a message holds, YAML reads it back equal in value and type, with its fields in order."""
@@ -273,7 +273,7 @@ def test_printed_yaml_is_read_as_the_same_values(values: dict[str, Any]) -> None
     assert text.endswith("\n")
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], max_examples=50)
+@settings(suppress_health_check=[HealthCheck.too_slow], max_examples=50)
 @given(_MESSAGES)
 def test_printed_json_is_one_strict_line(values: dict[str, Any]) -> None:
     """Whatever a message holds, it is one line of JSON that any reader takes: without NaN, which JSON has not."""

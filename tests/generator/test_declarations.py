@@ -20,7 +20,7 @@ from roverlink.generator.protos.parser import File, parse, resolve_type
 from roverlink.generator.protos.parser.tokens import Lexer
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
-_EXAMPLES = settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
+_EXAMPLES = settings(max_examples=80, suppress_health_check=list(HealthCheck))
 _FOLDERS = [ROOT / "proto", WELL_KNOWN]
 _CASES = [case for case in CASES if any(path.startswith("proto/") for path in case.inputs)]
 _CONTENTS = {path.read_bytes() for folder in _FOLDERS for path in folder.rglob("*.proto")}

@@ -50,7 +50,7 @@ def test_black_leaves_it_as_it_is(case: CaseFile) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(name=_NAMES, package=_NAMES, comment=_TEXTS, text=_TEXTS, raw=st.binary(max_size=80))
 def test_black_leaves_any_text_and_any_length_as_it_is(
     name: str, package: str, comment: str, text: str, raw: bytes

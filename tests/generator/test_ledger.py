@@ -84,7 +84,7 @@ def _every_rule() -> list[str]:
     return [id for id, rule in changes.items() if rule.severity is not Severity.HINT]
 
 
-@settings(deadline=None, max_examples=150)
+@settings(max_examples=150)
 @given(st.integers(0, len(_LEDGER.splitlines()) - 1), st.sampled_from(["cut", "drop", "twice", "change"]))
 def test_every_edit_by_hand_is_noticed(tmp_path_factory: pytest.TempPathFactory, index: int, edit: str) -> None:
     """A line taken out, repeated or changed, or everything after it cut off, is a finding."""

@@ -36,7 +36,7 @@ with pytest.MonkeyPatch.context() as environment:
 _DATA = ROOT / "tests" / "generator" / "nanopb"
 _NANOPB_PROTO = Path(nanopb.__file__).parent / "proto"
 _WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
-_EXAMPLES = settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
+_EXAMPLES = settings(max_examples=20, suppress_health_check=list(HealthCheck))
 
 
 # --- nanopb ---------------------------------------------------------------------------------------------------------

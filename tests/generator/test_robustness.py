@@ -23,7 +23,7 @@ from roverlink.generator.table import reader
 
 T = TypeVar("T")
 
-_EXAMPLES = settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
+_EXAMPLES = settings(max_examples=80, suppress_health_check=list(HealthCheck))
 _TABLE = re.sub(rb"  - number: 4\n.*(?=  - number: 11\n)", b"", (ROOT / "mapping.yaml").read_bytes(), flags=re.DOTALL)
 _LEDGER = (ROOT / "mapping.lock").read_bytes()
 _SNIPPETS = st.sampled_from(

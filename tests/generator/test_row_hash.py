@@ -103,7 +103,7 @@ def _rename_oneof(_: Random, message: DescriptorProto) -> None:
 
 
 _CHANGES = [_rename, _renumber, _retype, _relabel, _add, _remove, _move_out_of_the_oneof, _rename_oneof]
-_EXAMPLES = settings(max_examples=8, deadline=None)
+_EXAMPLES = settings(max_examples=8)
 
 
 @pytest.mark.parametrize("change", _CHANGES, ids=lambda change: change.__name__.strip("_"))

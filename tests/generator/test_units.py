@@ -87,7 +87,7 @@ def test_every_unit_is_the_one_that_pint_knows(symbol: str) -> None:
 
 
 @given(st.sampled_from(sorted({*known.PREFIXED} - {"G"})), st.sampled_from(sorted(_PREFIXES)))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_prefixes_are_those_of_the_si(symbol: str, prefix: str) -> None:
     """A unit behind a prefix has pint's size, where no other unit has that name."""
     if prefix + symbol not in (*known.PLAIN, *known.PREFIXED):
@@ -98,7 +98,7 @@ _FACTORS = st.sampled_from(["m", "kg", "s", "deg", "uT", "kPa", "rad", "N", "V",
 
 
 @given(st.lists(st.tuples(_FACTORS, st.integers(-3, 3), st.booleans()), min_size=1, max_size=4))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_products_and_powers_are_read_as_pint_reads_them(parts: list[tuple[str, int, bool]]) -> None:
     """Factors, divisors and powers, from left to right, are the unit that pint makes of them."""
     ours = theirs = "1"

@@ -528,7 +528,7 @@ def _burned(draw: st.DrawFn) -> Burned:
     return Burned(owner, number, tuple(uses), draw(st.sampled_from([*uses, None])), draw(_REASONS))
 
 
-@settings(deadline=None, max_examples=40, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, suppress_health_check=list(HealthCheck))
 @given(st.lists(_burned(), max_size=4))
 def test_what_is_written_is_read_again(tmp_path_factory: pytest.TempPathFactory, burned: list[Burned]) -> None:
     """Each accepted number comes back from the text as it was, with its reason, and the text does not change."""

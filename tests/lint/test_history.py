@@ -17,7 +17,7 @@ from roverlink.generator.lint.history import History, Kind, Relation, Reuse, Usa
 from roverlink.generator.lint.history.branch_collisions import default_branch
 from roverlink.generator.lint.history.commits import PastRepository
 
-_EXAMPLES = settings(deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+_EXAMPLES = settings(suppress_health_check=list(HealthCheck), derandomize=True)
 _FILE = "components/common/envelope.proto"
 
 IMU, GPS, PH, LOAD = "Imu imu = 1;", "Gps gps = 2;", "Ph ph = 3;", "LoadCell load_cell = 4;"

@@ -166,7 +166,7 @@ def test_what_a_terminal_would_obey_is_not_repeated(repository: RepositoryBuilde
     assert all(line.isprintable() for line in out.splitlines())
 
 
-@settings(deadline=None, max_examples=8, suppress_health_check=list(HealthCheck))
+@settings(max_examples=8, suppress_health_check=list(HealthCheck))
 @given(st.lists(st.permutations([3, 4, 5, 6]), min_size=1, max_size=6))
 def test_a_history_without_reuse_gives_nothing(
     tmp_path_factory: pytest.TempPathFactory, states: list[list[int]]

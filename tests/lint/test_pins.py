@@ -142,9 +142,7 @@ def _of_bytes(out: str) -> set[tuple[str, int]]:
 
 
 @pytest.mark.slow
-@settings(
-    deadline=None, suppress_health_check=list(HealthCheck), derandomize=True, max_examples=15, phases=[Phase.generate]
-)
+@settings(suppress_health_check=list(HealthCheck), derandomize=True, max_examples=15, phases=[Phase.generate])
 @given(seed=st.integers(0, 2**32))
 def test_each_pair_is_judged_as_against_judges_its_commits(
     seed: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

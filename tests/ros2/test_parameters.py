@@ -147,7 +147,7 @@ def test_a_dumped_file_starts_a_bridge_with_the_same_parameters(judge: Judge, br
     bridge("--params-file", str(file), "-p", "listen_port:=0", "-p", "dst_a_port:=6124")
     wait_until(lambda: _get(judge, "dst_a_port") == 6124, "the second bridge")
     assert [_get(judge, name) for name in ("max_datagram", "source_policy")] == [1000, "any"]
-    loaded = parameter_dict_from_yaml_file(str(file))
+    loaded = parameter_dict_from_yaml_file(str(file), target_nodes=["/udp_forwarder"])
     results = _call(judge, "set_parameters", parameters=list(loaded.values())).results
     refused = {name for name, result in zip(loaded, results) if not result.successful}
     assert {"listen_port", "listen_address", "max_datagram"} <= refused

@@ -27,7 +27,7 @@ rays = st.tuples(st.floats(-0.6, 0.6), st.floats(-0.5, 0.5)).map(np.array)
 kinds = st.sampled_from(list(CAMERAS))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(kinds, rays)
 def test_projection_is_that_of_opencv(kind: str, ray: np.ndarray) -> None:
     """A calibration by OpenCV means here what it means there."""
@@ -41,7 +41,7 @@ def test_projection_is_that_of_opencv(kind: str, ray: np.ndarray) -> None:
     assert camera.project(3 * point) == pytest.approx(expected.ravel(), abs=1e-7)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(kinds, rays)
 def test_undistorting_takes_distorting_back(kind: str, ray: np.ndarray) -> None:
     """A pixel's ray meets that pixel."""
@@ -49,7 +49,7 @@ def test_undistorting_takes_distorting_back(kind: str, ray: np.ndarray) -> None:
     assert camera.undistort(camera.distort(ray)) == pytest.approx(ray, abs=1e-9)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.sampled_from([kind for kind, camera in CAMERAS.items() if not camera.fisheye]), rays)
 def test_undistorting_is_that_of_opencv(kind: str, ray: np.ndarray) -> None:
     """OpenCV finds the same ray for a pixel, where its iteration is let run to the end."""
@@ -61,7 +61,7 @@ def test_undistorting_is_that_of_opencv(kind: str, ray: np.ndarray) -> None:
     assert camera.undistort(pixel) == pytest.approx(expected.ravel(), abs=1e-7)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(kinds, rays)
 def test_the_slope_is_the_derivative(kind: str, ray: np.ndarray) -> None:
     """What a small change of the ray does to the pixel is what the slope says."""
@@ -72,7 +72,7 @@ def test_the_slope_is_the_derivative(kind: str, ray: np.ndarray) -> None:
         assert slope[:, axis] == pytest.approx(difference, rel=1e-5, abs=1e-3)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(kinds, rays, st.sampled_from([(960, 600), (640, 400), (3840, 2400), (1280, 1200)]))
 def test_a_scaled_camera_sees_the_same_part_of_the_image(kind: str, ray: np.ndarray, size: tuple[int, int]) -> None:
     """Pixel areas scale, so a place (x + 1/2) / width of the image stays."""

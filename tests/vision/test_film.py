@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision import CameraParameters, FieldPose, Pose
+from roverlink.vision.camera.camera_settings import CameraSettings
 from roverlink.vision.frames import open_source, play
 from roverlink.vision.images.drawing import REJECTED, SEEN, draw
 from roverlink.vision.images.film import Film
@@ -75,7 +76,7 @@ def test_a_recording_is_played_at_its_pace(tmp_path: Path) -> None:
     for number in range(3):
         cv2.imwrite(str(tmp_path / f"{number}.png"), _image(number))
     began = time.time_ns()
-    with open_source(str(tmp_path), rate=20) as source:
+    with open_source(str(tmp_path), CameraSettings(rate=20)) as source:
         frames = [(frame, time.time_ns()) for _, frame in zip(range(7), play(source, loop=True))]
     stamps = [frame.stamp for frame, _ in frames]
     assert np.diff(stamps).tolist() == [50 * MS] * 6

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
+import socket
+import subprocess
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,6 +17,7 @@ from numpy.typing import NDArray
 from polling import wait_until
 
 from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.camera.camera_settings import CameraSettings
 from roverlink.vision.frames import open_source
 from tests.vision.webcam import Webcam
 
@@ -42,7 +46,7 @@ def test_a_folder_is_read_in_the_order_of_its_numbers(tmp_path: Path) -> None:
     for number in (10, 2, 1):
         cv2.imwrite(str(tmp_path / f"view{number}.png"), _image(number))
     (tmp_path / "notes.txt").write_text("no image")
-    with open_source(str(tmp_path), rate=10) as source:
+    with open_source(str(tmp_path), CameraSettings(rate=10)) as source:
         frames = list(source)
         assert (source.live, source.total) == (False, 3)
     assert [int(frame.image[0, 0, 0]) for frame in frames] == [1, 2, 10]
@@ -95,7 +99,7 @@ def test_what_is_no_recording_is_told(tmp_path: Path, name: str, contents: bytes
     [
         ("film.mp4", "no file or folder 'film.mp4'"),
         ("frames/run1", "no file or folder 'frames/run1'"),
-        ("", "the number of a camera, a URL .*, or topic:NAME"),
+        ("", "the number of a camera, a URL .*, topic:NAME, or gstreamer:PIPELINE"),
         ("ftp://rover/film", "unknown scheme 'ftp'"),
         ("http://[::", "http://\\[::: not a valid URL: Invalid IPv6"),
         ("99", "cannot open camera 99"),
@@ -164,3 +168,56 @@ def test_a_stream_that_stays_away_is_asked_for_less_and_less(webcam: Callable[[i
     assert time.monotonic() - closing < 1.5  # the wait that it ends has two seconds
     assert [text.rpartition("trying again ")[2] for text in said[1:3]] == ["in 1 s", "in 2 s"]
     assert list(source) == []
+
+
+# --- RTSP, against GStreamer's server -------------------------------------------------------------------------------
+
+_SERVER = Path(__file__).with_name("rtsp_server.py")
+_SYSTEM_PYTHON = "/usr/bin/python3"
+_NO_SERVER = "need gst-rtsp-server (apt-get install gir1.2-gst-rtsp-server-1.0 gstreamer1.0-plugins-good python3-gi)"
+
+
+def _has_server() -> bool:
+    check = "import gi; gi.require_version('GstRtspServer', '1.0'); from gi.repository import Gst; Gst.init(None); "
+    check += "exit(not (Gst.ElementFactory.find('rtpjpegpay') and Gst.ElementFactory.find('jpegenc')))"
+    try:
+        return subprocess.run([_SYSTEM_PYTHON, "-c", check], capture_output=True).returncode == 0
+    except FileNotFoundError:
+        return False
+
+
+@contextlib.contextmanager
+def _rtsp(port: int) -> Iterator[subprocess.Popen[str]]:
+    with subprocess.Popen(
+        [_SYSTEM_PYTHON, str(_SERVER), str(port)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    ) as server:
+        assert server.stdout
+        assert server.stdout.readline() == "ready\n"
+        try:
+            yield server
+        finally:
+            server.kill()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not _has_server(), reason=_NO_SERVER)
+def test_a_camera_with_rtsp_is_read_and_read_again() -> None:
+    """Frames of a real server come as they are; when it has gone and is back, they go on."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    said = list[str]()
+    with contextlib.ExitStack() as servers:
+        server = servers.enter_context(_rtsp(port))
+        source = servers.enter_context(open_source(f"rtsp://127.0.0.1:{port}/live", say=said.append))
+        frames = iter(source)
+        first = next(frames)
+        assert first.size == (320, 240)
+        assert first.image.reshape(-1, 3).mean(axis=0) == pytest.approx([0, 255, 0], abs=25)
+        server.kill()
+        server.wait()
+        wait_until(lambda: any("opening it again" in text for text in said), "the loss of the stream")
+        servers.enter_context(_rtsp(port))
+        wait_until(lambda: any("is back after" in text for text in said), "the stream")
+        last = first.number
+        assert next(frame.number for frame in frames if frame.number > last) > last

@@ -1,4 +1,4 @@
-"""Where the camera is on a field."""
+"""Where a camera, or a rover with cameras, is on a field."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from roverlink.vision import Landmark, Landmarks, Pose, TargetId, localize
+from roverlink.vision.field.localization import Shot, localize_rover
 from roverlink.vision.poses.pose import rotation_of
 from tests.vision.seen import camera_on_field, view, wall
 
@@ -105,3 +106,58 @@ def test_the_covariance_is_symmetric_and_positive() -> None:
         assert found
         assert (found.covariance == found.covariance.T).all()
         assert np.linalg.eigvalsh(found.covariance).min() > 0
+
+
+# --- the rover ---------------------------------------------------------------------------------------------------
+
+_AHEAD = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # optical axes in those of the rover: z is x, x is -y
+FRONT = Pose(_AHEAD, np.array([0.3, 0.1, 0.4]))
+LEFT = Pose(rotation_of(np.array([0, 0, 0.6])) @ _AHEAD, np.array([-0.2, 0.3, 0.5]))
+"""Mounts: from the optical frame of a camera to the frame of the rover."""
+
+
+def test_the_rover_is_where_its_camera_and_its_mount_say() -> None:
+    """The pose through the mount is that of the joint estimate of a single camera, with its covariance."""
+    rng = np.random.default_rng(4)
+    camera = camera_on_field(rng)
+    sightings = view(camera, wall(), rng)
+    one, joint = localize(sightings, landmarks(wall())), localize_rover([Shot(sightings, FRONT)], landmarks(wall()))
+    assert one
+    assert joint
+    through = one.through(FRONT)
+    assert through.pose.translation == pytest.approx(joint.pose.translation, abs=1e-5)
+    assert through.pose.angle_to(joint.pose) < 1e-5
+    assert through.covariance == pytest.approx(joint.covariance, rel=2e-2, abs=1e-9)
+    assert through.pose.translation == pytest.approx((camera @ FRONT.inverse()).translation, abs=0.02)
+
+
+def test_two_cameras_give_one_pose_with_an_honest_covariance() -> None:
+    """It is better than that of each camera, and the squared error is 6 on average."""
+    rng, nees, joint, single = np.random.default_rng(5), [], [], []
+    known = landmarks(wall(), (0.004, 0.004))
+    for _ in range(60):
+        rover = camera_on_field(rng) @ FRONT.inverse()
+        off = {n: place.moved(rng.normal(0, 0.004, 6)) for n, place in wall().items()}
+        front = Shot(view(rover @ FRONT, {n: off[n] for n in (2, 3)}, rng), FRONT)
+        left = Shot(view(rover @ LEFT, {n: off[n] for n in (1, 4)}, rng), LEFT)
+        found, alone = localize_rover([front, left], known), localize_rover([front], known)
+        assert found
+        assert alone
+        error = found.pose.change_to(rover)
+        nees.append(error @ np.linalg.solve(found.covariance, error))
+        joint.append(np.linalg.norm(error[:3]))
+        single.append(np.linalg.norm(alone.pose.change_to(rover)[:3]))
+    assert np.mean(nees) == pytest.approx(6, abs=4 * (12 / 60) ** 0.5)
+    assert np.median(joint) < 0.7 * np.median(single)
+
+
+@pytest.mark.parametrize(("moved", "agreed"), [((), True), ((1,), True), ((1, 2), False), ((1, 2, 3), False)])
+def test_landmarks_agree_if_most_of_them_fit(moved: tuple[int, ...], agreed: bool) -> None:
+    """Where half of them contradict the others, nobody knows which ones are right."""
+    rng = np.random.default_rng(6)
+    camera, places = camera_on_field(rng), wall()
+    shifts = {number: np.array([0, 0.3 * number, -0.2 * number]) for number in moved}
+    really = {n: Pose(place.rotation, place.translation + shifts.get(n, 0)) for n, place in places.items()}
+    found = localize(view(camera, really, rng), landmarks(places, (0.005, 0.005)))
+    assert found
+    assert found.agreed is agreed

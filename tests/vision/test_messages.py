@@ -139,7 +139,7 @@ def test_a_pose_has_its_covariance_row_by_row() -> None:
 def test_the_cameras_pose_is_in_the_frame_of_the_field() -> None:
     """Stamp, frame and numbers are those of the place."""
     place = FieldPose("mars_yard", Pose(np.eye(3), np.array([1.0, 2.0, 3.0])), np.diag(np.arange(6.0)), (7,), ())
-    message = _read(sighting_messages.camera_pose_of(place, _STAMP))
+    message = _read(sighting_messages.field_pose_of(place, _STAMP))
     position = message.pose.pose.position
     assert (message.header.frame_id, message.header.stamp.nanosec) == ("mars_yard", 123_456_789)
     assert [position.x, position.y, position.z] == [1, 2, 3]

@@ -10,7 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from roverlink.vision.markers.marker_set import square
-from roverlink.vision.poses.pnp import Corners, Solution, chi2_limit, solve, square_poses, with_model_error
+from roverlink.vision.poses.chi_squared import chi2_limit
+from roverlink.vision.poses.pnp import Corners, Solution, solve, square_poses, with_all_errors
 from roverlink.vision.poses.pose import Pose, predict, rotation_of
 
 FACING = np.diag([1.0, -1.0, -1.0])
@@ -39,7 +40,7 @@ def solved(seen: Corners) -> list[Solution]:
     return solutions
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(poses(), changes)
 @example(Pose(FACING, np.array([0, 0, 1.0])), np.array([0, 0, 0, 0, 0, 1e-7]))
 def test_a_change_is_undone_by_its_inverse(pose: Pose, change: np.ndarray) -> None:
@@ -47,7 +48,7 @@ def test_a_change_is_undone_by_its_inverse(pose: Pose, change: np.ndarray) -> No
     assert pose.change_to(pose.moved(change)) == pytest.approx(change, abs=1e-9)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(poses(), poses(), vectors)
 def test_composition_is_one_after_the_other(first: Pose, second: Pose, point: np.ndarray) -> None:
     """A product applies its right side first, and the inverse takes a pose back."""
@@ -55,7 +56,7 @@ def test_composition_is_one_after_the_other(first: Pose, second: Pose, point: np
     assert (first.inverse() @ first).apply(point) == pytest.approx(point, abs=1e-12)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(poses())
 def test_the_prediction_s_derivative_is_its_derivative(pose: Pose) -> None:
     """Numerical differences agree."""
@@ -65,7 +66,7 @@ def test_the_prediction_s_derivative_is_its_derivative(pose: Pose) -> None:
         assert derivative[:, :, axis] == pytest.approx(difference, abs=1e-6)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(poses(), st.integers(0, 1000))
 def test_the_covariance_is_symmetric_and_positive(pose: Pose, seed: int) -> None:
     """Whatever is seen, the covariance is one."""
@@ -75,7 +76,7 @@ def test_the_covariance_is_symmetric_and_positive(pose: Pose, seed: int) -> None
         assert np.linalg.eigvalsh(solution.covariance).min() > 0
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(poses(), vectors, vectors)
 def test_a_marker_anywhere_on_a_board_gives_the_board_s_pose(marker: Pose, turn: np.ndarray, shift: np.ndarray) -> None:
     """The solutions are in the frame in which the corners are given."""
@@ -142,7 +143,7 @@ def test_a_fit_that_cannot_be_chance_widens_the_covariance() -> None:
     seen = seen_at(pose, square(0.05), 1e-5, np.random.default_rng(0))
     seen.rays[0] += 2e-3
     solutions = solved(seen)
-    wider, doubtful = with_model_error(seen, solutions)
+    wider, doubtful = with_all_errors(seen, solutions)
     assert doubtful[0].covariance.trace() > 10 * solutions[0].covariance.trace()
     assert wider.covariance[0, 0] > 10 * seen.covariance[0, 0]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision import MarkerSet
-from roverlink.vision.calibration import BoardDetector, CharucoBoard
+from roverlink.vision.calibration import AprilGrid, BoardDetector, CalibrationBoard, CharucoBoard, Chessboard
 from roverlink.vision.printing import PAPERS, board_sheet, marker_sheets, to_pdf, to_png
 from roverlink.vision.printing.sheet import Label, Sheet
 from roverlink.vision.printing.sheet_layout import RULER
@@ -23,6 +23,8 @@ BOARDS = {
     "default": CharucoBoard(),
     "odd": CharucoBoard(5, 7, 0.03, 0.022, "DICT_5X5_100"),
     "legacy": CharucoBoard(6, 8, 0.025, 0.015, "DICT_4X4_50", legacy=True),
+    "chessboard": Chessboard(),
+    "aprilgrid": AprilGrid(),
 }
 
 
@@ -33,7 +35,7 @@ def drawn(pdf: bytes, page: int = 0) -> NDArray[np.uint8]:
 
 
 @pytest.mark.parametrize("board", BOARDS.values(), ids=BOARDS)
-def test_a_board_on_paper_is_as_large_as_it_should_be(board: CharucoBoard) -> None:
+def test_a_board_on_paper_is_as_large_as_it_should_be(board: CalibrationBoard) -> None:
     """Every corner is found by its number, and is where it should be to 0.05 mm, in the middle of the sheet."""
     sheet = board_sheet(board, "A4")
     page = drawn(to_pdf([sheet]))

@@ -96,7 +96,7 @@ def test_what_was_calibrated_is_said() -> None:
     rows = dict(row for row in _Text(page()).rows if len(row) == 2)
     assert rows["Images"] == "1280 x 720 pixels"
     assert rows["Taken"] == "2023-11-14 22:13:20 to 22:13:39 UTC"
-    assert rows["Board"] == "11 x 8 squares of 24 mm, DICT_4X4_50"
+    assert rows["Board"] == "11 x 8 squares of 24 mm, markers of 18 mm, DICT_4X4_50"
     assert rows["Model"] == "plumb_bob"
     assert rows["Views"] == "18 used, 2 dropped"
     assert rows["Reprojection error (RMS)"] == f"{calibration().rms:.3f} px"

@@ -10,7 +10,8 @@ import pytest
 from bench.vision.calibration import projection_differences
 from roverlink.vision import CameraParameters
 from roverlink.vision.calibration import Model, PoorViewsError, calibrate
-from roverlink.vision.calibration.adjustment import by_parameters, moved_camera
+from roverlink.vision.calibration.adjustment import moved_camera
+from roverlink.vision.camera.parameter_derivatives import by_parameters
 from roverlink.vision.images.rendering import Lens
 from tests.vision.boards import BOARD, CAMERA, FISHEYE, NOISE, RATIONAL, SIZE, part, views
 
@@ -83,7 +84,7 @@ def test_views_of_a_part_of_the_image_are_refused() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("model", [Model.PLUMB_BOB, Model.EQUIDISTANT])
+@pytest.mark.parametrize("model", list(Model))
 def test_the_stated_interval_holds_the_truth(model: Model) -> None:
     """Each parameter's 95 % interval in at least 90 % of forty calibrations."""
     truth, inside = MODELS[model], []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
+from collections.abc import Callable
 
 import cv2
 import numpy as np
@@ -11,9 +12,11 @@ import pytest
 
 from bench.vision.boards import BOARD, board_print, true_corners
 from bench.vision.scenes import lens
-from roverlink.vision.calibration import BoardDetector, CharucoBoard, View
-from roverlink.vision.calibration.views import OFFSET
-from roverlink.vision.images.rendering import Grey, Pose, render, texture
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.calibration import AprilGrid, BoardDetector, CalibrationBoard, CharucoBoard, Chessboard, View
+from roverlink.vision.calibration.charuco_board import OFFSET
+from roverlink.vision.images.rendering import Grey, Lens, Pose, render, texture
+from roverlink.vision.printing import board_sheet, to_png
 from tests.vision.board_frames import frame
 
 CAMERA = lens()
@@ -35,6 +38,23 @@ def test_corners_are_found_to_hundredths_of_a_pixel() -> None:
     assert np.sqrt((miss**2).sum(axis=1).mean()) < 0.02
     assert (miss**2 / view.sigmas[:, None] ** 2).mean() == pytest.approx(1, abs=0.35)  # 3 sigma of 140 squares
     assert view.blur == pytest.approx((0.8**2 + 1 / 12) ** 0.5, abs=0.05)  # the renderer's, and a pixel's
+
+
+def test_edges_that_a_wide_lens_bends_do_not_move_their_corners() -> None:
+    """Corners near the rim of a fisheye lens are not off towards the middle, although their edges are curved."""
+    matrix = np.array([[267.0, 0, 322.3], [0, 267.8, 237.4], [0, 0, 1]])
+    camera = Lens(matrix, (0.02, -0.008, 0.003, -0.0008), (640, 480), fisheye=True)
+    rng = np.random.default_rng(3)
+    pose = Pose(np.diag([1.0, -1, -1]), np.array([0.2, 0.09, 0.17]))
+    frame = render(camera, np.full((480, 640), 120.0), [(board_print(40), pose)], rng)
+    view = BoardDetector(BOARD).find(frame)
+    outwards = view.corners - camera.matrix[:2, 2]
+    far = np.linalg.norm(outwards, axis=1) > 160
+    miss = ((view.corners - true_corners(camera, pose, view.ids)) * outwards).sum(axis=1) / np.linalg.norm(
+        outwards, axis=1
+    )
+    assert far.sum() > 30
+    assert abs(miss[far].mean()) < 0.008  # with straight edges, 0.017
 
 
 def test_the_offset_of_this_opencv_is_known() -> None:
@@ -74,6 +94,37 @@ def test_the_points_of_a_board_are_those_of_opencv() -> None:
     """A corner's number means here what it means there."""
     for board in (BOARD, CharucoBoard(5, 7, 0.03, 0.022)):
         assert board.points == pytest.approx(np.asarray(board.opencv.getChessboardCorners()), abs=1e-7)
+
+
+@pytest.mark.parametrize("board", [Chessboard(8, 6, 0.03), AprilGrid(5, 4, 0.03)], ids=["chessboard", "aprilgrid"])
+def test_other_boards_are_found_from_all_sides(board: CalibrationBoard) -> None:
+    """Their corners are where they were printed, up to the board's symmetry, however the camera is turned."""
+    sheet = cv2.imdecode(np.frombuffer(to_png(board_sheet(board, "A4"), 100), np.uint8), cv2.IMREAD_GRAYSCALE)
+    for turns in range(4):
+        image = np.ascontiguousarray(np.rot90(cv2.GaussianBlur(sheet, (0, 0), 0.7), turns))
+        view = BoardDetector(board).find(image)
+        assert len(view.ids) >= 0.9 * len(board.points)
+        homography, _ = cv2.findHomography(board.points[view.ids, :2], view.corners)
+        lifted = np.column_stack([board.points[view.ids, :2], np.ones(len(view.ids))]) @ homography.T
+        assert lifted[:, :2] / lifted[:, 2:] == pytest.approx(view.corners, abs=0.6)  # edges are rounded to pixels
+        assert np.linalg.det(homography[:2, :2]) > 0  # not mirrored
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Chessboard(3, 6), "too small; it needs at least 4x4"),
+        (lambda: Chessboard(square=0), "must be positive"),
+        (lambda: AprilGrid(1, 6), "at least 2x2"),
+        (lambda: AprilGrid(30, 30), "only 587 tags"),
+        (lambda: AprilGrid(spacing=1.5), "at most 1"),
+        (lambda: AprilGrid(tag=-1), "must be positive"),
+    ],
+)
+def test_impossible_boards_are_refused(make: Callable[[], CalibrationBoard], words: str) -> None:
+    """With the value that is wrong, and what it has to be."""
+    with pytest.raises(SetupError, match=words):
+        make()
 
 
 @pytest.mark.parametrize(

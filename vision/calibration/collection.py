@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.board import CalibrationBoard
 from roverlink.vision.calibration.coverage import Coverage, Need, Traits, traits
 from roverlink.vision.calibration.start import rough_camera, rough_pose
 from roverlink.vision.calibration.views import BoardDetector, View
@@ -55,7 +55,7 @@ class Collection:
     `wanted` is the least number of views in a complete collection.
     """
 
-    def __init__(self, board: CharucoBoard, wanted: int = VIEWS) -> None:
+    def __init__(self, board: CalibrationBoard, wanted: int = VIEWS) -> None:
         self.board = board
         self.wanted = wanted
         self._detector = BoardDetector(board)

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roverlink.vision.calibration.adjustment import Estimate
-from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.board import CalibrationBoard
+from roverlink.vision.calibration.board_bend import bent_points
 from roverlink.vision.calibration.start import residuals
 from roverlink.vision.calibration.views import FEWEST_CORNERS, View
 from roverlink.vision.camera.camera_model import Floats
@@ -82,14 +83,15 @@ class Choice:
         return other is not None and all((here == there).all() for here, there in zip(self.masks, other.masks))
 
 
-def measure(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> ResidualLengths:
+def measure(views: Sequence[View], board: CalibrationBoard, estimate: Estimate) -> ResidualLengths:
     """Return the lengths of the residuals of all corners for an estimate of camera and poses.
 
     Residuals are often larger than the image noise explains, because the board is uneven or the lens differs from its
     model. The excess is treated as additional noise that is equal for all corners.
     """
+    points = bent_points(board, estimate.bend)
     lengths = tuple(
-        np.linalg.norm(residuals(view, board, estimate.camera, pose), axis=1)
+        np.linalg.norm(residuals(view, points, estimate.camera, pose), axis=1)
         for view, pose in zip(views, estimate.poses)
     )
     # Medians, because outliers are not yet removed here.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.board import CalibrationBoard
 from roverlink.vision.calibration.coverage import CELLS, Coverage, traits
 from roverlink.vision.calibration.solution import Fitted, PoorViewsError
 from roverlink.vision.calibration.views import View
@@ -35,8 +35,8 @@ def check_count(usable: int, given: int) -> None:
         )
 
 
-def check_coverage(kept: Sequence[Fitted], board: CharucoBoard, camera: CameraParameters) -> None:
-    """Raise `PoorViewsError` if the views show too little of the image or too few tilts."""
+def check_coverage(kept: Sequence[Fitted], board: CalibrationBoard, camera: CameraParameters) -> Coverage:
+    """Return the coverage of the used views. Raises `PoorViewsError` if it is too small, or if too few are tilted."""
     coverage = Coverage()
     tilted = 0
     for one in kept:
@@ -56,3 +56,4 @@ def check_coverage(kept: Sequence[Fitted], board: CharucoBoard, camera: CameraPa
         )
     if reasons:
         raise PoorViewsError(tuple(reasons))
+    return coverage

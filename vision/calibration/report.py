@@ -16,7 +16,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from roverlink.runtime.atomic_files import write_whole
 from roverlink.vision.calibration import pictures
-from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.board import CalibrationBoard
 from roverlink.vision.calibration.coverage import Coverage, traits
 from roverlink.vision.calibration.solution import Calibration, Fitted
 
@@ -61,7 +61,7 @@ def parameters(calibration: Calibration) -> list[Parameter]:
     ]
 
 
-def report(calibration: Calibration, board: CharucoBoard, versions: Mapping[str, str]) -> str:
+def report(calibration: Calibration, board: CalibrationBoard, versions: Mapping[str, str]) -> str:
     """Return the report as HTML: parameters, figures of residuals, uncertainty and coverage, and a table of all views.
 
     `versions` maps the names of the programs that made the calibration to their versions.
@@ -95,7 +95,7 @@ def report(calibration: Calibration, board: CharucoBoard, versions: Mapping[str,
     )
 
 
-def write_report(path: Path, calibration: Calibration, board: CharucoBoard, versions: Mapping[str, str]) -> None:
+def write_report(path: Path, calibration: Calibration, board: CalibrationBoard, versions: Mapping[str, str]) -> None:
     """Write the report to a file, completely or not at all. Raises `SetupError` if the file cannot be written."""
     write_whole(path, report(calibration, board, versions).encode())
 
@@ -115,7 +115,7 @@ def _date(views: Sequence[Fitted]) -> str:
     return f"{first:%Y-%m-%d %H:%M:%S}{until if last != first else ''} UTC"
 
 
-def _coverage(calibration: Calibration, board: CharucoBoard) -> Coverage:
+def _coverage(calibration: Calibration, board: CalibrationBoard) -> Coverage:
     """Return the coverage of the used views: the parts of the image, the distances and the tilts that they show."""
     coverage = Coverage()
     for fitted in calibration.views:
@@ -125,7 +125,7 @@ def _coverage(calibration: Calibration, board: CharucoBoard) -> Coverage:
     return coverage
 
 
-def _row(fitted: Fitted, board: CharucoBoard) -> _Row:
+def _row(fitted: Fitted, board: CalibrationBoard) -> _Row:
     lengths = np.linalg.norm(fitted.residuals[fitted.used if fitted.used.any() else slice(None)], axis=1)
     return _Row(
         fitted,

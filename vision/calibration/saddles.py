@@ -60,6 +60,8 @@ class Sites:
     """Distance in metres from a corner to the nearest marker, along the board's x or y axis."""
     reach: float
     """Distance in metres from a corner, along its edges, up to which pixels are used."""
+    curvatures: Floats | None = None
+    """Curvature vectors (K, 2, 2) of the edges in 1/pixel: edge along y, edge along x. None for straight edges."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,10 +104,11 @@ def find_saddles(image: Image, sites: Sites) -> Saddles:
     state = _State(
         sites.places, np.arctan2(normals[:, :, 1], normals[:, :, 0]), np.full(len(pixels), np.log(FIRST_BLUR))
     )
+    curvatures = np.zeros((len(pixels), 2, 2)) if sites.curvatures is None else sites.curvatures
     with np.errstate(all="ignore"):  # without a corner the fit may diverge; `found` is then false
         for _ in range(STEPS):
             before = state
-            state, outcome = _step(before, pixels, grey, real)
+            state, outcome = _step(before, pixels, grey, real, curvatures)
             if np.nanmax(np.abs(state.places - before.places), initial=0.0) < SETTLED:
                 break
         moved = np.linalg.norm(state.places - sites.places, axis=1)
@@ -135,8 +138,10 @@ def _pixels(image: Image, sites: Sites) -> tuple[NDArray[np.intp], NDArray[np.bo
     return np.where(inside[:, None], pixels, 0), inside & near & ~in_marker & round_
 
 
-def _step(state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[np.bool_]) -> tuple[_State, _Outcome]:
-    design, contrast, residuals = _design(state, pixels, grey, real)
+def _step(
+    state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[np.bool_], curvatures: Floats
+) -> tuple[_State, _Outcome]:
+    design, contrast, residuals = _design(state, pixels, grey, real, curvatures)
     normal = design @ design.transpose(0, 2, 1)
     scale = 1 / np.sqrt(np.maximum(np.einsum("kii->ki", normal), 1e-9))
     inverse = np.linalg.inv(normal * scale[:, :, None] * scale[:, None] + 1e-12 * np.eye(_UNKNOWNS))
@@ -157,7 +162,7 @@ def _step(state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[n
 
 
 def _design(
-    state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[np.bool_]
+    state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[np.bool_], curvatures: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Return the derivatives (K, 9, N) of the model's grey values, the contrast (K,), and the residuals (K, N).
 
@@ -165,11 +170,14 @@ def _design(
     """
     offsets = pixels - state.places[:, :, None]
     normals = np.stack([np.cos(state.angles), np.sin(state.angles)], axis=2)  # (K, edge, 2)
-    distances = normals @ offsets
+    turned = np.stack([-normals[:, :, 1], normals[:, :, 0]], axis=2) @ offsets
+    # A curved edge is approximated by a parabola. The derivatives are those of a straight edge; the difference is tiny.
+    distances = normals @ offsets - 0.5 * (curvatures * normals).sum(axis=2)[:, :, None] * turned**2
     count = pixels.shape[2]
     by_pixel = np.broadcast_to((normals / _FAR)[..., None], (len(pixels), 2, 2, count))
+    variance = np.exp(2 * state.log_blurs)[:, None, None]
     seen = look(
-        np.broadcast_to(_DIFFERENCES, (len(pixels), 3, 3)), distances / _FAR + 1, by_pixel, np.exp(state.log_blurs)
+        np.broadcast_to(_DIFFERENCES, (len(pixels), 3, 3)), distances / _FAR + 1, by_pixel, variance * np.eye(2)
     )
     light = np.stack([np.ones_like(grey), offsets[:, 0], offsets[:, 1], seen.grey], axis=1) * real[:, None]
     # Brightness is linear in the model, so it is solved exactly before each step (variable projection), and needs no
@@ -177,9 +185,7 @@ def _design(
     level = np.linalg.solve(light @ light.transpose(0, 2, 1) + 1e-9 * np.eye(4), light @ grey[:, :, None])
     residuals = grey - (level[:, None, :, 0] @ light)[:, 0]
     by_distance = np.stack([seen.by_u, seen.by_v], axis=1) / _FAR  # (K, edge, N)
-    turned = np.stack([-normals[:, :, 1], normals[:, :, 0]], axis=2) @ offsets
     contrast = level[:, 3]
-    shape = np.concatenate(
-        [-normals.transpose(0, 2, 1) @ by_distance, by_distance * turned, seen.by_blur[:, None]], axis=1
-    )
+    by_log_blur = 2 * variance * (seen.by_blur[:, :1] + seen.by_blur[:, 2:])
+    shape = np.concatenate([-normals.transpose(0, 2, 1) @ by_distance, by_distance * turned, by_log_blur], axis=1)
     return np.concatenate([shape * contrast[:, :, None] * real[:, None], light], axis=1), contrast[:, 0], residuals

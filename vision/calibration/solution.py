@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roverlink.runtime.core.errors import RoverlinkError
-from roverlink.vision.calibration.adjustment import by_parameters
+from roverlink.vision.calibration.board_bend import SHAPES
+from roverlink.vision.calibration.verdict import Judgement
 from roverlink.vision.calibration.views import View
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
+from roverlink.vision.camera.parameter_derivatives import by_parameters
 from roverlink.vision.poses.pose import Pose, predict
 
 
@@ -34,7 +36,7 @@ COEFFICIENTS = {
 }
 
 _NORMAL_QUANTILE = 1.96  # 97.5 % quantile of the normal distribution: 2.5 % are outside on each side
-_GRID = 15
+_ENOUGH = 500  # corners that determine a rotation
 
 
 class PoorViewsError(RoverlinkError):
@@ -87,6 +89,12 @@ class Calibration:
     """Root mean square of the residuals' lengths over all used corners, in pixels."""
     views: tuple[Fitted, ...]
     """All views in the order given, including dropped ones."""
+    bend: Floats = field(default_factory=lambda: np.zeros(SHAPES))
+    """Bend (3,) of the board in metres, see `board_bend`."""
+    bend_covariance: Floats = field(default_factory=lambda: np.zeros((SHAPES, SHAPES)))
+    """Covariance (3, 3) of the bend."""
+    judgement: Judgement = field(default_factory=Judgement)
+    """Verdict on the calibration, with its reasons."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -108,6 +116,11 @@ class Calibration:
         """Factor that converts a standard deviation to half the width of its 95 % confidence interval."""
         return _NORMAL_QUANTILE
 
+    @property
+    def seen(self) -> Floats:
+        """Positions (N, 2) in pixels of all corners that the calibration uses."""
+        return np.concatenate([one.view.corners[one.used] for one in self.views])
+
     def uncertainty(self, pixels: Floats) -> Floats:
         """Return how exactly the calibration is known at `pixels` (..., 2): a standard deviation (...,) in pixels.
 
@@ -116,7 +129,8 @@ class Calibration:
         the camera are removed first, because such a rotation has no effect in use. NaN if no direction belongs to a
         pixel.
         """
-        everywhere = self._rays(self._grid())
+        # The rotation is that of the directions in which corners were seen. Outside them, a model may say anything.
+        everywhere = self._rays(self.seen[:: -(-len(self.seen) // _ENOUGH)])
         everywhere = everywhere[np.isfinite(everywhere).all(axis=1)]
         by_turn, by_camera = _by_turn(self.camera, everywhere), by_parameters(self.camera, everywhere)
         turn = -np.linalg.lstsq(by_turn.reshape(-1, 3), by_camera.reshape(by_turn.size // 3, -1), rcond=None)[0]
@@ -127,10 +141,6 @@ class Calibration:
 
     def _rays(self, pixels: Floats) -> Floats:
         return self.camera.undistort(np.reshape(pixels, (-1, 2)))
-
-    def _grid(self) -> Floats:
-        width, height = self.views[0].view.size
-        return np.stack(np.meshgrid(np.linspace(0, width - 1, _GRID), np.linspace(0, height - 1, _GRID)), axis=-1)
 
 
 def _by_turn(camera: CameraParameters, rays: Floats) -> Floats:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.board import CalibrationBoard
 from roverlink.vision.calibration.views import FEWEST_CORNERS, View
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
 from roverlink.vision.opencv import cv2
@@ -31,7 +31,7 @@ def ideal_camera(focal: float, size: tuple[int, int], *, fisheye: bool = False) 
     return CameraParameters(matrix, np.zeros(4), size, fisheye)
 
 
-def rough_camera(views: Sequence[View], board: CharucoBoard, *, fisheye: bool = False) -> CameraParameters:
+def rough_camera(views: Sequence[View], board: CalibrationBoard, *, fisheye: bool = False) -> CameraParameters:
     """Return the camera without distortion that fits the views best, among those with the focal lengths `FOCALS`.
 
     For a single view, return the camera with the focal length `GUESS`.
@@ -45,28 +45,34 @@ def rough_camera(views: Sequence[View], board: CharucoBoard, *, fisheye: bool = 
     return min(cameras, key=lambda camera: float(np.median([rough_pose(view, board, camera)[1] for view in some])))
 
 
-def rough_pose(view: View, board: CharucoBoard, camera: CameraParameters) -> tuple[Pose, float]:
+def rough_pose(view: View, board: CalibrationBoard, camera: CameraParameters) -> tuple[Pose, float]:
     """Return the pose of the board in a view (board to camera), and the median reprojection error in pixels.
 
     Uses IPPE (Collins and Bartoli, 2014) from OpenCV and selects the better one of the two solutions. The error is
     infinite if this camera cannot have seen the view.
     """
+    nowhere = Pose(np.eye(3), np.array([0, 0, 1.0])), math.inf
     rays = camera.undistort(view.corners)
     met = np.isfinite(rays).all(axis=1)
     if met.sum() < FEWEST_CORNERS:
-        return Pose(np.eye(3), np.array([0, 0, 1.0])), math.inf
+        return nowhere
     # Rays with a unit camera matrix: the lens was removed before, whatever its model.
     _, turns, shifts, _ = cv2.solvePnPGeneric(
         board.points[view.ids[met]], rays[met, None], np.eye(3), None, flags=cv2.SOLVEPNP_IPPE
     )
+    if not turns:  # IPPE finds no pose if the rays are far from those of a plane
+        return nowhere
     poses = [Pose(rotation_of(np.ravel(turn)), np.ravel(shift)) for turn, shift in zip(turns, shifts)]
-    misses = [np.linalg.norm(residuals(view, board, camera, pose), axis=1) for pose in poses]
+    misses = [np.linalg.norm(residuals(view, board.points, camera, pose), axis=1) for pose in poses]
     medians = [float(np.median(np.nan_to_num(miss, nan=math.inf))) for miss in misses]
     best = int(np.argmin(medians))
     return poses[best], medians[best]
 
 
-def residuals(view: View, board: CharucoBoard, camera: CameraParameters, pose: Pose) -> Floats:
-    """Return the residuals (N, 2) of a view's corners in pixels: observed position minus expected position."""
-    rays, _ = predict(pose, board.points[view.ids])
+def residuals(view: View, points: Floats, camera: CameraParameters, pose: Pose) -> Floats:
+    """Return the residuals (N, 2) of a view's corners in pixels: observed position minus expected position.
+
+    `points` are all corners of the board, flat or bent.
+    """
+    rays, _ = predict(pose, points[view.ids])
     return view.corners - camera.distort(rays)

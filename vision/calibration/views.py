@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roverlink.vision.calibration.board import CharucoBoard
-from roverlink.vision.calibration.saddles import Sites, find_saddles
+from roverlink.vision.calibration.board import CalibrationBoard
+from roverlink.vision.calibration.edge_curvature import edge_curvatures
+from roverlink.vision.calibration.saddles import Saddles, Sites, find_saddles
 from roverlink.vision.camera.camera_model import Floats
-from roverlink.vision.markers.detection import CELL, Image, to_grey
+from roverlink.vision.markers.detection import Image, to_grey
 from roverlink.vision.opencv import cv2
 
 FEWEST_CORNERS = 8
 """Least number of corners of a usable view; with fewer, errors of the view cannot be detected."""
-OFFSET = 0.495 if int(cv2.__version__.split(".")[0]) < 5 else 0.0
-"""Error of OpenCV's ChArUco corners, to the right and down, in pixels; measured in `tests/vision/test_views.py`."""
 
 _FLAT = 0.05
 """Ratio of the corners' spread across a line to that along it, below which the corners count as collinear."""
@@ -32,7 +30,7 @@ class View:
     name: str
     """Name in reports: the image's file, or the time of the frame."""
     ids: NDArray[np.intp]
-    """Ids (N,) of the corners, ascending: indices of `CharucoBoard.points`."""
+    """Ids (N,) of the corners, ascending: indices of `CalibrationBoard.points`."""
     corners: Floats
     """Positions (N, 2) of the corners in pixels."""
     sigmas: Floats
@@ -58,34 +56,34 @@ class View:
 class BoardDetector:
     """Detector of the corners of a board in images."""
 
-    def __init__(self, board: CharucoBoard) -> None:
+    def __init__(self, board: CalibrationBoard) -> None:
         self.board = board
-        self._detector: Any = cv2.aruco.CharucoDetector(board.opencv, *_parameters())
+        self._find = board.finder()
 
     def find(self, image: Image, name: str = "", stamp_ns: int = 0) -> View:
         """Return the view with the corners in an image, grey (H, W) or BGR (H, W, 3); it may have no corners."""
         image = to_grey(image)
         height, width = image.shape
         # OpenCV identifies the corners; only their positions are fitted again.
-        ids, corners = self._detect(image)
+        ids, corners = self._find(image)
         axes = self._axes(ids, corners)
         if axes is None:
             return View(name, ids[:0], corners[:0], np.zeros(0), (width, height), stamp_ns=stamp_ns)
-        gap = (self.board.square - self.board.marker) / 2
-        saddles = find_saddles(image, Sites(corners, axes, gap, self.board.square))
+        saddles = self._fit(image, ids, Sites(corners, axes, self.board.gap, self.board.reach))
         found = saddles.found
         blur = float(np.median(saddles.blurs[found])) if found.any() else 0.0
         return View(name, ids[found], saddles.places[found], saddles.sigmas[found], (width, height), blur, stamp_ns)
 
-    def _detect(self, image: Image) -> tuple[NDArray[np.intp], Floats]:
-        """Return the ids (N,), ascending, and the corners (N, 2) that OpenCV finds."""
-        corners, ids, _, _ = self._detector.detectBoard(image)
-        if ids is None:
-            return np.zeros(0, np.intp), np.zeros((0, 2))
-        # (N, 1, 2) and (N, 1) in OpenCV 4, (N, 2) and (N,) in 5
-        found, places = np.reshape(ids, -1).astype(np.intp), np.reshape(corners, (-1, 2)).astype(float) - OFFSET
-        order = np.argsort(found)
-        return found[order], places[order]
+    def _fit(self, image: Image, ids: NDArray[np.intp], sites: Sites) -> Saddles:
+        """Fit the corners with straight edges, and again with the curvature of the edges that follows."""
+        first = find_saddles(image, sites)
+        found = first.found
+        curvatures = np.zeros((len(ids), 2, 2))
+        curvatures[found] = edge_curvatures(self.board.points[ids[found], :2], first.places[found])
+        if not curvatures.any():
+            return first
+        starts = np.where(found[:, None], first.places, sites.places)
+        return find_saddles(image, replace(sites, places=starts, curvatures=curvatures))
 
     def _axes(self, ids: NDArray[np.intp], corners: Floats) -> Floats | None:
         """Return the derivative (N, 2, 2) of the pixels of the corners with respect to the board's x and y.
@@ -104,14 +102,3 @@ class BoardDetector:
         places = lifted[:, :2] / lifted[:, 2:]
         slope: Floats = (homography[:2, :2] - places[:, :, None] * homography[2, :2]) / lifted[:, 2, None, None]
         return slope
-
-
-def _parameters() -> tuple[Any, Any]:
-    """Return parameters for OpenCV's detector.
-
-    With them it finds 1.5 times as many corners of distant boards as by default.
-    """
-    charuco, markers = cv2.aruco.CharucoParameters(), cv2.aruco.DetectorParameters()
-    charuco.tryRefineMarkers = True  # searches again at positions where the board must have markers
-    markers.perspectiveRemovePixelPerCell = CELL
-    return charuco, markers

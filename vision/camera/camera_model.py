@@ -21,6 +21,7 @@ _NAMES = ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4"
 _MODELS = {0: "no distortion"} | {count: " ".join(_NAMES[:count]) for count in (4, 5, 8, 12, 14)}
 _FISHEYE = 4
 _NEWTON_STEPS = 20
+_ROUNDING = 1e-6
 _CONVERGED = 1e-10  # in the plane z = 1; less than a millionth of a pixel
 
 
@@ -30,13 +31,15 @@ class CameraParameters:
 
     `matrix` is the 3x3 camera matrix in pixels. `distortion` has 0, 4, 5, 8, 12 or 14 coefficients in OpenCV's order,
     or the 4 of OpenCV's fisheye model if `fisheye` is true. `size` is (width, height) of the images of the calibration,
-    if known. Raises `SetupError` for impossible values.
+    if known. `covariance` is that of fx fy cx cy, or of these and all coefficients, if known. Raises
+    `SetupError` for impossible values.
     """
 
     matrix: Floats
     distortion: Floats
     size: tuple[int, int] | None = None
     fisheye: bool = False
+    covariance: Floats | None = None
 
     def __post_init__(self) -> None:
         matrix = np.asarray(self.matrix, dtype=float)
@@ -48,6 +51,11 @@ class CameraParameters:
         if distortion.size != _FISHEYE if self.fisheye else distortion.size not in _MODELS:
             known = "k1 k2 k3 k4" if self.fisheye else "; ".join(_MODELS.values())
             raise SetupError(f"the distortion has {distortion.size} coefficients; known models: {known}")
+        if self.covariance is not None and not _is_covariance(self.covariance, (4, 4 + distortion.size)):
+            raise SetupError(
+                "the camera parameters have an impossible covariance; it must be a symmetric matrix without negative "
+                f"variances, for fx fy cx cy (4x4) or for all {4 + distortion.size} parameters"
+            )
         object.__setattr__(self, "matrix", matrix)
         object.__setattr__(self, "distortion", distortion)
 
@@ -123,11 +131,26 @@ class CameraParameters:
         matrix[:2] *= factor[:, None]
         # (c + 0.5) * factor - 0.5, of which c * factor is done already.
         matrix[:2, 2] += (factor - 1) / 2
-        return CameraParameters(matrix, self.distortion, size, self.fisheye)
+        covariance = self.covariance
+        if covariance is not None:
+            each = np.append(np.tile(factor, 2), np.ones(len(covariance) - 4))
+            covariance = covariance * each * each[:, None]
+        return CameraParameters(matrix, self.distortion, size, self.fisheye, covariance)
 
     def _bend(self, rays: Floats) -> tuple[Floats, Floats]:
         """Return the distorted rays (..., 2) of rays, and their derivative (..., 2, 2) with respect to the rays."""
         return _bend_fisheye(rays, self.distortion) if self.fisheye else _bend(rays, self.distortion)
+
+
+def _is_covariance(matrix: Floats, sizes: tuple[int, int]) -> bool:
+    """Return true if a matrix of one of the `sizes` is a covariance; rounding errors are allowed."""
+    if matrix.ndim != 2 or len(matrix) not in sizes or matrix.shape[1] != len(matrix) or not np.isfinite(matrix).all():
+        return False
+    variances: Floats = matrix.diagonal()
+    sigmas = np.sqrt(np.where(variances > 0, variances, 1.0))
+    scaled = matrix / sigmas / sigmas[:, None]
+    smallest = float(np.min(np.linalg.eigvalsh(scaled)))
+    return bool(np.abs(scaled - scaled.T).max() < _ROUNDING) and smallest > -_ROUNDING
 
 
 def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:

@@ -43,6 +43,10 @@ _MODELS = {PLUMB_BOB: (4, 5), RATIONAL: (8, 12, 14), EQUIDISTANT: (4,)}
 _OTHER_NAMES = {"radtan": PLUMB_BOB, "fisheye": EQUIDISTANT, "kannala_brandt": EQUIDISTANT}
 """Names of the same models in Kalibr (radtan), OpenCV (fisheye) and camera drivers."""
 _UNDISTORTED = ("none", "")
+DEVIATIONS = "standard_deviations"
+"""Key of the standard deviations of fx fy cx cy and the coefficients."""
+COVARIANCE = "parameter_covariance"
+"""Key of the covariance of the same parameters."""
 
 _LINE = 120  # columns; OpenCV before 4.5.4 rejects lines longer than 4096
 _TAG = "!!opencv-matrix"
@@ -75,8 +79,9 @@ def read_parameters(path: Path) -> CameraParameters:
     entries = _Entries(path, text)
     matrix, distortion = entries.matrix("camera_matrix"), entries.matrix("distortion_coefficients")
     size, fisheye = entries.size(), entries.model(distortion) == EQUIDISTANT
+    covariance = entries.covariance()
     try:
-        return CameraParameters(matrix, distortion, size, fisheye)
+        return CameraParameters(matrix, distortion, size, fisheye, covariance)
     except SetupError as error:
         raise SetupError(f"{path}: {error}") from error
 
@@ -153,6 +158,21 @@ class _Entries:
         if len(numbers) != rows * columns:
             raise parts["data"].error(f"{key} is {rows}x{columns}, but has {len(numbers)} numbers")
         return np.array(numbers).reshape(rows, columns)
+
+    def covariance(self) -> Floats | None:
+        """Return the covariance of the parameters; None if the file tells nothing about their accuracy.
+
+        Standard deviations alone are used for fx fy cx cy only: errors of the coefficients cancel each other to a large
+        part, so without their correlations they would seem much larger than they are.
+        """
+        if COVARIANCE in self._items:
+            return self.matrix(COVARIANCE)
+        if DEVIATIONS not in self._items:
+            return None
+        deviations = self.matrix(DEVIATIONS).ravel()
+        if deviations.size < 4:
+            raise self._items[DEVIATIONS].error(f"{DEVIATIONS} has {deviations.size} numbers; it needs fx fy cx cy")
+        return np.diag(deviations[:4] ** 2)
 
     def size(self) -> tuple[int, int] | None:
         """Return width and height of the images of the calibration; None if the file does not have them."""

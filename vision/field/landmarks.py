@@ -1,6 +1,6 @@
 """Landmarks of a field, read from `landmarks.yaml`: the known pose of each marker or board, and its accuracy.
 
-    frame: field
+    frame: map
     survey: {position: 0.01, rotation: 0.5}     # standard deviation per axis: metres, degrees; the defaults
     landmarks:
       7: {position: [1.0, 2.0, 0.5], rpy: [90, 0, -90]}
@@ -22,7 +22,8 @@ from roverlink.vision.poses.pose import Pose
 from roverlink.vision.poses.pose_entries import POSE, pose
 from roverlink.vision.yaml_file import Item, read_file
 
-FRAME = "field"
+FRAME = "map"
+"""Default name of the field's coordinate frame (REP 105)."""
 SURVEY_POSITION = 0.01
 """Default standard deviation in metres of a landmark's position along each axis."""
 SURVEY_ROTATION = math.radians(0.5)

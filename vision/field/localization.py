@@ -1,6 +1,6 @@
-"""Localization: computes the camera's pose on a field from known landmarks.
+"""Localization: computes the pose of a camera, or of a rover with several cameras, on a field with known landmarks.
 
-All visible landmarks are used together. The camera's pose predicts where their corners are seen. The differences to the
+All visible landmarks are used together. The pose predicts where their corners are seen. The differences to the
 observed corners are weighted by the image noise and by the accuracy with which each landmark was surveyed. A landmark
 that was moved or misidentified does not fit the pose that follows from the others; it is left out and reported.
 """
@@ -8,7 +8,8 @@ that was moved or misidentified does not fit the pose that follows from the othe
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +17,8 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.field.landmarks import Landmark, Landmarks
 from roverlink.vision.markers.marker_set import TargetId
 from roverlink.vision.markers.tracker import Sighting
-from roverlink.vision.poses.pnp import chi2_limit
-from roverlink.vision.poses.pose import Pose, predict
+from roverlink.vision.poses.chi_squared import chi2_limit
+from roverlink.vision.poses.pose import IDENTITY, Pose, predict
 
 _SLACK = (100.0, 10.0, 3.0, 1.0, 1.0)
 """Factors by which the chi-squared limit of a landmark is multiplied in successive rounds of refinement.
@@ -34,11 +35,11 @@ _CONVERGED = 1e-4  # relative change of chi squared
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FieldPose:
-    """Pose of the camera on the field, computed from the visible landmarks (markers and boards)."""
+    """Pose of a camera or a rover on the field, computed from the visible landmarks (markers and boards)."""
 
     frame: str
     pose: Pose
-    """Transform from the camera's optical frame to the field's frame, in metres."""
+    """Transform from the camera's optical frame, or from the rover's frame, to the field's frame, in metres."""
     covariance: Floats
     """Covariance (6, 6) of x y z rotX rotY rotZ, about the field's axes."""
     used: tuple[TargetId, ...]
@@ -46,21 +47,59 @@ class FieldPose:
     rejected: tuple[TargetId, ...]
     """Visible landmarks that do not fit the pose and are ignored: they were moved or misidentified."""
 
+    @property
+    def agreed(self) -> bool:
+        """True if most of the visible landmarks agree; otherwise it is unknown which of them are wrong."""
+        return len(self.used) > len(self.rejected)
+
+    def through(self, mount: Pose) -> FieldPose:
+        """Return the pose of the rover that carries the camera.
+
+        `mount` is the transform from the camera's optical frame to the rover's frame, in metres.
+        """
+        pose = self.pose @ mount.inverse()
+        # A small rotation of the camera moves the rover by the cross product with the lever between them.
+        lever = pose.translation - self.pose.translation
+        change = np.eye(6)
+        change[:3, 3:] = np.cross(lever, np.eye(3))
+        return replace(self, pose=pose, covariance=change @ self.covariance @ change.T)
+
+
+class Shot(NamedTuple):
+    """Landmarks that one camera of a rover has seen in a frame."""
+
+    sightings: Sequence[Sighting]
+    mount: Pose = IDENTITY
+    """Transform from the camera's optical frame to the rover's frame, in metres."""
+
 
 def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose | None:
     """Return the camera's pose on the field; None if no landmark with a known pose is visible.
 
     `sightings` are the markers and boards found in one frame; the pose is computed from all that are in `landmarks`. A
     marker whose number others share is no landmark.
+    """
+    return localize_rover([Shot(sightings)], landmarks)
+
+
+def localize_rover(shots: Sequence[Shot], landmarks: Landmarks) -> FieldPose | None:
+    """Return the pose on the field of a rover with several cameras; None if no known landmark is visible.
+
+    `shots` are what the cameras have seen at nearly the same time. A marker whose number others share is no landmark,
+    even for the cameras that see only one of them.
 
     If only two landmarks are visible and contradict each other, it is unknown which one is wrong. Then the more
-    accurate one is used.
+    accurate one is used, and `FieldPose.agreed` is false.
     """
+    shared = {one.id for shot in shots for one in shot.sightings if one.shared}
     known = [
-        _known(one, landmarks.places[one.id]) for one in sightings if one.id in landmarks.places and not one.shared
+        _known(one, landmarks.places[one.id], camera, shot.mount)
+        for camera, shot in enumerate(shots)
+        for one in shot.sightings
+        if one.id in landmarks.places and one.id not in shared
     ]
     starts = [
-        solution.pose @ landmarks.places[one.sighting.id].pose.inverse()
+        one.mount @ solution.pose @ landmarks.places[one.sighting.id].pose.inverse()
         for one in known
         for solution in one.sighting.solutions
     ]
@@ -76,11 +115,10 @@ def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose |
     if best is None:
         return None
     _, pose, used = best
-    normal, _, _ = _normal(used, pose)
     return FieldPose(
         frame=landmarks.frame,
         pose=pose.inverse(),
-        covariance=_of_inverse(pose, np.linalg.inv(normal)),
+        covariance=_of_inverse(pose, _covariance(used, pose)),
         used=tuple(one.sighting.id for one in used),
         rejected=tuple(one.sighting.id for one in known if one not in used),
     )
@@ -93,13 +131,19 @@ class _Known:
     sighting: Sighting
     points: Floats
     """Corners (N, 3) on the field in metres."""
+    own: Floats
+    """Covariance (2N, 2N) of the corners' rays by errors that only this landmark has, including its survey."""
     whitening: Floats
-    """Matrix that makes residuals (2N,) independent with a standard deviation of 1."""
+    """Matrix that makes residuals (2N,), due to all errors, independent with a standard deviation of 1."""
     limit: float
     """Chi squared that a correct landmark exceeds once in a thousand cases."""
+    camera: int
+    """Index of the camera."""
+    mount: Pose
+    """Transform from the camera's optical frame to the rover's frame."""
 
 
-def _known(sighting: Sighting, landmark: Landmark) -> _Known:
+def _known(sighting: Sighting, landmark: Landmark, camera: int, mount: Pose) -> _Known:
     """Return a sighting of a known landmark; combine the uncertainties of the image and of the landmark's survey.
 
     The standard deviations of the survey are equal along all axes. So they can be applied in the camera's frame.
@@ -109,12 +153,14 @@ def _known(sighting: Sighting, landmark: Landmark) -> _Known:
     by_landmark = derivative.reshape(-1, 6) * np.repeat([landmark.position_sigma, landmark.rotation_sigma], 3)
     # With L L^T the covariance, L^-1 times the residuals has the identity as its covariance: their sum of squares is
     # chi squared.
-    whitening = np.linalg.inv(np.linalg.cholesky(seen.covariance + by_landmark @ by_landmark.T))
-    return _Known(sighting, landmark.pose.apply(seen.points), whitening, chi2_limit(2 * len(seen.points)))
+    own = seen.own_covariance + by_landmark @ by_landmark.T
+    whitening = np.linalg.inv(np.linalg.cholesky(own + seen.shifts @ seen.shifts.T))
+    points = landmark.pose.apply(seen.points)
+    return _Known(sighting, points, own, whitening, chi2_limit(2 * len(points)), camera, mount)
 
 
 def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Known]] | None:
-    """Refine a start pose (field to camera) with the sightings of landmarks that fit it.
+    """Refine a start pose (field to rover) with the sightings of landmarks that fit it.
 
     Returns the cost, the refined pose, and the sightings that fit; None if the pose cannot be refined.
     """
@@ -142,10 +188,13 @@ def _chi2(one: _Known, pose: Pose) -> float:
 def _terms(one: _Known, pose: Pose) -> tuple[Floats, Floats]:
     """Return the residuals (2N,) of a landmark's corners, and the derivative (2N, 6) of the predicted corners.
 
-    Both are in standard deviations. The derivative is with respect to the pose (field to camera).
+    Both are in standard deviations. The derivative is with respect to the pose (field to rover).
     """
-    rays, derivative = predict(pose, one.points)
-    return one.whitening @ (one.sighting.seen.rays - rays).ravel(), one.whitening @ derivative.reshape(-1, 6)
+    to_camera = one.mount.inverse()
+    rays, by_camera = predict(to_camera @ pose, one.points)
+    # The camera moves and turns as the rover does, seen in its own axes.
+    by_rover = by_camera.reshape(-1, 2, 3) @ to_camera.rotation
+    return one.whitening @ (one.sighting.seen.rays - rays).ravel(), one.whitening @ by_rover.reshape(-1, 6)
 
 
 def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
@@ -157,6 +206,23 @@ def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
         right += derivative.T @ residuals
         chi2 += float(residuals @ residuals)
     return normal, right, chi2
+
+
+def _covariance(used: Sequence[_Known], pose: Pose) -> Floats:
+    """Return the covariance (6, 6) of a pose (field to rover) that was fitted to the corners of landmarks.
+
+    Errors that only one landmark has average out over several landmarks. Shared errors do not: those of a camera's
+    parameters and of the side of the markers move all corners that the camera sees at once.
+    """
+    inverse = np.linalg.inv(_normal(used, pose)[0])
+    covariance = np.zeros((6, 6))
+    shared: dict[int, Floats] = {}
+    for one in used:
+        gain = inverse @ _terms(one, pose)[1].T @ one.whitening
+        covariance += gain @ one.own @ gain.T
+        shared[one.camera] = shared.get(one.camera, 0) + gain @ one.sighting.seen.shifts
+    whole: Floats = covariance + sum(moved @ moved.T for moved in shared.values())
+    return whole
 
 
 def _refine(used: Sequence[_Known], pose: Pose) -> Pose | None:

@@ -6,12 +6,14 @@ gets the newest frame. If a source stalls or ends, it is opened again; the pause
 
 from __future__ import annotations
 
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
 from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.camera.camera_settings import CameraSettings
 from roverlink.vision.frames.frame import Frame, rate_of
 from roverlink.vision.opencv import cv2
 
@@ -25,6 +27,7 @@ OPENING_S = 5.0
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.5, 8.0
 _OLDEST_S = 1.0  # an older driver stamp comes from another clock
 _CLOSING_S = 1.0
+_NEWEST_SINK = "videoconvert ! video/x-raw, format=BGR ! appsink drop=true max-buffers=1 sync=false"
 
 Say = Callable[[str], None]
 
@@ -35,14 +38,14 @@ class LiveSource:
     live = True
     total: int | None = None
 
-    def __init__(self, name: str, connect: Callable[[], Any], say: Say) -> None:
+    def __init__(self, name: str, connect: Callable[[], Any], say: Say, latency_ns: int = 0) -> None:
         """Open the source; `connect` returns an open `VideoCapture`, or None if that is not possible.
 
-        `say` is called with messages for the user. Raises `SetupError` if `connect` returns None, or if the source
-        gives no frame.
+        `say` is called with messages for the user. `latency_ns` is subtracted from all stamps. Raises `SetupError` if
+        `connect` returns None, or if the source gives no frame.
         """
         self.name = name
-        self._connect, self._say = connect, say
+        self._connect, self._say, self._latency_ns = connect, say, latency_ns
         self._news = threading.Condition()
         self._newest: Frame | None = None
         self._closed = threading.Event()
@@ -90,7 +93,7 @@ class LiveSource:
         """Read a frame and pass it to the iteration; return false if no frame can be read."""
         if self._capture is None or not self._capture.grab():
             return False
-        stamp = _taken_at(self._capture)
+        stamp = _taken_at(self._capture) - self._latency_ns
         there, image = self._capture.retrieve()
         if not there:
             return False
@@ -130,23 +133,33 @@ def _taken_at(capture: Any) -> int:
     return now - round(age * 1e9) if 0 <= age < _OLDEST_S else now
 
 
-def open_camera(index: int, size: tuple[int, int] | None, say: Say) -> LiveSource:
-    """Open the camera with this number and request images of `size`. Raises `SetupError` if there is no such camera."""
-
-    def connect() -> Any:
-        capture = cv2.VideoCapture(index)
-        if not capture.isOpened():
-            return None
-        if size is not None:
-            capture.set(cv2.CAP_PROP_FRAME_WIDTH, size[0])
-            capture.set(cv2.CAP_PROP_FRAME_HEIGHT, size[1])
-        return capture
-
-    return LiveSource(f"camera {index}", connect, say)
+def open_camera(index: int, settings: CameraSettings, say: Say) -> LiveSource:
+    """Open the camera with this number. Raises `SetupError` if there is no such camera."""
+    # By name on Linux: an OpenCV with GStreamer would prefer it, and then exposure and the driver's stamps are missing.
+    backend = cv2.CAP_V4L2 if sys.platform == "linux" else cv2.CAP_ANY
+    name = f"camera {index}"
+    return LiveSource(name, _connected(name, settings, say, index, backend), say, settings.latency_ns)
 
 
-def open_stream(urls: tuple[str, ...], say: Say) -> LiveSource:
+def open_pipeline(pipeline: str, settings: CameraSettings, say: Say) -> LiveSource:
+    """Open a GStreamer pipeline; without a sink, one is added that keeps the newest image.
+
+    Raises `SetupError` if this OpenCV is built without GStreamer, or if the pipeline gives no images.
+    """
+    settings.check("a GStreamer pipeline", "latency")
+    if not cv2.videoio_registry.hasBackend(cv2.CAP_GSTREAMER):
+        raise SetupError(
+            "this OpenCV has no GStreamer (pip's packages never do); use the OpenCV of the system, as on a Jetson, or "
+            "let a ROS 2 driver publish the images and use topic:NAME"
+        )
+    whole = pipeline if "appsink" in pipeline else f"{pipeline} ! {_NEWEST_SINK}"
+    connect = _connected("", CameraSettings(), say, whole, cv2.CAP_GSTREAMER)
+    return LiveSource(f"GStreamer: {pipeline}", connect, say, settings.latency_ns)
+
+
+def open_stream(urls: tuple[str, ...], settings: CameraSettings, say: Say) -> LiveSource:
     """Open the first URL that gives frames. Raises `SetupError` if none does."""
+    settings.check(urls[0], "latency")
     limits = [
         *(cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, round(OPENING_S * 1e3)),
         *(cv2.CAP_PROP_READ_TIMEOUT_MSEC, round(STALLED_S * 1e3)),
@@ -156,4 +169,21 @@ def open_stream(urls: tuple[str, ...], say: Say) -> LiveSource:
         captures = (cv2.VideoCapture(url, cv2.CAP_FFMPEG, limits) for url in urls)
         return next((capture for capture in captures if capture.isOpened()), None)
 
-    return LiveSource(urls[0], connect, say)
+    return LiveSource(urls[0], connect, say, settings.latency_ns)
+
+
+def _connected(name: str, settings: CameraSettings, say: Say, *what: object) -> Callable[[], Any]:
+    """Return a function that opens a `VideoCapture` and requests the settings; it returns None if it cannot open it."""
+    said: set[str] = set()
+
+    def connect() -> Any:
+        capture = cv2.VideoCapture(*what)
+        if not capture.isOpened():
+            return None
+        for message in settings.apply(capture):
+            if message not in said:
+                said.add(message)
+                say(f"{name}: {message}")
+        return capture
+
+    return connect

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import urlsplit, urlunsplit
 
 from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.camera.camera_settings import CameraSettings
 from roverlink.vision.frames.frame import RATE, FrameSource
-from roverlink.vision.frames.live import Say, open_camera, open_stream
+from roverlink.vision.frames.live import Say, open_camera, open_pipeline, open_stream
 from roverlink.vision.frames.recorded import IMAGES, VIDEOS, ImageFiles, VideoFile
 
 SCHEMES = ("http", "https", "rtsp")
 TOPIC = "topic:"
 """Start of the text that names a ROS 2 topic."""
+PIPELINE = "gstreamer:"
+"""Start of the text that is a GStreamer pipeline."""
 _WEBCAM = "/video"
 """Path of the stream of the phone app IP Webcam; users often give the address of its web page instead."""
 _DEVICE = re.compile(r"/dev/video(\d+)")
@@ -23,9 +27,9 @@ _HOST = re.compile(r"(localhost|[\w-]+(\.[\w-]+)+|[\w-]+(?=:)|\[[0-9A-Fa-f:]+\])
 
 def open_source(
     text: str,
+    settings: CameraSettings = CameraSettings(),  # noqa: B008  # it is frozen
     *,
     size: tuple[int, int] | None = None,
-    rate: float = RATE,
     say: Say = lambda _: None,
     open_topic: Callable[[str], FrameSource] | None = None,
 ) -> FrameSource:
@@ -33,27 +37,36 @@ def open_source(
 
     Examples of the text: ``0``, ``/dev/video2``, ``drive.mp4``, ``rtsp://192.168.0.7/live``, ``192.168.0.7:8080``,
     ``topic:/camera/image_raw``. `open_topic` is called with the name of a topic.
-    `size` (width, height) is requested from a camera. `rate` is the number of images a second for a folder. `say` is
-    called with messages about a live source that stalls, ends or works again. Raises `SetupError` if the source cannot
-    be opened.
+    ``gstreamer:v4l2src ! ...`` is a pipeline of GStreamer. `settings` are those of a camera; a folder has a rate and a
+    stream a latency. If they name no size, `size` (width, height) is requested. `say` is called with messages about a
+    live source that stalls, ends or works again. Raises `SetupError` if the source cannot be opened, or if it does not
+    have a setting.
     """
     text = text.strip()
     if text.startswith(TOPIC) and open_topic is not None:
+        settings.check(text)
         return open_topic(text.removeprefix(TOPIC))
+    if text.startswith(PIPELINE):
+        return open_pipeline(text.removeprefix(PIPELINE), settings, say)
     path = Path(text).expanduser()
     device = _DEVICE.fullmatch(str(path.resolve())) if text.startswith("/dev/") else None
     if device or text.isdecimal():
-        return open_camera(int(device[1] if device else text), size, say)
+        if settings.size is None:
+            settings = replace(settings, size=size)
+        return open_camera(int(device[1] if device else text), settings, say)
     if "://" in text:
-        return open_stream(_urls(text), say)
+        return open_stream(_urls(text), settings, say)
     if text and path.exists():
-        images = path.is_dir() or path.suffix.lower() in IMAGES
-        return ImageFiles(path, rate) if images else VideoFile(path)
+        if path.is_dir() or path.suffix.lower() in IMAGES:
+            settings.check(text, "rate")
+            return ImageFiles(path, settings.rate or RATE, say)
+        settings.check(text)
+        return VideoFile(path)
     if _HOST.fullmatch(text) and path.suffix.lower() not in IMAGES | VIDEOS:
-        return open_stream(_urls(f"http://{text}"), say)
+        return open_stream(_urls(f"http://{text}"), settings, say)
     raise SetupError(
-        f"no file or folder {text!r}; a source can also be the number of a camera, a URL ({', '.join(SCHEMES)}), or "
-        f"{TOPIC}NAME"
+        f"no file or folder {text!r}; a source can also be the number of a camera, a URL ({', '.join(SCHEMES)}), "
+        f"{TOPIC}NAME, or {PIPELINE}PIPELINE"
     )
 
 

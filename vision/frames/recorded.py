@@ -12,6 +12,7 @@ from pathlib import Path
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.frames.frame import Frame, rate_of
+from roverlink.vision.frames.live import Say
 from roverlink.vision.opencv import cv2
 
 IMAGES = frozenset((".bmp", ".jpeg", ".jpg", ".png", ".ppm", ".tif", ".tiff", ".webp"))
@@ -30,21 +31,40 @@ class _Recorded:
 class ImageFiles(_Recorded):
     """Image file, or folder of image files. Numbers in names are sorted by value: `2.png` comes before `10.png`."""
 
-    def __init__(self, path: Path, rate: float) -> None:
-        """List the images; `rate` is the number of images a second. Raises `SetupError` if the folder has no images."""
+    def __init__(self, path: Path, rate: float, say: Say = lambda _: None) -> None:
+        """List the images; `rate` is the number of images a second.
+
+        `say` is called with a message about each image that cannot be read. Raises `SetupError` if the folder has no
+        images.
+        """
         found = [path] if path.is_file() else [one for one in path.iterdir() if one.suffix.lower() in IMAGES]
         if not found:
             raise SetupError(f"{path} contains no images (known: {' '.join(sorted(IMAGES))})")
         self.paths = sorted(found, key=_natural)
+        self.unreadable: list[Path] = []
+        """Images so far that cannot be read, in the order of `paths`."""
+        self._say = say
         super().__init__(str(path), rate, len(found))
 
     def __iter__(self) -> Iterator[Frame]:
-        """Yield the images as frames. Raises `SetupError` if an image cannot be read."""
+        """Yield the images as frames; the number of a frame is its index in `paths`.
+
+        An image that cannot be read is skipped, and named once. Raises `SetupError` if no image can be read.
+        """
         for number, path in enumerate(self.paths):
             image = cv2.imread(str(path), cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
             if image is None:
-                raise SetupError(f"{path}: cannot read the file as an image")
+                self._skip(path)
+                continue
             yield Frame(image, round(number * 1e9 / self.rate), number)
+
+    def _skip(self, path: Path) -> None:
+        if path not in self.unreadable:
+            self.unreadable.append(path)
+            if len(self.unreadable) == len(self.paths):
+                which = "the file" if len(self.paths) == 1 else f"any of its {len(self.paths)} files"
+                raise SetupError(f"{self.name}: cannot read {which} as an image")
+            self._say(f"{path}: cannot read the file as an image; it is skipped")
 
     def __enter__(self) -> ImageFiles:
         return self

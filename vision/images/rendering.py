@@ -31,41 +31,61 @@ NOISE_SIGMA = 2.0
 """Standard deviation of the noise in grey levels."""
 _MARGIN = 5  # pixels around a print that its blurred edge may reach
 _TILE = 64  # side in pixels of the tiles that are rendered together, so that the data fits in the CPU's cache
+_BENDING_STEPS = 4  # fixed-point steps; each one reduces the error by the slope of the paper
 _OUTLINE = 16  # points per side of a print's outline, since the lens bends it
 
 
 @dataclass(frozen=True, slots=True)
 class Lens:
-    """Pinhole camera with OpenCV's distortion coefficients k1 k2 p1 p2 k3.
+    """Camera with OpenCV's distortion coefficients: k1 k2 p1 p2 k3, and k4 k5 k6 of a rational model.
 
-    `matrix` is the 3x3 camera matrix in pixels, `size` is (width, height) of the image.
+    If `fisheye` is true, the coefficients are k1 k2 k3 k4 of OpenCV's fisheye model. `matrix` is the 3x3 camera matrix
+    in pixels, `size` is (width, height) of the image.
     """
 
     matrix: Floats
-    distortion: tuple[float, float, float, float, float]
+    distortion: tuple[float, ...]
     size: tuple[int, int]
+    fisheye: bool = False
 
     def distorted(self, rays: Floats) -> Floats:
         """Return the pixels (..., 2) at which the camera sees rays (..., 2). A ray is a point in the plane z = 1."""
         x, y = rays[..., 0], rays[..., 1]
-        k1, k2, p1, p2, k3 = self.distortion
-        r2 = x * x + y * y
-        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-        bent_x = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
-        bent_y = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
+        bent_x, bent_y = self._fisheye(x, y) if self.fisheye else self._rational(x, y)
         (fx, _, cx), (_, fy, cy), _ = self.matrix
         return np.stack([fx * bent_x + cx, fy * bent_y + cy], axis=-1)
 
     def rays(self, pixels: Floats) -> Floats:
-        """Return the rays (..., 2) that the camera sees at pixels (..., 2), by fixed-point iteration on `distorted`."""
-        rays = (pixels - self.matrix[:2, 2]) / self.matrix.diagonal()[:2]
+        """Return the rays (..., 2) that the camera sees at pixels (..., 2), by Newton's method on `distorted`."""
         focal = self.matrix.diagonal()[:2]
+        rays = (pixels - self.matrix[:2, 2]) / focal
+        step = 1e-6
         for _ in range(50):
-            miss = (pixels - self.distorted(rays)) / focal
-            rays = rays + miss
-            if np.abs(miss).max() < 1e-12:
+            seen = self.distorted(rays)
+            miss = pixels - seen
+            if np.abs(miss / focal).max() < 1e-12:
                 break
+            by_x, by_y = ((self.distorted(rays + step * axis) - seen) / step for axis in np.eye(2))
+            determinant = by_x[..., 0] * by_y[..., 1] - by_y[..., 0] * by_x[..., 1]
+            change_x = by_y[..., 1] * miss[..., 0] - by_y[..., 0] * miss[..., 1]
+            change_y = by_x[..., 0] * miss[..., 1] - by_x[..., 1] * miss[..., 0]
+            rays = rays + np.stack([change_x, change_y], axis=-1) / determinant[..., None]
         return rays
+
+    def _rational(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        k1, k2, p1, p2, k3, k4, k5, k6 = self.distortion + (0.0,) * (8 - len(self.distortion))
+        r2 = x * x + y * y
+        radial = (1 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1 + r2 * (k4 + r2 * (k5 + r2 * k6)))
+        bent_x = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
+        return bent_x, y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
+
+    def _fisheye(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        k1, k2, k3, k4 = self.distortion
+        r = np.maximum(np.hypot(x, y), 1e-12)
+        angle = np.arctan(r)
+        a2 = angle * angle
+        scale = angle * (1 + a2 * (k1 + a2 * (k2 + a2 * (k3 + a2 * k4)))) / r
+        return x * scale, y * scale
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +97,8 @@ class Print:
 
     image: Grey
     metres_per_pixel: float
+    curvature: float = 0.0
+    """Curvature in 1/m of paper that is bent about the y axis of the print; the paper touches the plane at x = 0."""
 
     @property
     def half_size(self) -> tuple[float, float]:
@@ -165,11 +187,24 @@ def render(
 
     A print hides the prints that stand before it in `planes`.
     """
+    return expose(render_light(lens, background, planes, psf_sigma=psf_sigma), rng, noise_sigma)
+
+
+def render_light(
+    lens: Lens, background: Floats, planes: Sequence[tuple[Print, Pose]], *, psf_sigma: float = PSF_SIGMA
+) -> NDArray[np.float32]:
+    """Return the light (height, width) on the sensor in grey levels, without noise; see `render`."""
     frame = background.astype(np.float32)
     for plane, pose in planes:
         _paint(frame, lens, plane, pose, psf_sigma)
-    frame += np.float32(noise_sigma) * rng.standard_normal(frame.shape, np.float32)
-    return np.clip(np.rint(frame), 0, 255).astype(np.uint8)
+    return frame
+
+
+def expose(light: NDArray[np.float32], rng: np.random.Generator, noise_sigma: float = NOISE_SIGMA) -> Grey:
+    """Return the image of 8 bits that a sensor makes of the light on it."""
+    noisy = light + np.float32(noise_sigma) * rng.standard_normal(light.shape, np.float32)
+    image: Grey = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+    return image
 
 
 def outline(lens: Lens, plane: Print, pose: Pose) -> Floats:
@@ -250,9 +285,10 @@ def _sample(plane: Print, pose: Pose, rays: Floats) -> tuple[NDArray[np.float32]
     """Return the grey values (H, W) that rays (H, W, 2) see on a print, and the share (0 to 1) of the print in each."""
     to_plane = np.linalg.inv(np.column_stack([pose.rotation[:, :2], pose.translation]))
     x, y, w = np.moveaxis(rays @ to_plane[:, :2].T + to_plane[:, 2], -1, 0)
+    x, y = _on_bent_paper(plane, pose, rays, x / w, y / w)
     rows, columns = plane.image.shape
-    column = x / w / plane.metres_per_pixel + columns / 2 - 0.5
-    row = -y / w / plane.metres_per_pixel + rows / 2 - 0.5
+    column = x / plane.metres_per_pixel + columns / 2 - 0.5
+    row = -y / plane.metres_per_pixel + rows / 2 - 0.5
     rim = np.minimum(np.minimum(column, columns - 1 - column), np.minimum(row, rows - 1 - row)) + 1  # in texels
     cover = np.where(w > 0, np.clip(rim, 0, 1), 0)
     column, row = np.clip(column, 0, columns - 1), np.clip(row, 0, rows - 1)
@@ -262,3 +298,15 @@ def _sample(plane: Print, pose: Pose, rays: Floats) -> tuple[NDArray[np.float32]
     grey = (1 - b) * ((1 - a) * image[r, c] + a * image[r, c + 1])
     grey += b * ((1 - a) * image[r + 1, c] + a * image[r + 1, c + 1])
     return grey, cover.astype(np.float32)
+
+
+def _on_bent_paper(plane: Print, pose: Pose, rays: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Return the points (x, y) at which rays meet bent paper, given the points at which they meet its plane."""
+    if not plane.curvature:
+        return x, y
+    along = rays @ pose.rotation[:2] + pose.rotation[2]  # directions in the frame of the plane
+    flat_x, flat_y = x, y
+    for _ in range(_BENDING_STEPS):
+        height = -plane.curvature / 2 * x * x
+        x, y = flat_x + height * along[..., 0] / along[..., 2], flat_y + height * along[..., 1] / along[..., 2]
+    return x, y

@@ -9,6 +9,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.vision.camera.camera_model import Floats
@@ -37,6 +38,12 @@ def square(side: float) -> Floats:
     """
     h = side / 2
     return np.array([[-h, h, 0], [h, h, 0], [h, -h, 0], [-h, -h, 0]])
+
+
+def black_modules(dictionary: Any, number: int, border: int = 1) -> NDArray[np.bool_]:
+    """Return a mask (n, n) of a marker's black modules (cells), with a black border that is `border` modules wide."""
+    image = dictionary.generateImageMarker(number, dictionary.markerSize + 2 * border, borderBits=border)
+    return np.asarray(image) < 128
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -64,7 +64,11 @@ class Look:
     by_v: Floats
     """Derivative (K, N) with respect to v, in modules."""
     by_blur: Floats
-    """Derivative (K, N) with respect to the natural logarithm of the blur."""
+    """Derivative (K, 3, N) with respect to the elements xx, xy and yy of the blur's covariance in pixels squared."""
+    by_growth: Floats
+    """Derivative (K, N) with respect to a growth of all white areas in pixels: the slope across the edges."""
+    by_lines: Floats
+    """Derivative (K, 2 * (n - 2), N) with respect to `lines`; has no rows if they were not requested."""
 
 
 def make_pattern(white: NDArray[np.bool_]) -> Pattern:
@@ -82,32 +86,78 @@ def make_pattern(white: NDArray[np.bool_]) -> Pattern:
     return Pattern(len(white), differences, np.concatenate(places, axis=1).astype(float), np.concatenate(across_u))
 
 
-def look(differences: Floats, places: Floats, by_pixel: Floats, blur: Floats) -> Look:
+def look(
+    differences: Floats,
+    places: Floats,
+    by_pixel: Floats,
+    blur: Floats,
+    lines: Floats | None = None,
+    *,
+    with_lines: bool = False,
+) -> Look:
     """Compute the grey values of the model of K markers at the points `places`, and their derivatives.
 
     `places` (K, 2, N) are u and v in modules (cells of the marker). `by_pixel` (K, 2, 2, N) is their derivative with
-    respect to the pixel coordinates. `differences` (K, n, n) are those of the patterns. `blur` (K,) is the standard
-    deviation in pixels. The values per line of the lattice have single precision, which is faster and exact to some
-    hundredths of a grey level.
+    respect to the pixel coordinates. `differences` (K, n, n) are those of the patterns. `blur` (K, 2, 2) is the
+    covariance of the blur in pixels squared. `lines` (K, 2, n - 2) are the offsets of the inner lines of the lattice
+    along u and v, in modules; None means none. The values per line of the lattice have single precision, which is
+    faster and exact to some hundredths of a grey level.
     """
-    spread = np.sqrt(by_pixel[:, :, 0] ** 2 + by_pixel[:, :, 1] ** 2)
-    correlation = (by_pixel[:, 0] * by_pixel[:, 1]).sum(axis=1) / (spread[:, 0] * spread[:, 1])
-    spread *= blur[:, None, None]
-    lattice = np.arange(differences.shape[1], dtype=np.float32)[:, None]
+    blurred = np.einsum("kij,kajn->kain", blur, by_pixel)
+    variance = (by_pixel * blurred).sum(axis=2)
+    spread = np.sqrt(variance)
+    both = spread[:, 0] * spread[:, 1]
+    correlation = (by_pixel[:, 0] * blurred[:, 1]).sum(axis=1) / both
+    lattice = np.arange(differences.shape[1], dtype=np.float32)[None, None]
+    if lines is not None:
+        lattice = lattice + np.pad(lines, ((0, 0), (0, 0), (1, 1))).astype(np.float32)
     narrow = (1 / spread).astype(np.float32)
-    offsets = (places.astype(np.float32)[:, :, None] - lattice) * narrow[:, :, None]  # (K, 2, lattice, N)
-    np.clip(offsets, -_REACH, _REACH, out=offsets)
+    offsets = (places.astype(np.float32)[:, :, None] - lattice[..., None]) * narrow[:, :, None]
+    np.clip(offsets, -_REACH, _REACH, out=offsets)  # (K, 2, lattice, N)
     index = (offsets * np.float32(_RESOLUTION) + np.float32(_REACH * _RESOLUTION + 0.5)).astype(np.intp)
     step, bell = _STEP.take(index), _BELL.take(index)
     curve = offsets * bell  # minus the bell's derivative
     differences = differences.astype(np.float32)
     of_step, of_bell, of_curve = (differences @ part[:, 0] for part in (step, bell, curve))
     crossing, bending = _sum(of_bell, bell), _sum(of_curve, curve)
+    by_u, by_v = _sum(of_bell, step) / spread[:, 0], _sum(of_step, bell) / spread[:, 1]
+    by_correlation = crossing + correlation * bending
+    # The derivatives with respect to the logarithms of the spreads along u and v, which also change the correlation.
+    by_spreads = (
+        -_sum(of_curve, step) - correlation * by_correlation,
+        -_sum(of_step, curve) - correlation * by_correlation,
+    )
+    (ux, uy), (vx, vy) = np.moveaxis(by_pixel, (1, 2), (0, 1))
+    of_u, of_v, of_both = (
+        by_spreads[0] / (2 * variance[:, 0]),
+        by_spreads[1] / (2 * variance[:, 1]),
+        by_correlation / both,
+    )
+    by_lines = np.empty((len(places), 0, places.shape[2]))
+    if with_lines:
+        across = np.swapaxes(differences, 1, 2) @ step[:, 1]
+        by_lines = -np.concatenate(
+            [
+                (across * bell[:, 0] * narrow[:, :1])[:, 1:-1],
+                (of_step * bell[:, 1] * narrow[:, 1:])[:, 1:-1],
+            ],
+            axis=1,
+            dtype=np.float64,
+        )
     return Look(
         grey=1 + _sum(of_step, step) + correlation * (crossing + correlation / 2 * bending),
-        by_u=_sum(of_bell, step) / spread[:, 0],
-        by_v=_sum(of_step, bell) / spread[:, 1],
-        by_blur=-_sum(of_curve, step) - _sum(of_step, curve),
+        by_u=by_u,
+        by_v=by_v,
+        by_blur=np.stack(
+            [
+                of_u * ux * ux + of_v * vx * vx + of_both * ux * vx,
+                2 * (of_u * ux * uy + of_v * vx * vy) + of_both * (ux * vy + uy * vx),
+                of_u * uy * uy + of_v * vy * vy + of_both * uy * vy,
+            ],
+            axis=1,
+        ),
+        by_growth=np.hypot(by_u * ux + by_v * vx, by_u * uy + by_v * vy),
+        by_lines=by_lines,
     )
 
 

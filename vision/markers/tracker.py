@@ -10,19 +10,20 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
+from roverlink.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_to_rays, rays_by_camera
 from roverlink.vision.markers.detection import Detection, Detector, Image, Region, to_grey
 from roverlink.vision.markers.edges import Fit, Guess
 from roverlink.vision.markers.fitting import Fitted, extent, fit_markers
 from roverlink.vision.markers.flips import Flips
 from roverlink.vision.markers.marker_set import MarkerSet, TargetId
 from roverlink.vision.opencv import cv2
-from roverlink.vision.poses.pnp import Corners, Solution, solve, square_poses, with_model_error
+from roverlink.vision.poses.pnp import Corners, Solution, side_shifts, solve, square_poses, with_all_errors
 from roverlink.vision.poses.pose import Pose
 
 SCAN_EVERY = 3
@@ -140,12 +141,15 @@ class Tracker:
         *,
         scan_every: int = SCAN_EVERY,
         thorough_every: int = THOROUGH_EVERY,
+        uncertainty: Uncertainty = Uncertainty(),  # noqa: B008  # it is frozen
     ) -> None:
         """Create a tracker that searches the whole frame every `scan_every` frames.
 
-        Every `thorough_every`-th of these searches is thorough; the others are quick.
+        Every `thorough_every`-th of these searches is thorough; the others are quick. `uncertainty` tells the errors
+        beside the noise of the image, which the covariances contain.
         """
-        self._camera, self._markers = camera, markers
+        self._camera, self._markers, self._uncertainty = camera, markers, uncertainty
+        self._roots = camera_roots(camera)
         self._detector = Detector(markers)
         self._scan_every, self._thorough_every = scan_every, thorough_every
         self.reset()
@@ -172,7 +176,7 @@ class Tracker:
         landmarks = self._landmarks(self._find(grey, stamp))
         # A caller may write the next grey image into the same array.
         self._stamp, self._before = stamp, grey.copy() if image.ndim == 2 else grey
-        seen = [_seen(landmark) for landmark in landmarks]
+        seen = [self._seen(landmark, len(grey)) for landmark in landmarks]
         found = solve(seen, _starts(landmarks))
         return tuple(
             self._sight(landmark, corners, solutions)
@@ -294,9 +298,38 @@ class Tracker:
             landmarks.append(_Landmark(name, group, points_of, self._board_flips.setdefault(name, Flips())))
         return landmarks
 
+    def _seen(self, landmark: _Landmark, height: int) -> Corners:
+        """Return the corners of a landmark with their covariance; `height` is the number of rows of the image."""
+        given, scale = self._uncertainty, self._uncertainty.covariance_scale
+        fits = [track.fit for track in landmark.tracks]
+        rays = np.concatenate([fit.rays for fit in fits])
+        noise = np.zeros((rays.size, rays.size))
+        for place, fit in enumerate(fits):
+            noise[8 * place : 8 * place + 8, 8 * place : 8 * place + 8] = fit.covariance
+        floor = np.zeros((len(rays), 2, rays.size))
+        corner = np.arange(len(rays))
+        floor[corner, 0, 2 * corner] = floor[corner, 1, 2 * corner + 1] = given.corner_floor
+        floor_rays = pixels_to_rays(self._camera, rays, floor)
+        rows = np.concatenate([track.corners[:, 1] for track in landmark.tracks])
+        seconds = given.readout_time * ((rows + 0.5) / height - 0.5)
+        motion = np.concatenate([track.velocity for track in landmark.tracks]) * seconds[:, None]
+        shared = [
+            rays_by_camera(self._camera, self._roots, rays),
+            pixels_to_rays(self._camera, rays, motion[..., None]),
+        ]
+        return Corners(
+            points=np.concatenate(landmark.points),
+            rays=rays,
+            covariance=noise * scale**2,
+            own=floor_rays @ floor_rays.T * scale**2,
+            shared=np.concatenate(shared, axis=1) * scale,
+        )
+
     def _sight(self, landmark: _Landmark, seen: Corners, solutions: Sequence[Solution]) -> Sighting:
-        stamp = landmark.tracks[0].stamp
-        seen, solutions = with_model_error(seen, solutions[:2])
+        stamp, given = landmark.tracks[0].stamp, self._uncertainty
+        sides = side_shifts(solutions[0].pose, seen.points) * given.side_sigma * given.covariance_scale
+        seen = replace(seen, shared=np.concatenate([seen.shifts, sides], axis=1))
+        seen, solutions = with_all_errors(seen, solutions[:2])
         chosen = landmark.flips.decide(solutions, stamp)
         best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
         other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
@@ -342,15 +375,6 @@ def _region(predicted: tuple[Floats, float], shape: tuple[int, ...]) -> Region:
     left, top = np.floor(np.maximum(low - margin, 0)).astype(int)
     right, bottom = np.ceil(np.minimum(high + margin, (shape[1], shape[0]))).astype(int)
     return Region(int(left), int(top), max(int(right), 0), max(int(bottom), 0))
-
-
-def _seen(landmark: _Landmark) -> Corners:
-    """Return the corners of a landmark with their covariance."""
-    fits = [track.fit for track in landmark.tracks]
-    covariance = np.zeros((8 * len(fits), 8 * len(fits)))
-    for place, fit in enumerate(fits):
-        covariance[8 * place : 8 * place + 8, 8 * place : 8 * place + 8] = fit.covariance
-    return Corners(np.concatenate(landmark.points), np.concatenate([fit.rays for fit in fits]), covariance)
 
 
 def _starts(landmarks: Sequence[_Landmark]) -> list[list[Pose]]:

@@ -57,6 +57,10 @@ class Pose:
         return 2 * math.asin(min(math.sqrt(float(apart @ apart) / 8), 1.0))
 
 
+IDENTITY = Pose(np.eye(3), np.zeros(3))
+"""Transform that changes nothing."""
+
+
 def rotation_of(angles: Floats) -> Floats:
     """Return the rotations (..., 3, 3) about axes (..., 3), whose lengths are the angles in radians (Rodrigues)."""
     axes = np.asarray(angles, dtype=float)
@@ -82,6 +86,18 @@ def angles_of(rotation: Floats) -> Floats:
         return angles
     factor = math.atan2(sine, cosine) / sine / 2 if sine else 0.5
     return np.array([f - d, b - e, c - a]) * factor
+
+
+def rotation_of_quaternion(quaternion: Floats) -> Floats:
+    """Return the rotation (3, 3) of a quaternion x y z w of any length. This is the inverse of `quaternion_of`."""
+    x, y, z, w = quaternion / np.linalg.norm(quaternion)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def quaternion_of(rotation: Floats) -> Floats:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from roverlink.vision.camera.camera_model import Floats
-from roverlink.vision.poses.pose import Pose, rotation_of
+from roverlink.vision.poses.pose import Pose, rotation_of, rotation_of_quaternion
 from roverlink.vision.yaml_file import Item
 
 POSE = frozenset(("position", "rpy", "orientation"))
@@ -43,11 +43,4 @@ def _of_quaternion(orientation: Item) -> Floats:
     length = float(np.linalg.norm(quaternion))
     if abs(length - 1) > _UNIT:
         raise orientation.error(f"{orientation.name} has the length {length:.3g}; a quaternion x y z w has length 1")
-    x, y, z, w = quaternion / length
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    return rotation_of_quaternion(quaternion)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roverlink.runtime.core.errors import SetupError
-from roverlink.vision.calibration.board import CharucoBoard
-from roverlink.vision.markers.marker_set import MarkerSet
+from roverlink.vision.calibration.board import CalibrationBoard
+from roverlink.vision.markers.marker_set import MarkerSet, black_modules
 from roverlink.vision.printing.sheet import Label, Rectangle, Sheet, moved
 
 PAPERS = {
@@ -43,19 +42,15 @@ module, and as accurately as with a whole one. Of those with a third of a module
 """
 
 
-def board_sheet(board: CharucoBoard, paper: str) -> Sheet:
-    """Return a sheet with a ChArUco board in the centre, and rulers. Raises `SetupError` if the board does not fit."""
+def board_sheet(board: CalibrationBoard, paper: str) -> Sheet:
+    """Return a sheet with a board in the centre, and rulers. Raises `SetupError` if the board does not fit."""
     width, height = board.size
     page = _fitting_page(paper, width, height, _RIM)
     if page is None:
-        raise _too_large(f"a board of {board.columns}x{board.rows} squares", width, height, _RIM, paper)
+        raise _too_large(f"the board ({board.description})", width, height, _RIM, paper)
     page_width, page_height = page
     left, top = (page_width - width) / 2, (page_height - height) / 2
-    words = (
-        f"{board.columns}x{board.rows} squares of {_mm(board.square)}, markers of {_mm(board.marker)}, "
-        f"{board.dictionary}{', legacy' if board.legacy else ''}"
-    )
-    rulers, labels = _rulers(page_height, words)
+    rulers, labels = _rulers(page_height, board.description)
     return Sheet(page_width, page_height, (*moved(_board(board), left, top), *rulers), labels)
 
 
@@ -90,7 +85,7 @@ def marker_sheets(markers: MarkerSet, numbers: Sequence[int], paper: str) -> lis
             row, column = divmod(place, columns)
             gap = (cell - sides[number]) / 2
             left, top = start[0] + column * cell + gap, start[1] + row * (cell + _STRIP) + gap
-            rectangles += moved(_marker(_bits(markers.bits, number), sides[number]), left, top)
+            rectangles += moved(_marker(black_modules(markers.bits, number), sides[number]), left, top)
             base = top + sides[number] * (1 + border / modules) + _CAPITALS
             labels += (Label(left, base, _CAPITALS, f"{number}: {_mm(sides[number])}"),)
         sheets.append(Sheet(page_width, page_height, tuple(rectangles), labels))
@@ -118,25 +113,13 @@ def _too_large(what: str, width: float, height: float, far_rim: float, paper: st
     return SetupError(f"{what} ({_mm(width)} x {_mm(height)}) is too large for {paper} with its margins; {cure}")
 
 
-def _board(board: CharucoBoard) -> Iterator[Rectangle]:
-    """Yield the black parts of a ChArUco board; a square of the board without a marker is black."""
-    opencv = board.opencv
-    white = set()
-    for number, corners in zip(np.ravel(opencv.getIds()).tolist(), opencv.getObjPoints()):
-        left, top = np.reshape(corners, (4, 3))[:, :2].astype(float).min(axis=0)
-        column, row = int(left / board.square), int(top / board.square)
-        white.add((column, row))
-        gap = (board.square - board.marker) / 2
-        marker = _marker(_bits(opencv.getDictionary(), number), board.marker)
-        yield from moved(marker, column * board.square + gap, row * board.square + gap)
-    for column, row in itertools.product(range(board.columns), range(board.rows)):
-        if (column, row) not in white:
-            yield Rectangle(column * board.square, row * board.square, board.square, board.square)
-
-
-def _bits(dictionary: Any, number: int) -> NDArray[np.bool_]:
-    """Return a mask (n, n) of a marker's black modules (cells), including those of the black border."""
-    return np.asarray(dictionary.generateImageMarker(number, dictionary.markerSize + 2)) < 128
+def _board(board: CalibrationBoard) -> Iterator[Rectangle]:
+    """Yield the black parts of a board."""
+    artwork = board.artwork
+    for left, top in artwork.squares:
+        yield Rectangle(left, top, artwork.square, artwork.square)
+    for marker in artwork.markers:
+        yield from moved(_marker(marker.black, artwork.marker), marker.left, marker.top)
 
 
 def _marker(black: NDArray[np.bool_], side: float) -> Iterator[Rectangle]:

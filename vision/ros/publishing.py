@@ -74,8 +74,8 @@ class Publishing:
         self._detections.put(lambda: sighting_messages.detections_of(sightings, stamp, names))
         self._camera_info.put(lambda: sighting_messages.camera_info_of(self._camera, view.frame.size, stamp, names))
         self._image.put(lambda: sighting_messages.compressed_of(self._drawn(view), stamp, names))
-        if place := view.place:
-            self._camera_pose.put(lambda: sighting_messages.camera_pose_of(place, stamp))
+        if (place := view.place) and place.agreed:
+            self._camera_pose.put(lambda: sighting_messages.field_pose_of(place, stamp))
 
     def _drawn(self, view: View) -> Any:
         return draw(view.frame.image, self._camera, view.sightings, view.place)

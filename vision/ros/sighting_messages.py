@@ -48,16 +48,13 @@ def header_of(stamp: int, frame: str) -> Header:
 
 def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.TFMessage:
     """Return a message for /tf with the transforms from the camera's frame to the landmarks (markers and boards)."""
-    return tf2_msgs.TFMessage(
-        [
-            geometry_msgs.TransformStamped(
-                header_of(one.stamp, names.camera),
-                names.of(one.id),
-                geometry_msgs.Transform(geometry_msgs.Vector3(*_plain(one.pose.translation)), _quaternion(one.pose)),
-            )
-            for one in sightings
-        ]
-    )
+    return tf2_msgs.TFMessage([transform_of(one.pose, names.camera, names.of(one.id), one.stamp) for one in sightings])
+
+
+def transform_of(pose: Pose, parent: str, child: str, stamp: int) -> geometry_msgs.TransformStamped:
+    """Return a message with the transform from the frame `child` to the frame `parent`; `stamp` is in nanoseconds."""
+    transform = geometry_msgs.Transform(geometry_msgs.Vector3(*_plain(pose.translation)), _quaternion(pose))
+    return geometry_msgs.TransformStamped(header_of(stamp, parent), child, transform)
 
 
 def marker_pose_of(one: Sighting, names: FrameNames) -> geometry_msgs.PoseWithCovarianceStamped:
@@ -66,8 +63,8 @@ def marker_pose_of(one: Sighting, names: FrameNames) -> geometry_msgs.PoseWithCo
     return geometry_msgs.PoseWithCovarianceStamped(header_of(one.stamp, names.camera), pose)
 
 
-def camera_pose_of(place: FieldPose, stamp: int) -> geometry_msgs.PoseWithCovarianceStamped:
-    """Return a message with the camera's pose on the field and its covariance; `stamp` is in nanoseconds since 1970."""
+def field_pose_of(place: FieldPose, stamp: int) -> geometry_msgs.PoseWithCovarianceStamped:
+    """Return a message with a pose on the field and its covariance; `stamp` is in nanoseconds since 1970."""
     pose = _with_covariance(place.pose, place.covariance)
     return geometry_msgs.PoseWithCovarianceStamped(header_of(stamp, place.frame), pose)
 

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from roverlink.aruco.board_options import add_board, board_of, metres
+from roverlink.aruco.board_options import APRILGRID, CHARUCO, CHESSBOARD, add_board, board_of, metres
 from roverlink.console import OK, Subparsers, command, counted
 from roverlink.runtime.atomic_files import write_whole
 from roverlink.runtime.core.errors import SetupError
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _PAPERS = ("A0", "A1", "A2", "A3", "A4", "letter", "tabloid")
 _FORMATS = (".pdf", ".png")
+_NAMES = {CHARUCO: "charuco_board.pdf", CHESSBOARD: "chessboard.pdf", APRILGRID: "aprilgrid.pdf"}
 _MARKERS = "DICT_5X5_250"
 _RANGE = re.compile(r"(\d{1,4})(?:-(\d{1,4}))?")
 
@@ -26,9 +27,9 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "board",
-        "make a sheet with a ChArUco board or markers, for printing to scale",
+        "make a sheet with a calibration board or markers, for printing to scale",
         "roverlink aruco board --paper A3 --square 0.036 --marker 0.027 --out board.pdf",
-        "Write a ChArUco board for `roverlink aruco calibrate`, or single markers with --markers, as PDF or PNG.\n"
+        "Write a board for `roverlink aruco calibrate`, or single markers with --markers, as PDF or PNG.\n"
         "Print the sheet at 100 % (actual size). The rulers on it show whether the printer kept the scale.",
     )
     add_board(parser)
@@ -51,8 +52,8 @@ def add(commands: Subparsers) -> None:
         "--out",
         type=Path,
         metavar="FILE",
-        help="file to write; its name ends with .pdf or .png (default: charuco_board.pdf, or markers.pdf with "
-        "--markers)",
+        help="file to write; its name ends with .pdf or .png (default: charuco_board.pdf, or the kind of the other "
+        "boards, or markers.pdf with --markers)",
     )
     parser.add_argument(
         "--dpi", type=_dpi, default=600.0, help="resolution of a PNG in pixels per inch (default: %(default)g)"
@@ -62,7 +63,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the sheets with the board or the markers to files."""
-    out: Path = arguments.out or Path("markers.pdf" if arguments.markers else "charuco_board.pdf")
+    out: Path = arguments.out or Path("markers.pdf" if arguments.markers else _NAMES[arguments.board])
     if out.suffix.lower() not in _FORMATS:
         raise SetupError(f"{out}: unknown format; the name must end with {' or '.join(_FORMATS)}")
     from roverlink.vision import printing  # only here, so that the help needs no OpenCV

@@ -20,12 +20,13 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "calibrate",
-        "calibrate a camera with a ChArUco board",
+        "calibrate a camera with a printed board",
         "roverlink aruco calibrate 0 --square 0.0238 --marker 0.01785",
-        "Calibrate a camera with a ChArUco board. `roverlink aruco board` makes a board; after printing, measure\n"
+        "Calibrate a camera with a printed board. `roverlink aruco board` makes a board; after printing, measure\n"
         "its squares. Hold the board before the camera at different places and angles. The command takes useful\n"
         "images (views) from a camera, a stream or a video, until the views cover the whole image or you press\n"
-        "Ctrl-C. From a folder, it takes every image. Exit code 1: the views are not sufficient to calibrate.\n"
+        "Ctrl-C. From a folder, it takes every image. Exit code 1: the views are not sufficient to calibrate, or\n"
+        "the parameters must not be used; then they are written to another file, with .rejected in its name.\n"
         "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
         "topic), -r __ns:=/NAMESPACE, -r __node:=NAME.",
     )
@@ -79,7 +80,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Calibrate the camera. The exit code is 1 if the views do not determine its parameters."""
+    """Calibrate the camera. The exit code is 1 if the views do not determine its parameters well enough."""
     from roverlink.aruco.calibration import calibrate  # only here, so that the help needs no OpenCV
 
     return calibrate(arguments, ros_args.parse(arguments.ros_args, NODE))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 
 from roverlink.aruco.board_options import metres
@@ -24,8 +25,9 @@ def add(commands: Subparsers) -> None:
         "find ArUco markers and publish their poses",
         "roverlink aruco track 192.168.0.7:8080 --side 0.15 --landmarks landmarks.yaml --ros-args -r __ns:=/front",
         "Find ArUco markers in camera images, and publish their poses relative to the camera: on /tf, as messages\n"
-        "with covariances, and drawn into the image. With --landmarks, publish also the pose of the camera on the\n"
-        "field; a running bridge can send it to the basestation.\n"
+        "with covariances, and drawn into the image. With --landmarks, publish also the poses of the camera and the\n"
+        "rover on the field; a running bridge can send the rover's position to the basestation.\n"
+        "SOURCE can be a file of several cameras, such as cameras.yaml.\n"
         "With --json or --save, no ROS 2 is needed.\n"
         "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
         "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.",
@@ -34,7 +36,9 @@ def add(commands: Subparsers) -> None:
     parser.add_argument("--loop", action="store_true", help="play a video or a folder again and again, until Ctrl-C")
     parser.add_argument("--count", type=count, metavar="N", help="stop after N images")
     _add_camera(parser)
+    _add_rover(parser)
     _add_markers(parser)
+    _add_uncertainty(parser)
     _add_outputs(parser)
     add_project(parser)
     parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
@@ -64,6 +68,22 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="name of the camera's coordinate frame in all results (default: the frame of the images of a ROS 2 topic; "
         f"for other sources, {CAMERA_FRAME})",
+    )
+
+
+def _add_rover(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--base-frame",
+        default="base_link",
+        metavar="NAME",
+        help="name of the rover's coordinate frame; the transforms on /tf and /tf_static from the cameras to it are "
+        "their mounts, unless a file of cameras gives them (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--odom-frame",
+        metavar="NAME",
+        help="name of the odometry's coordinate frame; publish the transform to it from the frame of the field on /tf "
+        "(default: publish no transform of the rover)",
     )
 
 
@@ -112,6 +132,37 @@ def _add_markers(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_uncertainty(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--side-sigma",
+        type=_at_least_zero,
+        metavar="FRACTION",
+        help="standard deviation of the sides of the markers, as a fraction of the side, for the covariances of the "
+        "poses (default: 0.005)",
+    )
+    parser.add_argument(
+        "--corner-floor",
+        type=_at_least_zero,
+        metavar="PIXELS",
+        help="standard deviation of the corners of markers by errors that the image does not show, such as bent paper, "
+        "for the covariances (default: 0.05)",
+    )
+    parser.add_argument(
+        "--covariance-scale",
+        type=_at_least_zero,
+        metavar="FACTOR",
+        help="multiply the standard deviations of the poses by this factor, for a filter that takes the errors of "
+        "successive images for independent (default: 1)",
+    )
+    parser.add_argument(
+        "--readout-time",
+        type=_at_least_zero,
+        metavar="SECONDS",
+        help="time from the first row of an image to the last one; a rolling shutter distorts moving markers "
+        "(default: 0, a global shutter)",
+    )
+
+
 def _add_outputs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print the poses as a JSON object for each image")
     parser.add_argument("--save", type=Path, metavar="FILE", help="save a video with the poses drawn into it")
@@ -136,6 +187,17 @@ def run(arguments: argparse.Namespace) -> int:
     from roverlink.aruco.tracking import track  # only here, so that the help needs no OpenCV
 
     return track(arguments, ros, logger)
+
+
+def _at_least_zero(text: str) -> float:
+    """Parse a finite number that is at least 0."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not 0 <= found < math.inf:  # false for NaN too
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number of at least 0, such as 0.005")
+    return found
 
 
 def _side(text: str) -> tuple[int | None, float]:

@@ -84,7 +84,9 @@ def _view(taken: Taken, fitted: Fitted | None, *, calibrated: bool) -> dict[str,
 def _result(calibration: Calibration, taken: Sequence[Taken]) -> dict[str, Any]:
     numbers = [[one.name, one.value, f"± {one.interval}"] for one in parameters(calibration)]
     kept = sum(not fitted.dropped for fitted in calibration.views)
-    remarks = [f"RMS {calibration.rms:.3f} px over {kept} views; ± is the 95 % interval."]
+    judgement = calibration.judgement
+    remarks = [f"Judgement: {judgement.verdict.value}.", *(f"{doubt.text}." for doubt in judgement.doubts)]
+    remarks += [f"RMS {calibration.rms:.3f} px over {kept} views; ± is the 95 % interval."]
     if {id(one.view) for one in taken} != {id(fitted.view) for fitted in calibration.views}:
         remarks.append("The views have changed since the calibration: calibrate again.")
     return {"numbers": numbers, "remarks": remarks}

@@ -1,0 +1,229 @@
+"""The pose of a rover: the cameras of a file, mounts from the file or from /tf_static, and what is published."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from needs import NO_OPENCV, needs_dds
+from polling import wait_until
+
+from roverlink.__main__ import main
+from roverlink.runtime import Qos
+from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
+
+cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
+np = pytest.importorskip("numpy", reason=NO_OPENCV)
+
+from generated.messages import BasestationRoverLocalization  # noqa: E402  # they need OpenCV
+from roverlink.demo.field import SIDE, Film, render_film, rover_position, write_cameras, write_field  # noqa: E402
+from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs  # noqa: E402
+from roverlink.vision.frames import TopicSets  # noqa: E402
+from tests.vision.d435i import COLOUR, DEPTH, INFO, RenderedD435i  # noqa: E402
+
+_FRAMES = 3
+
+
+@pytest.fixture(scope="module")
+def film() -> Film:
+    """A short drive."""
+    return render_film(_FRAMES)
+
+
+@pytest.fixture
+def folder(film: Film, tmp_path: Path) -> Path:
+    """A drive, landmarks, and a file of cameras with the drive."""
+    (tmp_path / "frames").mkdir()
+    for frame in film:
+        cv2.imwrite(str(tmp_path / "frames" / f"{frame.number}.png"), frame.image)
+    write_field(tmp_path)
+    write_cameras(tmp_path)
+    return tmp_path
+
+
+def _words(folder: Path, *more: object, source: object = None) -> list[str]:
+    given = ("--side", SIDE, "--landmarks", folder / "landmarks.yaml")
+    return ["aruco", "track", *map(str, (source or folder / "cameras.yaml", *given, *more))]
+
+
+def _with_a_second_camera(folder: Path, mount: str = "[0, 0, 0.6]") -> None:
+    text = (folder / "cameras.yaml").read_text()
+    (folder / "cameras.yaml").write_text(
+        f"{text}  left:\n    source: frames\n    rate: 10\n    parameters: camera.yml\n    frame: left_eye\n"
+        f"    mount: {{position: {mount}, rpy: [0, 0, 0]}}\n"
+    )
+
+
+def _lines(capsys: pytest.CaptureFixture[str], words: list[str]) -> tuple[list[Any], str]:
+    assert main(words) == 0
+    told = capsys.readouterr()
+    return [json.loads(line) for line in told.out.splitlines()], told.err
+
+
+def test_the_mount_of_a_camera_gives_the_rover_s_pose(
+    folder: Path, film: Film, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each frame says where the camera and the rover are; a file of one camera is enough."""
+    views, _ = _lines(capsys, _words(folder, "--json"))
+    assert len(views) == _FRAMES
+    for view in views:
+        truth = film.truth[view["frame"]]
+        assert (view["name"], view["frame_id"]) == ("front", "front_optical_frame")
+        assert np.linalg.norm(view["camera"]["position"] - truth.translation) < 0.01
+        assert np.linalg.norm(view["rover"]["position"] - rover_position(truth)) < 0.01
+        assert (view["rover"]["stamp"], view["rover"]["frame"]) == (view["stamp"], "map")
+
+
+def test_frames_of_two_cameras_give_one_pose(folder: Path, film: Film, capsys: pytest.CaptureFixture[str]) -> None:
+    """The landmarks of both are used together, so the covariance is smaller than that of one camera alone."""
+    alone, _ = _lines(capsys, _words(folder, "--json"))
+    _with_a_second_camera(folder)
+    views, told = _lines(capsys, _words(folder, "--json"))
+    assert [view["name"] for view in views] == ["front", "left"] * _FRAMES
+    assert {view["frame_id"] for view in views} == {"front_optical_frame", "left_eye"}
+    assert "left: found landmark 7" in told
+    for view in views:
+        assert ("rover" in view) == (view["name"] == "left")
+    for one, both in zip(alone, views[1::2], strict=True):
+        assert both["rover"]["used"] == [7, 8, 9, 10] * 2
+        assert np.linalg.norm(both["rover"]["position"] - rover_position(film.truth[both["frame"]])) < 0.01
+        assert both["rover"]["covariance"][0] < 0.8 * one["rover"]["covariance"][0]
+
+
+def test_cameras_that_contradict_each_other_give_no_pose(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """If a mount is wrong, it is unknown which one: this is told once, and no position is given."""
+    _with_a_second_camera(folder, "[0, 1, 0.6]")
+    views, told = _lines(capsys, _words(folder, "--json"))
+    assert all("position" not in view.get("rover", {}) for view in views)
+    assert told.count("contradict each other; there is no pose until most of them agree") == 1
+
+
+def test_each_camera_has_its_film(folder: Path) -> None:
+    """The name of the camera is in the name of the file."""
+    _with_a_second_camera(folder)
+    assert main(_words(folder, "--save", folder / "seen.avi")) == 0
+    for name in ("front", "left"):
+        capture = cv2.VideoCapture(str(folder / f"seen_{name}.avi"))
+        assert sum(capture.grab() for _ in range(_FRAMES + 1)) == _FRAMES
+
+
+@pytest.mark.parametrize(
+    ("option", "expected"),
+    [
+        (("--parameters", "camera.yml"), "--parameters has no effect with a file of cameras; write 'parameters' into"),
+        (("--camera-info", "/info"), "--camera-info has no effect with a file of cameras; write 'camera_info' into"),
+        (("--exposure", "5"), "--exposure has no effect with a file of cameras; write 'exposure' into"),
+        (("--camera-frame", "eye"), "--camera-frame has no effect with a file of cameras; write 'frame' into"),
+    ],
+)
+def test_options_for_one_camera_are_refused_with_a_file_of_cameras(
+    folder: Path, option: tuple[str, ...], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """They would be silently ignored; the message names the key."""
+    assert main(_words(folder, *option)) == 2
+    assert expected in capsys.readouterr().err
+
+
+def test_a_camera_of_the_file_needs_parameters(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Only a ROS 2 topic brings them along."""
+    (folder / "cameras.yaml").write_text("cameras: {front: {source: frames}}")
+    assert main(_words(folder, "--json")) == 2
+    assert "camera front has no parameters; add 'parameters: FILE'" in capsys.readouterr().err
+
+
+# --- ROS 2 --------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def own_domain(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]) -> None:
+    """DDS on this host alone, as the programs of these tests have it."""
+    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.setenv(name, environment[name])
+
+
+@contextmanager
+def _driver(node: Middleware, camera: RenderedD435i) -> Iterator[None]:
+    """A driver that publishes images, and the rover's description."""
+    qos = Qos(depth=5)
+    publishers = [
+        node.publisher(topic, message_type, qos)
+        for topic, message_type in (
+            (COLOUR, sensor_msgs.Image),
+            (DEPTH, sensor_msgs.Image),
+            (INFO, sensor_msgs.CameraInfo),
+        )
+    ]
+    static = node.publisher("/tf_static", tf2_msgs.TFMessage, Qos(depth=1, durability="transient_local"))
+    static.publish([cdr.encode(camera.transforms)])
+    stopped = threading.Event()
+
+    def run() -> None:
+        number = 0
+        while not stopped.wait(0.02):
+            for publisher, message in zip(publishers, camera.messages(number), strict=True):
+                publisher.publish([cdr.encode(message)])
+            number += 1
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield
+    finally:
+        stopped.set()
+        thread.join()
+
+
+@needs_dds
+@pytest.mark.usefixtures("own_domain")
+def test_a_d435i_says_where_base_link_is(folder: Path) -> None:
+    """The pose comes from images over DDS and the transforms on /tf_static, and the basestation gets the same position.
+
+    The true pose is inside the 95 % ellipsoid as often as it should be.
+    """
+    camera = RenderedD435i(8)
+    poses: list[Any] = []
+    positions: list[Any] = []
+    with open_middleware("dds", NodeIdentity("driver")) as node, _driver(node, camera):
+        for topic, message_type, kept in (
+            ("/aruco/pose", geometry_msgs.PoseWithCovarianceStamped, poses),
+            ("/rover_localization", BasestationRoverLocalization, positions),
+        ):
+            node.subscribe(
+                topic,
+                message_type,
+                Qos(depth=100),
+                lambda many, kept=kept, kind=message_type: kept.extend(cdr.decode(kind, one) for one in many),
+            )
+        assert main(_words(folder, "--middleware", "dds", "--count", 60, source=f"topic:{COLOUR}")) == 0
+        wait_until(lambda: len(poses) >= 20 and positions, "poses of the rover")
+        with TopicSets(node, [COLOUR, DEPTH, INFO], print) as sets:
+            colour, depth, _ = next(iter(sets))
+    inside = []
+    for one in poses:
+        stamp = one.header.stamp.sec * 10**9 + one.header.stamp.nanosec
+        place = one.pose.pose.position
+        assert one.header.frame_id == "map"
+        inside.append(camera.is_inside(stamp, (place.x, place.y, place.z), one.pose.covariance))
+    assert np.mean(inside) > 0.8
+    found = {(one.pose.pose.position.x, one.pose.pose.position.y) for one in poses}
+    assert any(np.hypot(*(np.subtract((place.x, place.y), one))) < 1e-5 for place in positions for one in found)
+    assert colour.stamp == depth.stamp
+    assert depth.pixels.min() < 3500 < depth.pixels.max()
+
+
+@needs_dds
+@pytest.mark.slow
+@pytest.mark.usefixtures("own_domain")
+def test_a_mount_that_nobody_publishes_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The poses of the camera come all the same; the message names the frames and both remedies."""
+    given = ("--parameters", folder / "camera.yml", "--middleware", "dds", "--loop", "--rate", 10, "--count", 45)
+    assert main(_words(folder, *given, source=folder / "frames")) == 0
+    told = capsys.readouterr().err
+    assert told.count("the pose of 'base_link' is not known: no transforms connect 'camera_frame'") == 1
+    assert "publish the camera's mount on /tf_static, or write it into cameras.yaml" in told
