@@ -5,7 +5,7 @@ from __future__ import annotations
 from roverlink.vision.camera.camera_model import CameraParameters
 from roverlink.vision.markers.detection import Detector, Image, to_grey
 from roverlink.vision.markers.edges import Guess
-from roverlink.vision.markers.fitting import fit_markers
+from roverlink.vision.markers.marker_fits import fit_markers
 from roverlink.vision.markers.marker_set import MarkerSet, dictionaries
 
 

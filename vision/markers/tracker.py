@@ -19,8 +19,8 @@ from roverlink.vision.camera.camera_model import CameraParameters, Floats
 from roverlink.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_to_rays, rays_by_camera
 from roverlink.vision.markers.detection import Detection, Detector, Image, Region, to_grey
 from roverlink.vision.markers.edges import Fit, Guess
-from roverlink.vision.markers.fitting import Fitted, extent, fit_markers
 from roverlink.vision.markers.flips import Flips
+from roverlink.vision.markers.marker_fits import Fitted, extent, fit_markers
 from roverlink.vision.markers.marker_set import MarkerSet, TargetId
 from roverlink.vision.opencv import cv2
 from roverlink.vision.poses.pnp import Corners, Solution, side_shifts, solve, square_poses, with_all_errors
