@@ -23,11 +23,11 @@ from roverlink.aruco.board_options import board_of
 from roverlink.aruco.calibration_page import serve_page
 from roverlink.aruco.calibration_text import CalibrationText, JsonText, PlainText
 from roverlink.aruco.camera_source import open_source, settings_of, source_of
+from roverlink.aruco.ros_connection import RosConnection
 from roverlink.console import FINDINGS, OK, counted
 from roverlink.installed_packages import installed_version
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.middleware import Middleware, open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision.calibration import (
     BoardDetector,
@@ -61,12 +61,9 @@ def calibrate(arguments: argparse.Namespace, ros: RosArguments) -> int:
         raise SetupError(f"{arguments.out}: the folder {arguments.out.parent} does not exist")
     text = JsonText() if arguments.json else PlainText()
     with contextlib.ExitStack() as stack:
-
-        def middleware() -> Middleware:
-            return stack.enter_context(open_middleware(arguments.middleware, ros.node))
-
+        connection = RosConnection(ros, arguments.middleware, stack, text.note)
         source = stack.enter_context(
-            open_source(source_of(arguments, text.note), settings_of(arguments), ros, middleware, say=text.note)
+            open_source(source_of(arguments, text.note), settings_of(arguments), connection, say=text.note)
         )
         if arguments.page:
             try:

@@ -14,7 +14,7 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments, is_topic
 
 if TYPE_CHECKING:
-    from roverlink.runtime.middleware import Middleware
+    from roverlink.aruco.ros_connection import RosConnection
     from roverlink.vision.camera.camera_settings import CameraSettings
     from roverlink.vision.frames import FrameSource
 
@@ -79,23 +79,21 @@ def full_topic(name: str, ros: RosArguments) -> str:
 def open_source(
     text: str,
     settings: CameraSettings,
-    ros: RosArguments,
-    middleware: Callable[[], Middleware],
+    ros: RosConnection,
     size: tuple[int, int] | None = None,
     say: Callable[[str], None] = print_note,
 ) -> FrameSource:
     """Open the source of frames that a text names.
 
-    ``middleware`` is called if the source is a topic. If the settings have no image size, the camera is asked for
-    images of ``size``. ``say`` is called with messages for the user, also later, for instance if the camera is lost.
-    Raises `SetupError` if the source cannot be opened.
+    If the settings have no image size, the camera is asked for images of ``size``. ``say`` is called with messages for
+    the user, also later, for instance if the camera is lost. Raises `SetupError` if the source cannot be opened.
     """
     from roverlink.vision import frames
 
     def open_topic(name: str) -> FrameSource:
-        return frames.TopicSource(middleware(), full_topic(name, ros), say)
+        return frames.TopicSource(ros.middleware, full_topic(name, ros.arguments), say, ros.clock)
 
-    return frames.open_source(text, settings, size=size, say=say, open_topic=open_topic)
+    return frames.open_source(text, settings, size=size, say=say, clock=ros.clock, open_topic=open_topic)
 
 
 def _asked(say: Callable[[str], None]) -> str:

@@ -20,9 +20,8 @@ from roverlink.aruco.camera_source import (
     settings_of,
     source_of,
 )
+from roverlink.aruco.ros_connection import RosConnection
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.middleware import Middleware
-from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision import CameraParameters
 from roverlink.vision.camera.cameras_file import SUFFIXES, CameraEntry, read_cameras
 from roverlink.vision.camera.image_size import for_images
@@ -32,7 +31,7 @@ from roverlink.vision.frames.interleaving import in_order, newest
 from roverlink.vision.frames.open_source import TOPIC
 
 _IN_THE_FILE = {"parameters": "parameters", "camera_info": "camera_info", "camera_frame": "frame"} | {
-    name: name for name in SETTINGS
+    name: name for name in ("readout_time", *SETTINGS)
 }
 """Options for one camera, each with the key that replaces it in a file of cameras."""
 
@@ -64,7 +63,9 @@ def described(arguments: argparse.Namespace, say: Callable[[str], None]) -> list
             what = "--parameters is given" if arguments.parameters else f"the source is not {TOPIC}NAME"
             raise SetupError(f"--camera-info has no effect, because {what}; remove one of the options")
         frame, info = arguments.camera_frame or "", arguments.camera_info or ""
-        return [CameraEntry("", text, arguments.parameters, frame, info, settings_of(arguments))]
+        return [
+            CameraEntry("", text, arguments.parameters, frame, info, settings_of(arguments), arguments.readout_time)
+        ]
     for option, key in _IN_THE_FILE.items():
         if getattr(arguments, option):
             name = option.replace("_", "-")
@@ -78,29 +79,27 @@ class CameraOpener:
     def __init__(
         self,
         arguments: argparse.Namespace,
-        ros: RosArguments,
-        middleware: Callable[[], Middleware],
+        ros: RosConnection,
         logger: logging.Logger,
         stack: ExitStack,
     ) -> None:
-        """Open cameras with the options; ``middleware`` is called if a source is a topic."""
-        self._arguments, self._ros, self._middleware = arguments, ros, middleware
-        self._logger, self._stack = logger, stack
+        """Open cameras with the options."""
+        self._arguments, self._ros, self._logger, self._stack = arguments, ros, logger, stack
 
     def open(self, entry: CameraEntry) -> TrackedCamera:
         """Open a camera, and read its parameters. Raises `SetupError` if that fails, or if they do not fit."""
         warn = self._logger.warning
         camera = self._of_file(entry)
         size = camera.size if camera else None
-        source = self._stack.enter_context(
-            open_source(entry.source, entry.settings, self._ros, self._middleware, size, warn)
-        )
+        source = self._stack.enter_context(open_source(entry.source, entry.settings, self._ros, size, warn))
         size = next(iter(source)).size
         self._logger.info("%s: %dx%d pixels", source.name, *size)
         origin = str(entry.parameters or PARAMETERS)
         if camera is None:
             images = cast(TopicSource, source)
-            origin = full_topic(entry.camera_info, self._ros) if entry.camera_info else images.camera_info_topic
+            origin = (
+                full_topic(entry.camera_info, self._ros.arguments) if entry.camera_info else images.camera_info_topic
+            )
             other = f"'parameters' of {entry.name}" if entry.name else "--camera-info TOPIC or --parameters FILE"
             self._logger.info("camera parameters: from %s; %s overrides this", origin, other)
             camera = images.read_camera(origin)
@@ -118,7 +117,9 @@ class CameraOpener:
         return read_parameters(entry.parameters or PARAMETERS)
 
 
-def frames_of(cameras: Sequence[TrackedCamera], arguments: argparse.Namespace) -> Iterator[tuple[TrackedCamera, Frame]]:
+def frames_of(
+    cameras: Sequence[TrackedCamera], arguments: argparse.Namespace, ros: RosConnection
+) -> Iterator[tuple[TrackedCamera, Frame]]:
     """Yield the frames of all cameras, at most ``--count``, each with its camera.
 
     The frames of recordings come at full speed. But they come in real time if they are also published or repeated.
@@ -132,7 +133,7 @@ def frames_of(cameras: Sequence[TrackedCamera], arguments: argparse.Namespace) -
         )
     played = all(recorded) and (arguments.middleware or arguments.loop)
     streams = [
-        map(camera.named, play(camera.source, loop=arguments.loop) if played else iter(camera.source))
+        map(camera.named, play(camera.source, loop=arguments.loop, clock=ros.clock) if played else iter(camera.source))
         for camera in cameras
     ]
     # One stream needs no thread, and none of its frames may be skipped.

@@ -16,32 +16,30 @@ from dataclasses import fields
 from functools import cache
 from pathlib import Path
 
+from roverlink.aruco.ros_connection import RosConnection
+from roverlink.aruco.target_parameters import TargetParameters
 from roverlink.aruco.tracked_cameras import CameraOpener, TrackedCamera, described, frames_of
 from roverlink.aruco.tracking_log import TrackingLog
 from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.progress import progress
-from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.middleware import Middleware, open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
-from roverlink.vision import CameraParameters, Landmarks, MarkerSet, Tracker, read_landmarks
+from roverlink.vision import Tracker
+from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.camera.uncertainty import Uncertainty
 from roverlink.vision.field.view import Eye, Lookout, View
 from roverlink.vision.frames import Frame
 from roverlink.vision.frames.open_source import TOPIC
 from roverlink.vision.images.drawing import draw, write_above
 from roverlink.vision.images.film import Film
-from roverlink.vision.markers.boards import read_boards
 from roverlink.vision.markers.detection import Image
-from roverlink.vision.markers.marker_set import SIDE
 from roverlink.vision.poses.pose import Pose
 from roverlink.vision.poses.transform_tree import TransformTree
 from roverlink.vision.ros.mounts import MountOnTf
 from roverlink.vision.ros.publishing import Publishing
 from roverlink.vision.ros.rover_pose import RoverFrames, RoverPublishing
 from roverlink.vision.ros.rover_position import position_publisher
-from roverlink.vision.ros.transform_listener import TransformListener
 
 Output = Callable[[View], None]
 
@@ -51,40 +49,38 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
 
     Raises `SetupError` if a file, the source of frames or a package is missing, or if a file is wrong.
     """
-    markers, uncertainty = _markers(arguments), _uncertainty(arguments)
-    landmarks = _landmarks(arguments, markers)
+    wanted = TargetParameters(arguments, ros, logger)
     entries = described(arguments, logger.warning)
     with ExitStack() as stack:
-
-        @cache
-        def middleware() -> Middleware:
-            return stack.enter_context(open_middleware(arguments.middleware or "auto", ros.node))
-
-        def tracker(camera: CameraParameters) -> Tracker:
-            return Tracker(camera, markers, scan_every=arguments.scan_every, uncertainty=uncertainty)
-
-        @cache
-        def transforms() -> TransformTree:
-            return TransformListener(middleware(), ros.topic, logger.warning).tree
-
-        def mount_of(camera: TrackedCamera) -> Callable[[Frame], Pose | None]:
-            hears_ros = arguments.middleware or any(one.source.startswith(TOPIC) for one in entries)
-            if camera.entry.mount is None and landmarks and hears_ros:
-                return MountOnTf(transforms(), arguments.base_frame, logger.warning)
-            return lambda _: camera.entry.mount
-
-        opener = CameraOpener(arguments, ros, middleware, logger, stack)
+        connection = RosConnection(ros, arguments.middleware or "auto", stack, logger.warning, wanted)
+        opener = CameraOpener(arguments, connection, logger, stack)
         cameras = [opener.open(entry) for entry in entries]
-        eyes = {one.name: Eye(tracker(one.parameters), one.name, mount_of(one)) for one in cameras}
-        lookout = Lookout(len(cameras), landmarks)
+        targets = wanted.targets
+        located = targets.landmarks is not None
+
+        def tracker(camera: TrackedCamera) -> Tracker:
+            uncertainty = _uncertainty(arguments, camera.entry.readout_time)
+            return Tracker(camera.parameters, targets.markers, scan_every=arguments.scan_every, uncertainty=uncertainty)
+
+        eyes = {
+            one.name: Eye(tracker(one), one.name, _mount(one, connection, arguments, logger, now=located))
+            for one in cameras
+        }
+        lookout = Lookout(len(cameras), targets.landmarks)
         outputs = [output for camera in cameras for output in _files(camera, arguments, stack)]
         if arguments.middleware:
-            stack.enter_context(publish_log(logger, middleware(), ros))
-            outputs += [_publisher(camera, middleware(), arguments, ros, logger) for camera in cameras]
-            if landmarks:
-                outputs.append(_rover_publisher(middleware(), transforms, arguments, ros, logger))
-        log = stack.enter_context(TrackingLog(logger, markers, {one.name: one.parameters for one in cameras}))
-        for camera, frame in log.timed(_with_progress(frames_of(cameras, arguments), cameras, arguments)):
+            stack.enter_context(publish_log(logger, connection.middleware, ros))
+            outputs += [_publisher(camera, connection, arguments, logger) for camera in cameras]
+            outputs.append(_rover_publisher(connection, arguments, logger, now=located))
+        log = stack.enter_context(TrackingLog(logger, targets.markers, {one.name: one.parameters for one in cameras}))
+        frames = frames_of(cameras, arguments, connection)
+        for camera, frame in log.timed(_with_progress(frames, cameras, arguments)):
+            if wanted.targets is not targets:
+                targets = wanted.targets
+                for one in cameras:
+                    eyes[one.name].tracker = tracker(one)
+                lookout.use(targets.landmarks)
+                log.look_for(targets.markers)
             view = lookout.view(eyes[camera.name], frame)
             log.add(view)
             if arguments.json:
@@ -94,30 +90,26 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
     return OK
 
 
-def _markers(arguments: argparse.Namespace) -> MarkerSet:
-    sides = dict(arguments.side)
-    boards = read_boards(arguments.boards) if arguments.boards else ()
-    return MarkerSet(arguments.dictionary, sides.pop(None, SIDE), sides, boards)
-
-
-def _uncertainty(arguments: argparse.Namespace) -> Uncertainty:
+def _uncertainty(arguments: argparse.Namespace, readout_time: float | None) -> Uncertainty:
     options = {field.name: getattr(arguments, field.name) for field in fields(Uncertainty)}
+    options["readout_time"] = readout_time
     return Uncertainty(**{name: value for name, value in options.items() if value is not None})
 
 
-def _landmarks(arguments: argparse.Namespace, markers: MarkerSet) -> Landmarks | None:
-    if not arguments.landmarks:
-        return None
-    landmarks = read_landmarks(arguments.landmarks)
-    for target in landmarks.places:
-        if not markers.is_target(target):
-            known = (
-                "a known board; define it in the file of --boards"
-                if isinstance(target, str)
-                else f"a known single marker; it is on a board, or {arguments.dictionary} does not contain it"
-            )
-            raise SetupError(f"{arguments.landmarks}: landmark {target!r} is not {known}")
-    return landmarks
+def _mount(
+    camera: TrackedCamera, ros: RosConnection, arguments: argparse.Namespace, logger: logging.Logger, *, now: bool
+) -> Callable[[Frame], Pose | None]:
+    """Return a function that returns the mount of a camera: that of the file of cameras, or else the one on /tf.
+
+    With ``now``, the transforms are received at once, and otherwise when the mount is asked for.
+    """
+    hears_ros = arguments.middleware or camera.entry.source.startswith(TOPIC)
+    if camera.entry.mount is not None or not hears_ros:
+        return lambda _: camera.entry.mount
+    on_tf = cache(lambda: MountOnTf(ros.transforms, arguments.base_frame, logger.warning))
+    if now:
+        on_tf()
+    return lambda frame: on_tf()(frame)
 
 
 def _with_progress(
@@ -149,11 +141,7 @@ def _files(camera: TrackedCamera, arguments: argparse.Namespace, stack: ExitStac
 
 
 def _publisher(
-    camera: TrackedCamera,
-    middleware: Middleware,
-    arguments: argparse.Namespace,
-    ros: RosArguments,
-    logger: logging.Logger,
+    camera: TrackedCamera, ros: RosConnection, arguments: argparse.Namespace, logger: logging.Logger
 ) -> Output:
     """Return an output that publishes the results of one camera; the names of several cameras are in the topics."""
 
@@ -162,32 +150,35 @@ def _publisher(
 
     # A frame has one parent on /tf, so a marker that two cameras see needs two frames.
     prefix = f"{camera.name}_{arguments.marker_frame}" if camera.name else arguments.marker_frame
-    return _of(camera, Publishing(middleware, camera.parameters, prefix, topic, logger.warning).publish)
+    return _of(camera, Publishing(ros.middleware, camera.parameters, prefix, topic, logger.warning).publish)
 
 
-def _rover_publisher(
-    middleware: Middleware,
-    transforms: Callable[[], TransformTree],
-    arguments: argparse.Namespace,
-    ros: RosArguments,
-    logger: logging.Logger,
-) -> Output:
-    """Return an output that publishes the rover's pose, if the landmarks agree, and sends it to the basestation."""
-    frames = RoverFrames(arguments.base_frame, arguments.odom_frame or "")
-    tree = transforms() if frames.odom else TransformTree()
-    publish_pose = RoverPublishing(middleware, frames, tree, ros.topic, logger.warning).publish
-    try:
-        registry = load_project(project_folder(arguments.project))
-        publish_position = position_publisher(middleware, registry, ros.topic, logger.warning)
-    except NoProjectError as error:  # tracking works without a bridge
-        logger.warning("the rover's position is not sent to the basestation: %s", error)
-        publish_position = lambda _: None  # noqa: E731  # a def would repeat the type
+def _rover_publisher(ros: RosConnection, arguments: argparse.Namespace, logger: logging.Logger, *, now: bool) -> Output:
+    """Return an output that publishes the rover's pose, if the landmarks agree, and sends it to the basestation.
+
+    With ``now``, the topics are there at once, and otherwise with the first pose.
+    """
+
+    @cache
+    def publishers() -> tuple[RoverPublishing, Callable[[Floats], None]]:
+        frames = RoverFrames(arguments.base_frame, arguments.odom_frame or "")
+        tree = ros.transforms if frames.odom else TransformTree()
+        poses = RoverPublishing(ros.middleware, frames, tree, ros.topic, logger.warning)
+        try:
+            registry = load_project(project_folder(arguments.project))
+        except NoProjectError as error:  # tracking works without a bridge
+            logger.warning("the rover's position is not sent to the basestation: %s", error)
+            return poses, lambda _: None
+        return poses, position_publisher(ros.middleware, registry, ros.topic, logger.warning)
 
     def publish(view: View) -> None:
         if view.rover and view.rover.place.agreed:
-            publish_pose(view.rover)
+            poses, publish_position = publishers()
+            poses.publish(view.rover)
             publish_position(view.rover.place.pose.translation)
 
+    if now:
+        publishers()
     return publish
 
 

@@ -50,6 +50,12 @@ class TrackingLog:
             self._begin = time.perf_counter()
             yield frame
 
+    def look_for(self, markers: MarkerSet) -> None:
+        """Set other markers; the landmarks that are seen from now on are new ones."""
+        self._markers, self._hinted = markers, False
+        self._seen.clear()
+        self._shared.clear()
+
     def add(self, view: View) -> None:
         """Log the landmarks of a frame that were not seen before, and problems with its markers.
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import rclpy
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 # Names that the ROS 2 middlewares give to the node of an endpoint until they know it.
 _UNKNOWN_NODES = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
+_USE_SIM_TIME = "use_sim_time"  # which rclpy declares itself
 _INFINITE_NS = 2**63 - 1  # RMW_DURATION_INFINITE
 
 
@@ -75,8 +77,13 @@ class RclpyMiddleware:
         self._context = rclpy.Context()
         # Signals, remappings and parameters stay with our command line, which has handled them already.
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        simulated = parameters is not None and parameters.values.get(_USE_SIM_TIME)
         self._node = rclpy.create_node(
-            node.name, namespace=node.namespace, context=self._context, use_global_arguments=False
+            node.name,
+            namespace=node.namespace,
+            context=self._context,
+            use_global_arguments=False,
+            parameter_overrides=[Parameter(_USE_SIM_TIME, value=True)] if simulated else None,
         )
         if parameters is not None:
             self._declare(parameters)
@@ -90,8 +97,9 @@ class RclpyMiddleware:
 
     def _declare(self, parameters: NodeParameters) -> None:
         for name, value in parameters.values.items():
-            descriptor = deserialize_message(cdr.encode(parameters.descriptors[name]), ParameterDescriptor)
-            self._node.declare_parameter(name, value, descriptor)
+            if name != _USE_SIM_TIME:
+                descriptor = deserialize_message(cdr.encode(parameters.descriptors[name]), ParameterDescriptor)
+                self._node.declare_parameter(name, value, descriptor)
 
         def change(changes: Sequence[Any]) -> Any:
             try:

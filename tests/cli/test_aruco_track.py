@@ -274,7 +274,16 @@ def test_a_principal_point_that_does_not_fit_is_told(
         (("--landmarks", "none.yaml"), "cannot read the landmarks"),
         (("--covariance-scale", "0"), "covariance_scale is 0.0; it must be positive"),
         (("--save", "film.gif"), "the name must end with .mp4 or .avi"),
-        (("--ros-args", "-p", "side:=0.1"), "has no parameter 'side'; it is set by options"),
+        (
+            ("--ros-args", "-p", "rate:=10"),
+            "unknown parameter 'rate'; known: dictionary, side, sides, landmarks, use_sim_time",
+        ),
+        (("--ros-args", "-p", "side:=wide"), "the parameter 'side' is 'wide'; it must be of type float"),
+        (("--ros-args", "-p", "sides:=0.1"), "the parameter 'sides' is 0.1; it must be of type str"),
+        (("--ros-args", "-p", "sides:='7=wide'"), "the parameter 'sides': '7=wide' is not METRES or ID=METRES"),
+        (("--ros-args", "-p", "sides:='7=0.1, 0.2'"), "'0.2' names no marker; write 7=0.1, or use 'side'"),
+        (("--ros-args", "-p", "landmarks:=none.yaml"), "cannot read the landmarks"),
+        (("--ros-args", "-p", "use_sim_time:=1"), "the parameter 'use_sim_time' is 1; it must be true or false"),
     ],
 )
 def test_what_cannot_be_is_told(

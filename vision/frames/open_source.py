@@ -10,6 +10,7 @@ from urllib.parse import urlsplit, urlunsplit
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.camera.camera_settings import CameraSettings
+from roverlink.vision.frames.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.frames.frame import RATE, FrameSource
 from roverlink.vision.frames.live import Say, open_camera, open_pipeline, open_stream
 from roverlink.vision.frames.recorded import IMAGES, VIDEOS, ImageFiles, VideoFile
@@ -31,31 +32,32 @@ def open_source(
     *,
     size: tuple[int, int] | None = None,
     say: Say = lambda _: None,
+    clock: Clock = SYSTEM_CLOCK,
     open_topic: Callable[[str], FrameSource] | None = None,
 ) -> FrameSource:
     """Open the source of frames that a text names: a camera's number, a device, a file, a folder, a URL, or a topic.
 
     Examples of the text: ``0``, ``/dev/video2``, ``drive.mp4``, ``rtsp://192.168.0.7/live``, ``192.168.0.7:8080``,
-    ``topic:/camera/image_raw``. `open_topic` is called with the name of a topic.
-    ``gstreamer:v4l2src ! ...`` is a pipeline of GStreamer. `settings` are those of a camera; a folder has a rate and a
-    stream a latency. If they name no size, `size` (width, height) is requested. `say` is called with messages about a
-    live source that stalls, ends or works again. Raises `SetupError` if the source cannot be opened, or if it does not
-    have a setting.
+    ``topic:/camera/image_raw``, ``gstreamer:v4l2src ! ...``. `open_topic` is called with the name of a topic.
+    `settings` are those of a camera; a folder has a rate and a stream a latency. If they name no size, `size` (width,
+    height) is requested. `say` is called with messages about a live source that stalls, ends or works again, and
+    `clock` gives the stamps of its frames. Raises `SetupError` if the source cannot be opened, or if it does not have a
+    setting.
     """
     text = text.strip()
     if text.startswith(TOPIC) and open_topic is not None:
         settings.check(text)
         return open_topic(text.removeprefix(TOPIC))
     if text.startswith(PIPELINE):
-        return open_pipeline(text.removeprefix(PIPELINE), settings, say)
+        return open_pipeline(text.removeprefix(PIPELINE), settings, say, clock)
     path = Path(text).expanduser()
     device = _DEVICE.fullmatch(str(path.resolve())) if text.startswith("/dev/") else None
     if device or text.isdecimal():
         if settings.size is None:
             settings = replace(settings, size=size)
-        return open_camera(int(device[1] if device else text), settings, say)
+        return open_camera(int(device[1] if device else text), settings, say, clock)
     if "://" in text:
-        return open_stream(_urls(text), settings, say)
+        return open_stream(_urls(text), settings, say, clock)
     if text and path.exists():
         if path.is_dir() or path.suffix.lower() in IMAGES:
             settings.check(text, "rate")
@@ -63,7 +65,7 @@ def open_source(
         settings.check(text)
         return VideoFile(path)
     if _HOST.fullmatch(text) and path.suffix.lower() not in IMAGES | VIDEOS:
-        return open_stream(_urls(f"http://{text}"), settings, say)
+        return open_stream(_urls(f"http://{text}"), settings, say, clock)
     raise SetupError(
         f"no file or folder {text!r}; a source can also be the number of a camera, a URL ({', '.join(SCHEMES)}), "
         f"{TOPIC}NAME, or {PIPELINE}PIPELINE"

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from dataclasses import replace
 
+from roverlink.vision.frames.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.frames.frame import Frame, FrameSource
 
 
-def play(source: FrameSource, *, loop: bool = False) -> Iterator[Frame]:
-    """Yield the frames of a recording in real time, as they were taken. Their stamps become the current time.
+def play(source: FrameSource, *, loop: bool = False, clock: Clock = SYSTEM_CLOCK) -> Iterator[Frame]:
+    """Yield the frames of a recording in real time, as they were taken. Their stamps become the time of a clock.
 
     If the caller is slow, it gets all frames, but late. With `loop`, the recording is repeated without end.
     """
-    begin = time.time_ns()
+    begin = clock.now()
     passed = 0
     while True:
         length = count = 0
         for frame in source:
-            stamp = begin + frame.stamp
-            time.sleep(max(stamp - time.time_ns(), 0) / 1e9)
-            yield replace(frame, stamp=stamp, number=passed + frame.number)
+            clock.sleep_until(begin + frame.stamp)
+            if clock.now() < begin + frame.stamp:  # the clock has jumped back
+                begin = clock.now() - frame.stamp
+            yield replace(frame, stamp=begin + frame.stamp, number=passed + frame.number)
             length, count = frame.stamp + round(1e9 / source.rate), frame.number + 1
         if not loop:
             return

@@ -23,6 +23,7 @@ from roverlink.runtime.interfaces.sensor_msgs import CameraInfo
 from roverlink.runtime.interfaces.std_msgs import Header
 from roverlink.runtime.middleware import Middleware
 from roverlink.runtime.middleware.following import FollowingSubscription
+from roverlink.vision.frames.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.frames.live import STALLED_S, Say
 from roverlink.vision.frames.synchronization import Synchronizer
 from roverlink.vision.ros.image_messages import IMAGES, ImageMessage, read_image, stamp_of
@@ -44,7 +45,7 @@ class Arrived(NamedTuple):
     message_type: type[Message]
     data: bytes
     at: int
-    """Time of the arrival in nanoseconds since 1970."""
+    """Time of the arrival in nanoseconds, by the clock of the program."""
 
     def read(self) -> TopicMessage:
         """Return the message. Raises `ConversionError` if it is damaged, or if its encoding is unknown."""
@@ -86,8 +87,10 @@ class _Topic:
         types: Sequence[type[Message]],
         arrived: Callable[[list[Arrived]], None],
         say: Say,
+        clock: Clock,
     ) -> None:
         self._middleware, self._name, self._types, self._arrived, self._say = middleware, name, types, arrived, say
+        self._clock = clock
         self._subscription = FollowingSubscription(middleware, name, types, self._take, DEPTH)
         self._count = self._seen = 0
         self._since = time.monotonic()
@@ -95,7 +98,7 @@ class _Topic:
         self.close = self._subscription.close
 
     def _take(self, message_type: type[Message], messages: Sequence[bytes]) -> None:
-        now = time.time_ns()
+        now = self._clock.now()
         self._count += len(messages)
         self._arrived([Arrived(message_type, data, now) for data in messages])
 
@@ -175,16 +178,17 @@ class TopicSets:
         slop_ns: int = 0,
         queue: int = 10,
         types: Sequence[type[Message]] = (*IMAGES, CameraInfo),
+        clock: Clock = SYSTEM_CLOCK,
     ) -> None:
         """Begin to receive; the topics are fully qualified, and the first one leads (module `synchronization`).
 
         `say` is called with messages for the user. `slop_ns` is the largest distance of the stamps in a set, `queue`
         the number of messages of a topic that wait for those of the others. One of `types` must be the type of each
-        topic.
+        topic. `clock` gives the times of arrival.
         """
         self._newest: Newest[tuple[int, tuple[Arrived, ...]]] = Newest()
         self._topics = [
-            _Topic(middleware, name, types, partial(self._add, index), say) for index, name in enumerate(topics)
+            _Topic(middleware, name, types, partial(self._add, index), say, clock) for index, name in enumerate(topics)
         ]
         self._bad = BadMessages(", ".join(topics), say)
         self._lock = threading.Lock()  # a middleware may call back on several threads

@@ -9,6 +9,7 @@ from roverlink.runtime.core.errors import ConversionError, SetupError
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo
 from roverlink.runtime.middleware import Middleware
 from roverlink.vision.camera.camera_model import CameraParameters
+from roverlink.vision.frames.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.frames.frame import RATE, Frame, size_of
 from roverlink.vision.frames.live import Say
 from roverlink.vision.frames.topic_sets import Arrived, BadMessages, TopicSets
@@ -26,14 +27,14 @@ class TopicSource:
     total: int | None = None
     rate = RATE
 
-    def __init__(self, middleware: Middleware, topic: str, say: Say) -> None:
+    def __init__(self, middleware: Middleware, topic: str, say: Say, clock: Clock = SYSTEM_CLOCK) -> None:
         """Begin to receive a fully qualified topic; `say` is called with messages for the user.
 
-        The topic needs no publisher yet: the iteration waits for one.
+        Images without a stamp get the time of `clock`. The topic needs no publisher yet: the iteration waits for one.
         """
         self.name = topic
         self._middleware, self._say = middleware, say
-        self._sets = TopicSets(middleware, [topic], say, types=IMAGES)
+        self._sets = TopicSets(middleware, [topic], say, types=IMAGES, clock=clock)
         self._bad = BadMessages(topic, say)
         self._size: tuple[int, int] | None = None
         self._stamped = True

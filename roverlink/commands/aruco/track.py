@@ -6,10 +6,9 @@ import argparse
 import math
 from pathlib import Path
 
-from roverlink.aruco.board_options import metres
 from roverlink.aruco.camera_source import CAMERA_FRAME, PARAMETERS, add_source
+from roverlink.aruco.target_options import add_targets
 from roverlink.console import MIDDLEWARES_HELP, Subparsers, add_project, command, count, node_logger
-from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import NAMES
 from roverlink.runtime.ros_arguments import ros_args
 
@@ -30,7 +29,9 @@ def add(commands: Subparsers) -> None:
         "SOURCE can be a file of several cameras, such as cameras.yaml.\n"
         "With --json or --save, no ROS 2 is needed.\n"
         "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
-        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.",
+        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL, -p NAME:=VALUE and --params-file FILE.\n"
+        "The parameters dictionary, side, sides (such as 7=0.1) and landmarks replace the options of these names;\n"
+        "ROS 2 can change them while the program runs. With -p use_sim_time:=true, the time is that on /clock.",
     )
     add_source(parser)
     parser.add_argument("--loop", action="store_true", help="play a video or a folder again and again, until Ctrl-C")
@@ -88,33 +89,7 @@ def _add_rover(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_markers(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--dictionary",
-        default="DICT_5X5_250",
-        metavar="NAME",
-        help="OpenCV's name of the dictionary of the markers (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--side",
-        type=_side,
-        action="append",
-        default=[],
-        metavar="[ID=]METRES",
-        help="length of the side of a marker's black square; with ID=, only of the marker with this number; may be "
-        "repeated (default: 0.05)",
-    )
-    parser.add_argument(
-        "--boards",
-        type=Path,
-        metavar="FILE",
-        help="YAML file with boards; a board is a group of markers whose positions relative to each other are known",
-    )
-    parser.add_argument(
-        "--landmarks",
-        type=Path,
-        metavar="FILE",
-        help="YAML file with the poses of the landmarks (markers and boards) on the field",
-    )
+    add_targets(parser)
     parser.add_argument(
         "--scan-every",
         type=count,
@@ -177,8 +152,6 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Track markers until the source of frames ends or a signal comes; the exit code is 0 in both cases."""
     ros = ros_args.parse(arguments.ros_args, NODE)
-    if names := [name for name in ros.parameters if name != "use_sim_time"]:
-        raise SetupError(f"{NODE} has no parameter {names[0]!r}; it is set by options (see --help)")
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
     if arguments.middleware is None and not (arguments.json or arguments.save):
         arguments.middleware = "auto"
@@ -198,15 +171,3 @@ def _at_least_zero(text: str) -> float:
     if not 0 <= found < math.inf:  # false for NaN too
         raise argparse.ArgumentTypeError(f"{text!r} is not a finite number of at least 0, such as 0.005")
     return found
-
-
-def _side(text: str) -> tuple[int | None, float]:
-    """Parse the side of all markers (``0.15``) or of one marker (``7=0.1``), in metres.
-
-    Returns the number of the marker (None for all) and the side.
-    """
-    number, separator, side = text.rpartition("=")
-    try:
-        return (int(number) if separator else None), metres(side)
-    except (ValueError, argparse.ArgumentTypeError) as error:
-        raise argparse.ArgumentTypeError(f"{text!r} is not METRES or ID=METRES, such as 0.15 or 7=0.1") from error

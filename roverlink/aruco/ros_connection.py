@@ -1,0 +1,65 @@
+"""Connection of a camera program to ROS 2."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.middleware import Middleware, NodeParameters, open_middleware
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
+
+if TYPE_CHECKING:
+    from roverlink.vision.frames.clock import Clock
+    from roverlink.vision.poses.transform_tree import TransformTree
+
+USE_SIM_TIME = "use_sim_time"
+"""Parameter of every ROS 2 node: true if its time is that of a simulation, on the topic /clock."""
+
+
+def uses_simulated_time(ros: RosArguments) -> bool:
+    """Return true if the arguments after ``--ros-args`` set ``use_sim_time``. Raises `SetupError` for no boolean."""
+    value = ros.parameters.get(USE_SIM_TIME, False)
+    if not isinstance(value, bool):
+        raise SetupError(f"the parameter {USE_SIM_TIME!r} is {value!r}; it must be true or false")
+    return value
+
+
+class RosConnection:
+    """Node of a program, opened when something needs ROS 2 first, and closed with a stack of contexts."""
+
+    def __init__(
+        self,
+        arguments: RosArguments,
+        middleware: str,
+        stack: ExitStack,
+        say: Callable[[str], None],
+        parameters: NodeParameters | None = None,
+    ) -> None:
+        """Connect with a middleware (see `open_middleware`); ``say`` is called with messages for the user."""
+        self.arguments, self.topic = arguments, arguments.topic
+        self._name, self._stack, self._say, self._parameters = middleware, stack, say, parameters
+
+    @cached_property
+    def middleware(self) -> Middleware:
+        """Middleware of the node."""
+        return self._stack.enter_context(open_middleware(self._name, self.arguments.node, self._parameters))
+
+    @cached_property
+    def clock(self) -> Clock:
+        """Clock of the node: that of the simulation if the parameter ``use_sim_time`` is true."""
+        from roverlink.vision.frames.clock import SYSTEM_CLOCK
+        from roverlink.vision.ros.simulated_clock import SimulatedClock
+
+        if not uses_simulated_time(self.arguments):
+            return SYSTEM_CLOCK
+        return self._stack.enter_context(SimulatedClock(self.middleware, self.topic("/clock"), self._say))
+
+    @cached_property
+    def transforms(self) -> TransformTree:
+        """Transforms on /tf and /tf_static."""
+        from roverlink.vision.ros.transform_listener import TransformListener
+
+        return TransformListener(self.middleware, self.topic, self._say).tree

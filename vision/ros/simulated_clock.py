@@ -1,0 +1,62 @@
+"""Time of a simulation, from the topic /clock: the clock of ROS 2 nodes with the parameter `use_sim_time`."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.interfaces.rosgraph_msgs import Clock
+from roverlink.runtime.middleware import Middleware
+
+PATIENCE_S = 3.0
+"""Time in seconds without a first message after which the user is told."""
+_QOS = Qos(depth=1, reliability="best_effort")  # of rclcpp::TimeSource
+
+
+class SimulatedClock:
+    """Clock that shows the time of the newest message. A context manager: on exit it ends its subscription."""
+
+    def __init__(self, middleware: Middleware, topic: str, say: Callable[[str], None]) -> None:
+        """Subscribe to a fully qualified topic, and wait for its first message.
+
+        `say` is called with a message for the user if nothing comes for `PATIENCE_S`.
+        """
+        self._news = threading.Condition()
+        self._now: int | None = None
+        self._jumps = 0
+        self._subscription = middleware.subscribe(topic, Clock, _QOS, self._take)
+        with self._news:
+            if not self._news.wait_for(lambda: self._now is not None, PATIENCE_S):
+                say(f"waiting for the time of the simulation: use_sim_time is set, but nothing comes on {topic}")
+                self._news.wait_for(lambda: self._now is not None)
+
+    def now(self) -> int:
+        """Return the time in nanoseconds of the newest message."""
+        return self._now or 0
+
+    def sleep_until(self, stamp: int) -> None:
+        """Wait until the simulation has reached a time in nanoseconds, or until its time jumps back."""
+        with self._news:
+            jumps = self._jumps
+            self._news.wait_for(lambda: self.now() >= stamp or self._jumps != jumps)
+
+    def __enter__(self) -> SimulatedClock:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._subscription.close()
+
+    def _take(self, messages: Sequence[bytes]) -> None:
+        """Set the time, on a thread of the middleware."""
+        try:
+            newest = cdr.decode(Clock, messages[-1]).clock
+        except ConversionError:  # the next one is right
+            return
+        with self._news:
+            now = newest.sec * 10**9 + newest.nanosec
+            self._jumps += self._now is not None and now < self._now
+            self._now = now
+            self._news.notify_all()
