@@ -16,8 +16,8 @@ from roverlink.runtime.ros_arguments import ros_args
 pytest.importorskip("cv2", reason=NO_OPENCV)
 pytest.importorskip("numpy", reason=NO_OPENCV)
 
-from roverlink.aruco.target_options import add_targets  # noqa: E402  # they need OpenCV
-from roverlink.aruco.target_parameters import TargetParameters  # noqa: E402
+from roverlink.aruco.target_options import add_targets  # they need OpenCV
+from roverlink.aruco.target_parameters import TargetParameters
 
 _LANDMARKS = "landmarks: {7: {position: [0, 0, 1], rpy: [90, 0, 0]}}\n"
 
