@@ -13,7 +13,7 @@ import numpy as np
 
 from bench.report import draw as draw_charts
 from bench.vision.accuracy import SIZES, measure
-from roverlink.demo.field import RATE_HZ, SIDE, Film, landmarks, parameters, render_film, write_field
+from roverlink.demo.field import RATE_HZ, SIDE, Film, landmarks, parameters, render_film, write_cameras, write_field
 from roverlink.vision import Landmarks, MarkerSet, Tracker, localize
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.field.view import Eye, Lookout, View
@@ -52,11 +52,12 @@ def main(words: list[str]) -> int:
 
 
 def write_recording(folder: Path, film: Film) -> None:
-    """Write the video of a drive, the camera's parameters, and the landmarks."""
+    """Write the video of a drive, the camera with its parameters, and the landmarks."""
     with Writer(folder / "drive.mp4", RATE_HZ) as writer:
         for frame in film:
             writer.add(frame.image, frame.stamp)
     write_field(folder)
+    write_cameras(folder, "drive.mp4")
 
 
 def draw_steps(folder: Path, film: Film) -> None:

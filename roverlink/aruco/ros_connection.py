@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.errors import MiddlewareError, SetupError
 from roverlink.runtime.middleware import Middleware, NodeParameters, open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
@@ -59,7 +59,12 @@ class RosConnection:
 
     @cached_property
     def transforms(self) -> TransformTree:
-        """Transforms on /tf and /tf_static."""
+        """Transforms on /tf and /tf_static; none if ROS 2 lacks their messages, of which the user is told."""
+        from roverlink.vision.poses.transform_tree import TransformTree
         from roverlink.vision.ros.transform_listener import TransformListener
 
-        return TransformListener(self.middleware, self.topic, self._say).tree
+        try:
+            return TransformListener(self.middleware, self.topic, self._say).tree
+        except MiddlewareError as error:
+            self._say(f"the mounts of the cameras are not received: {error}")
+            return TransformTree()

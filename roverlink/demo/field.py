@@ -77,15 +77,15 @@ def write_field(folder: Path) -> None:
     (folder / "landmarks.yaml").write_text(text, encoding="utf-8")
 
 
-def write_cameras(folder: Path) -> None:
-    """Write ``cameras.yaml``: the simulated camera, with the images in the folder ``frames`` beside the file."""
+def write_cameras(folder: Path, source: str = "frames") -> None:
+    """Write ``cameras.yaml``: the simulated camera, with a source beside the file: a folder of images, or a video."""
     keys = {
-        "source": "frames",
-        "rate": RATE_HZ,
+        "source": source,
+        **({} if Path(source).suffix else {"rate": RATE_HZ}),
         "parameters": "camera.yml",
         "mount": {"position": [0, 0, _HEIGHT_M], "rpy": [0, 0, 0]},
     }
-    text = yaml.safe_dump({"cameras": {"front": keys}}, sort_keys=False)
+    text = yaml.safe_dump({"cameras": {"front": keys}}, sort_keys=False, default_flow_style=None)
     (folder / "cameras.yaml").write_text(text, encoding="utf-8")
 
 

@@ -40,7 +40,7 @@ PLUMB_BOB, RATIONAL, EQUIDISTANT = "plumb_bob", "rational_polynomial", "equidist
 """Names of the distortion models in ROS (sensor_msgs/distortion_models.hpp)."""
 _MODELS = {PLUMB_BOB: (4, 5), RATIONAL: (8, 12, 14), EQUIDISTANT: (4,)}
 """Allowed numbers of distortion coefficients of each model."""
-_OTHER_NAMES = {"radtan": PLUMB_BOB, "fisheye": EQUIDISTANT, "kannala_brandt": EQUIDISTANT}
+OTHER_NAMES = {"radtan": PLUMB_BOB, "fisheye": EQUIDISTANT, "kannala_brandt": EQUIDISTANT}
 """Names of the same models in Kalibr (radtan), OpenCV (fisheye) and camera drivers."""
 _UNDISTORTED = ("none", "")
 DEVIATIONS = "standard_deviations"
@@ -200,9 +200,9 @@ class _Entries:
                     f"name their model, such as {PLUMB_BOB}"
                 )
             return PLUMB_BOB
-        model = _OTHER_NAMES.get(name, name)
+        model = OTHER_NAMES.get(name, name)
         if model not in _MODELS:
-            raise item.error(f"unknown distortion model {name!r}; {nearest(name, [*_MODELS, *_OTHER_NAMES, 'none'])}")
+            raise item.error(f"unknown distortion model {name!r}; {nearest(name, [*_MODELS, *OTHER_NAMES, 'none'])}")
         # ROS writes no coefficients at all for a pinhole camera without distortion.
         if distortion.size not in _MODELS[model] and (distortion.size or model == EQUIDISTANT):
             wanted = " or ".join(map(str, _MODELS[model]))

@@ -10,13 +10,11 @@ import numpy as np
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
-from roverlink.vision.camera.parameters_file import EQUIDISTANT, PLUMB_BOB, RATIONAL
+from roverlink.vision.camera.parameters_file import EQUIDISTANT, OTHER_NAMES, PLUMB_BOB, RATIONAL
 
 _TRANSPORTS = ("compressed", "compressedDepth")
 _RECTIFIED = "image_rect"
 _REMEDY = "calibrate the camera with `roverlink aruco calibrate`, and give the file with --parameters"
-_RATIONAL_COEFFICIENTS = 8
-"""OpenCV's model can have 4 or 6 more coefficients, for a thin prism and a tilted sensor."""
 
 
 def camera_info_topic(image_topic: str) -> str:
@@ -44,8 +42,9 @@ def camera_of(info: CameraInfo, rectified: bool) -> CameraParameters:
         raise SetupError(
             f"the camera is not calibrated: {'P' if rectified else 'K'} of its CameraInfo is zero; {_REMEDY}"
         )
-    distortion = np.zeros(0) if rectified else _distortion(info)
-    fisheye = not rectified and info.distortion_model == EQUIDISTANT
+    model = OTHER_NAMES.get(info.distortion_model, info.distortion_model)
+    distortion = np.zeros(0) if rectified else _distortion(info, model)
+    fisheye = not rectified and model == EQUIDISTANT
     return _windowed(CameraParameters(matrix, distortion, (info.width, info.height), fisheye), info)
 
 
@@ -54,25 +53,19 @@ def _uncompressed(image_topic: str) -> str:
     return base if transport in _TRANSPORTS else image_topic
 
 
-def _distortion(info: CameraInfo) -> Floats:
+def _distortion(info: CameraInfo, model: str) -> Floats:
     coefficients = np.array(info.d, dtype=float)
-    if info.distortion_model == EQUIDISTANT:
+    if model == EQUIDISTANT:
         return coefficients
     # Drivers of images without distortion leave the model or the coefficients empty.
     if not coefficients.any():
         return np.zeros(0)
-    if info.distortion_model not in (PLUMB_BOB, RATIONAL):
+    if model not in (PLUMB_BOB, RATIONAL):
         raise SetupError(
             f"unknown distortion model {info.distortion_model!r} in the CameraInfo (known: {PLUMB_BOB}, {RATIONAL}, "
             f"{EQUIDISTANT}); {_REMEDY}"
         )
-    used, more = coefficients[:_RATIONAL_COEFFICIENTS], coefficients[_RATIONAL_COEFFICIENTS:]
-    if more.any():
-        raise SetupError(
-            f"the CameraInfo has {coefficients.size} distortion coefficients, but only {_RATIONAL_COEFFICIENTS} are "
-            f"known; {_REMEDY}"
-        )
-    return used
+    return coefficients
 
 
 def _windowed(camera: CameraParameters, info: CameraInfo) -> CameraParameters:
