@@ -1,6 +1,6 @@
 """Camera and receivers for the section `receiving`. A receiver answers each line on stdin with its number of images.
 
-python -m bench.vision.image_tools camera ENCODING
+python -m bench.vision.image_tools camera dds|rclpy ENCODING
 python -m bench.vision.image_tools source dds|rclpy
 python -m bench.vision.image_tools rclpy
 """
@@ -20,7 +20,7 @@ SIZE = (640, 480)
 RATE_HZ = 30
 
 
-def camera(encoding: str) -> None:
+def camera(middleware_name: str, encoding: str) -> None:
     """Publish images as a camera driver does, until stdin ends."""
     from roverlink.runtime import Qos
     from roverlink.runtime.core import cdr
@@ -33,7 +33,7 @@ def camera(encoding: str) -> None:
     pixels = np.random.default_rng(1).integers(0, 256, (height, width, 3), np.uint8).tobytes()
     ended = threading.Event()
     threading.Thread(target=_set_at_end, args=(ended,), daemon=True).start()
-    with open_middleware("dds", NodeIdentity("camera")) as middleware:
+    with open_middleware(middleware_name, NodeIdentity("camera")) as middleware:
         publisher = middleware.publisher(TOPIC, Image, Qos(depth=5))
         due = time.monotonic()
         while not ended.wait(max(due - time.monotonic(), 0)):
@@ -94,8 +94,8 @@ def _answer(taken: Callable[[], int]) -> None:
 def main(words: list[str]) -> None:
     """Be the camera or a receiver, until stdin ends."""
     match words:
-        case ["camera", encoding]:
-            camera(encoding)
+        case ["camera", middleware_name, encoding]:
+            camera(middleware_name, encoding)
         case ["source", middleware_name]:
             source(middleware_name)
         case _:
