@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 import pytest
 from needs import NO_OPENCV, needs_dds
 from polling import wait_until
+from repeating import repeated
 
 from roverlink.__main__ import main
 from roverlink.runtime import Qos
@@ -161,22 +161,13 @@ def _driver(node: Middleware, camera: RenderedD435i) -> Iterator[None]:
     ]
     static = node.publisher("/tf_static", tf2_msgs.TFMessage, Qos(depth=1, durability="transient_local"))
     static.publish([cdr.encode(camera.transforms)])
-    stopped = threading.Event()
 
-    def run() -> None:
-        number = 0
-        while not stopped.wait(0.02):
-            for publisher, message in zip(publishers, camera.messages(number), strict=True):
-                publisher.publish([cdr.encode(message)])
-            number += 1
+    def publish(number: int) -> None:
+        for publisher, message in zip(publishers, camera.messages(number), strict=True):
+            publisher.publish([cdr.encode(message)])
 
-    thread = threading.Thread(target=run)
-    thread.start()
-    try:
+    with repeated(publish):
         yield
-    finally:
-        stopped.set()
-        thread.join()
 
 
 @needs_dds

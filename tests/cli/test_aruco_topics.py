@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import pytest
 from needs import NO_OPENCV, needs_dds
 from polling import wait_until
 from programs import Start
+from repeating import repeated
 
 from roverlink.__main__ import main
 from roverlink.runtime import Qos
@@ -58,26 +58,6 @@ def words(tmp_path: Path) -> list[str]:
 
 
 @contextmanager
-def _repeated(publish: Callable[[int], None]) -> Iterator[None]:
-    """Call a function again and again with 0, 1, 2, ..., on a thread, as a driver publishes."""
-    stopped = threading.Event()
-
-    def run() -> None:
-        number = 0
-        while not stopped.wait(0.02):
-            publish(number)
-            number += 1
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    try:
-        yield
-    finally:
-        stopped.set()
-        thread.join()
-
-
-@contextmanager
 def _driving(
     film: Film, qos: Qos = Qos(depth=5), info: Any = None, *, grey: bool = False  # noqa: B008
 ) -> Iterator[Middleware]:
@@ -94,7 +74,7 @@ def _driving(
             )
             infos.publish(info or camera_info(parameters(), stamp))
 
-        held.enter_context(_repeated(publish))
+        held.enter_context(repeated(publish))
         yield node
 
 
@@ -207,6 +187,6 @@ def test_a_camera_is_calibrated_over_a_topic(start: Start, tmp_path: Path) -> No
     program = start("aruco", "calibrate", f"topic:{_IMAGES}", "--json", "--out", tmp_path / "camera.yml")
     with open_middleware("dds", NodeIdentity("driver")) as node:
         camera = Camera(node, _IMAGES)
-        with _repeated(lambda _: camera.publish(image(picture, "mono8", time.time_ns()))):
+        with repeated(lambda _: camera.publish(image(picture, "mono8", time.time_ns()))):
             program.wait_for('"view"', program.output)
             assert program.interrupt() == 1  # one view is not enough

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +12,7 @@ import pytest
 from needs import NO_OPENCV
 from polling import wait_until
 from programs import Start
+from repeating import repeated
 
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 pytest.importorskip("cv2", reason=NO_OPENCV)
@@ -42,22 +42,15 @@ def driver(request: pytest.FixtureRequest, judge: Judge) -> Iterator[list[int]]:
     infos = judge.node.create_publisher(interface("sensor_msgs/msg/CameraInfo"), _INFO, qos)
     (picture,) = render_film(1).frames
     stamps: list[int] = []
-    stopped = threading.Event()
 
-    def publish(publisher: Any, message: Any) -> None:
-        publisher.publish(deserialize_message(cdr.encode(message), publisher.msg_type))
+    def publish(number: int) -> None:
+        stamps.append(1_700_000_000_000_000_000 + 33_333_333 * number)
+        colour = image(picture[:, :, ::-1], "rgb8", stamps[-1])
+        images.publish(deserialize_message(cdr.encode(colour), images.msg_type))
+        infos.publish(deserialize_message(cdr.encode(camera_info(parameters(), stamps[-1])), infos.msg_type))
 
-    def run() -> None:
-        while not stopped.wait(0.05):
-            stamps.append(1_700_000_000_000_000_000 + 33_333_333 * len(stamps))
-            publish(images, image(picture[:, :, ::-1], "rgb8", stamps[-1]))
-            publish(infos, camera_info(parameters(), stamps[-1]))
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    yield stamps
-    stopped.set()
-    thread.join()
+    with repeated(publish, 0.05):
+        yield stamps
 
 
 def test_images_of_an_rclpy_node_are_tracked(driver: list[int], done: Start, middleware: str, tmp_path: Path) -> None:
@@ -85,22 +78,13 @@ def _published(
         judge.node.create_publisher(interface(kind.__msgtype__), topic, QoSProfile(depth=5))
         for topic, kind in topics.items()
     ]
-    stopped = threading.Event()
 
-    def run() -> None:
-        number = 0
-        while not stopped.wait(0.03):
-            for publisher, made in zip(publishers, make(number), strict=True):
-                publisher.publish(deserialize_message(cdr.encode(made), publisher.msg_type))
-            number += 1
+    def publish(number: int) -> None:
+        for publisher, made in zip(publishers, make(number), strict=True):
+            publisher.publish(deserialize_message(cdr.encode(made), publisher.msg_type))
 
-    thread = threading.Thread(target=run)
-    thread.start()
-    try:
+    with repeated(publish, 0.03):
         yield
-    finally:
-        stopped.set()
-        thread.join()
 
 
 def test_a_d435i_of_rclpy_says_where_base_link_is(judge: Judge, done: Start, middleware: str, tmp_path: Path) -> None:
