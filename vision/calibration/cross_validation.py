@@ -75,7 +75,8 @@ def _prediction(views: Sequence[View], board: CalibrationBoard, estimate: Estima
         for view in views[fold::FOLDS]:
             pose = posed(view, board, replace(trained, poses=()))
             lengths.append(np.linalg.norm(residuals(view, points, trained.camera, pose), axis=1))
-    return np.nan_to_num(np.concatenate(lengths), nan=np.inf)
+    finite: Floats = np.nan_to_num(np.concatenate(lengths), nan=np.inf)
+    return finite
 
 
 def _difference(camera: CameraParameters, other: CameraParameters, places: Floats) -> float:

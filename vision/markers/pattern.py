@@ -133,7 +133,7 @@ def look(
         by_spreads[1] / (2 * variance[:, 1]),
         by_correlation / both,
     )
-    by_lines = np.empty((len(places), 0, places.shape[2]))
+    by_lines: Floats = np.empty((len(places), 0, places.shape[2]))
     if with_lines:
         across = np.swapaxes(differences, 1, 2) @ step[:, 1]
         by_lines = -np.concatenate(
