@@ -61,8 +61,8 @@ class Degradation:
 
 def gamma(light: Light, _: np.random.Generator) -> Light:
     """Encode linear light for a screen, with the exponent 1 / 2.2."""
-    encoded = 255 * (np.clip(light, 0, 255) / 255) ** np.float32(1 / 2.2)
-    return encoded.astype(np.float32, copy=False)
+    share: Light = np.clip(light, 0, 255) / np.float32(255)
+    return np.asarray(255 * share ** np.float32(1 / 2.2), np.float32)
 
 
 def white_balance(light: Light, _: np.random.Generator) -> Light:
