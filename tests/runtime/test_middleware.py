@@ -208,10 +208,9 @@ class _Ros:
 
     def modules(self) -> dict[str, types.ModuleType]:
         """The modules that are imported."""
-        root, executors, qos, signals, serialization = (
-            types.ModuleType(name)
-            for name in ("rclpy", "rclpy.executors", "rclpy.qos", "rclpy.signals", "rclpy.serialization")
-        )
+        names = ("executors", "parameter", "qos", "signals", "serialization")
+        root = types.ModuleType("rclpy")
+        executors, parameter, qos, signals, serialization = (types.ModuleType(f"rclpy.{name}") for name in names)
         rcl, rcl_messages = types.ModuleType("rcl_interfaces"), types.ModuleType("rcl_interfaces.msg")
         comms, messages = types.ModuleType("comms"), types.ModuleType("comms.msg")
         root.__dict__.update(
@@ -219,6 +218,7 @@ class _Ros:
         )
         root.__path__ = []
         executors.__dict__.update(SingleThreadedExecutor=self.executor, ExternalShutdownException=_ExternalShutdown)
+        parameter.__dict__.update(Parameter=lambda name, type_=None, value=None: (name, value))
         qos.__dict__.update(
             QoSProfile=dict,
             ReliabilityPolicy=Enum("ReliabilityPolicy", ["SYSTEM_DEFAULT", "RELIABLE", "BEST_EFFORT"]),
@@ -234,7 +234,7 @@ class _Ros:
         )
         comms.__path__ = []
         messages.__dict__.update(ImuSensorInformation=self.imu, SensorState=_generated({"state": "uint8"}))
-        made = (root, executors, qos, signals, serialization, rcl, rcl_messages, comms, messages)
+        made = (root, executors, parameter, qos, signals, serialization, rcl, rcl_messages, comms, messages)
         return {module.__name__: module for module in made}
 
     def context(self) -> str:
@@ -253,8 +253,10 @@ class _Ros:
         cli_args: Any = None,
         namespace: Any = None,
         use_global_arguments: bool = True,
+        parameter_overrides: Any = None,
     ) -> _Ros:
         self.calls.append(("create_node", node_name, namespace, context, use_global_arguments))
+        self.overrides = parameter_overrides
         return self
 
     def declare_parameter(self, name: str, value: Any = None, descriptor: Any = None) -> None:
@@ -346,6 +348,14 @@ def test_a_node_of_rclpys_is_ours_alone(ros: _Ros) -> None:
     assert ("executor", "context") in ros.calls
     assert ros.parameters["listen_port"] == (5000, True)
     assert ros.parameters["dst_ip"] == ("10.0.0.7", False)
+
+
+@pytest.mark.parametrize("simulated", [True, False])
+def test_rclpy_knows_whether_the_time_is_simulated(ros: _Ros, simulated: bool) -> None:
+    """The node declares `use_sim_time` by itself, as every node of rclpy; only its value is given."""
+    open_middleware("rclpy", _NODE, types.SimpleNamespace(values={"use_sim_time": simulated}))
+    assert ros.overrides == ([("use_sim_time", True)] if simulated else None)
+    assert "use_sim_time" not in ros.parameters
 
 
 def test_rclpy_changes_what_the_node_can_change(ros: _Ros) -> None:
