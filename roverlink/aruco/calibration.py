@@ -23,10 +23,10 @@ from roverlink.aruco.board_options import board_of
 from roverlink.aruco.calibration_page import serve_page
 from roverlink.aruco.calibration_text import CalibrationText, JsonText, PlainText
 from roverlink.aruco.camera_source import open_source, settings_of, source_of
-from roverlink.aruco.ros_connection import RosConnection
 from roverlink.console import FINDINGS, OK, counted
 from roverlink.installed_packages import installed_version
 from roverlink.progress import progress
+from roverlink.ros_connection import RosConnection
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision.calibration import (

@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from roverlink.console import print_note, rate
-from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.ros_arguments.ros_args import RosArguments, is_topic
+from roverlink.ros_connection import full_topic
 
 if TYPE_CHECKING:
-    from roverlink.aruco.ros_connection import RosConnection
+    from roverlink.ros_connection import RosConnection
     from roverlink.vision.camera.camera_settings import CameraSettings
     from roverlink.vision.frames import FrameSource
 
@@ -67,13 +66,6 @@ def source_of(arguments: argparse.Namespace, say: Callable[[str], None]) -> str:
     """Return the text that names the source of frames: that of the options, or else what the user enters."""
     text: str | None = arguments.source
     return (_asked(say) if text is None else text).strip()
-
-
-def full_topic(name: str, ros: RosArguments) -> str:
-    """Return the fully qualified name of a topic that the user has named. Raises `SetupError` if it cannot be one."""
-    if not is_topic(name):
-        raise SetupError(f"{name!r} is not the name of a topic, such as /camera/image_raw")
-    return ros.topic(name)
 
 
 def open_source(

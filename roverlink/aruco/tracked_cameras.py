@@ -15,12 +15,11 @@ from roverlink.aruco.camera_source import (
     CAMERA_FRAME,
     PARAMETERS,
     SETTINGS,
-    full_topic,
     open_source,
     settings_of,
     source_of,
 )
-from roverlink.aruco.ros_connection import RosConnection
+from roverlink.ros_connection import RosConnection, full_topic
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision import CameraParameters
 from roverlink.vision.camera.cameras_file import SUFFIXES, CameraEntry, read_cameras

@@ -16,7 +16,6 @@ from dataclasses import fields
 from functools import cache
 from pathlib import Path
 
-from roverlink.aruco.ros_connection import RosConnection
 from roverlink.aruco.target_parameters import TargetParameters
 from roverlink.aruco.tracked_cameras import CameraOpener, TrackedCamera, described, frames_of
 from roverlink.aruco.tracking_log import TrackingLog
@@ -24,6 +23,7 @@ from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.progress import progress
+from roverlink.ros_connection import RosConnection
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision import Tracker
 from roverlink.vision.camera.camera_model import Floats

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from roverlink.runtime.core.errors import MiddlewareError, SetupError
 from roverlink.runtime.middleware import Middleware, NodeParameters, open_middleware
-from roverlink.runtime.ros_arguments.ros_args import RosArguments
+from roverlink.runtime.ros_arguments.ros_args import RosArguments, is_topic
 
 if TYPE_CHECKING:
     from roverlink.vision.frames.clock import Clock
@@ -25,6 +25,13 @@ def uses_simulated_time(ros: RosArguments) -> bool:
     if not isinstance(value, bool):
         raise SetupError(f"the parameter {USE_SIM_TIME!r} is {value!r}; it must be true or false")
     return value
+
+
+def full_topic(name: str, ros: RosArguments) -> str:
+    """Return the fully qualified name of a topic that the user has named. Raises `SetupError` if it cannot be one."""
+    if not is_topic(name):
+        raise SetupError(f"{name!r} is not the name of a topic, such as /camera/image_raw")
+    return ros.topic(name)
 
 
 class RosConnection:
