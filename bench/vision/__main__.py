@@ -22,16 +22,18 @@ DIFFICULT_SCENES, QUICK_DIFFICULT_SCENES = 40, 10
 CALIBRATIONS, QUICK_CALIBRATIONS = 5, 1
 LENSES, QUICK_LENSES = 20, 3
 """Runs for each lens."""
+ROCKS, QUICK_ROCKS = 240, 30
+"""Rocks of each kind."""
 PLAIN_WIDTH = 130  # columns, if the output is not a terminal
 RECEIVING_S, QUICK_RECEIVING_S = 10.0, 3.0
-SECTIONS = ("accuracy", "consistency", "nothing", "finding", "speed", "calibration", "lenses", "receiving")
+SECTIONS = ("accuracy", "consistency", "nothing", "finding", "speed", "calibration", "lenses", "receiving", "rocks")
 
 
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m bench.vision",
-        description="Measure marker poses and calibrations on rendered frames, beside plain OpenCV, and the receiving "
-        "of images, beside rclpy.",
+        description="Measure marker poses, calibrations and rocks on rendered frames, beside plain OpenCV, and the "
+        "receiving of images, beside rclpy.",
         epilog="example: python -m bench.vision --quick --only speed --json vision.json",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all measurements to FILE")
@@ -66,7 +68,7 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
 
 def _run(options: argparse.Namespace) -> None:
     try:  # imported here, so that --help needs no OpenCV
-        from bench.vision import accuracy, calibration, consistency, finding, lenses, nothing, receiving, speed
+        from bench.vision import accuracy, calibration, consistency, finding, lenses, nothing, receiving, rocks, speed
     except ImportError as error:
         raise BenchError(f"{error}; `make bench-vision` installs the missing packages") from error
     progress = Console(stderr=True, highlight=False, markup=False)
@@ -92,6 +94,8 @@ def _run(options: argparse.Namespace) -> None:
     if "receiving" in options.only:
         seconds = QUICK_RECEIVING_S if options.quick else RECEIVING_S
         results["receiving"] = receiving.measure(seconds, options.out, progress.print)
+    if "rocks" in options.only:
+        results["rocks"] = rocks.measure(QUICK_ROCKS if options.quick else ROCKS, progress.print)
     console = Console()
     print_results(results, [], console if console.is_terminal else Console(width=PLAIN_WIDTH))
     if options.json:

@@ -1,0 +1,230 @@
+"""Sizes of rocks from depth images with known truth, and what is refused."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import replace
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bench.vision import rocks
+from bench.vision.contestants import OURS
+from bench.vision.rock_scenes import RockScene, camera, scenes
+from roverlink.vision import CameraParameters
+from roverlink.vision.rocks import Line, Unmeasurable, UnmeasurableError, measure
+from roverlink.vision.rocks.ground import fit_ground
+
+GOALS = {"ellipsoids": (1.5, 4, 4, 8), "irregular rocks: noise of 3.5 % of the radius": (1.5, 4, 4, 8)}
+"""Median and 90 % quantile of the errors of the length, and those of the width, in percent."""
+_SCENE = next(scenes(1, 4))
+_HEIGHT, _WIDTH = _SCENE.depth.shape
+_COLUMNS, _ROWS = np.meshgrid(np.arange(_WIDTH), np.arange(_HEIGHT))
+
+
+def _bare() -> RockScene:
+    """The same ground without the rock."""
+    normal, height = _SCENE.ground
+    rays = np.append(
+        camera().undistort(np.stack([_COLUMNS, _ROWS], axis=-1).astype(float)), np.ones((_HEIGHT, _WIDTH, 1)), axis=-1
+    )
+    slope = rays @ normal
+    depth = np.where(slope < 0, -height / np.minimum(slope, -1e-9), np.nan)
+    return replace(_SCENE, depth=np.where(depth < 10, depth, np.nan))
+
+
+_BARE = _bare()
+
+
+def _refused(depth: Any, line: Line, lens: CameraParameters | None = None) -> Unmeasurable:
+    with pytest.raises(UnmeasurableError) as caught:
+        measure(depth, lens or camera(), line)
+    return caught.value.reason
+
+
+def _size(depth: Any, line: Line, lens: CameraParameters | None = None) -> tuple[float, float]:
+    found = measure(depth, lens or camera(), line)
+    return found.length, found.width
+
+
+def test_a_rendered_rock_has_its_size() -> None:
+    """Noise, holes and rounded endpoints included; the ground is the one on which the rock was put."""
+    found = measure(_SCENE.depth, camera(), _SCENE.line)
+    normal, height = _SCENE.ground
+    assert found.length == pytest.approx(_SCENE.length, rel=0.04)
+    assert found.width == pytest.approx(_SCENE.width, rel=0.08)
+    assert found.ground.normal @ normal > np.cos(np.radians(0.3))
+    assert found.ground.height == pytest.approx(height, rel=0.01)
+    assert 0.5 < found.valid < 1
+
+
+@pytest.mark.slow
+def test_sizes_are_as_accurate_as_promised() -> None:
+    """Ellipsoids and irregular rocks all have a result; the depth at the two pixels alone is far worse."""
+    found = list(rocks.measure_rocks(60, list(GOALS)))
+    for kind, (length, length_90, width, width_90) in GOALS.items():
+        ours = [one for one in found if (one.kind, one.contestant) == (kind, OURS)]
+        assert not any(np.isnan(one.length) for one in ours)
+        lengths, widths = (rocks.quantiles([getattr(one, name) for one in ours]) for name in ("length", "width"))
+        assert lengths[0] <= length
+        assert lengths[1] <= length_90
+        assert widths[0] <= width
+        assert widths[1] <= width_90
+        alone = [one for one in found if (one.kind, one.contestant) == (kind, rocks.TWO_PIXELS)]
+        assert rocks.quantiles([one.length for one in alone])[1] > 2 * lengths[1]
+
+
+def test_the_direction_of_the_line_does_not_matter() -> None:
+    """A line from right to left gives the same size."""
+    x1, y1, x2, y2 = _SCENE.line
+    assert _size(_SCENE.depth, (x2, y2, x1, y1)) == pytest.approx(_size(_SCENE.depth, _SCENE.line), rel=1e-3)
+
+
+def test_the_same_image_gives_the_same_size() -> None:
+    """The random numbers of RANSAC are always the same."""
+    assert _size(_SCENE.depth, _SCENE.line) == _size(_SCENE.depth.copy(), _SCENE.line)
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.8, 1.5])
+def test_a_rock_at_twice_the_distance_is_twice_as_large(factor: float) -> None:
+    """Depths without noise: all lengths are multiplied by the same factor."""
+    expected = np.multiply(_size(_SCENE.exact, _SCENE.line), factor)
+    assert _size(_SCENE.exact * factor, _SCENE.line) == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize("missing", [np.nan, 0.0, np.inf])
+def test_missing_depths_do_not_count(missing: float) -> None:
+    """They are NaN, 0 or infinite, by the encoding of the image."""
+    depth = np.where(np.isnan(_SCENE.depth), missing, _SCENE.depth).astype(np.float32)
+    assert _size(depth, _SCENE.line) == pytest.approx(_size(_SCENE.depth, _SCENE.line), rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("distortion", "fisheye"), [((-0.3, 0.1, 1e-3, -1e-3, 0.0), False), ((0.05, -0.01, 0.0, 0.0), True)]
+)
+def test_the_lens_may_distort(distortion: tuple[float, ...], fisheye: bool) -> None:
+    """The rays of the pixels are those of the camera's model, so the size stays the same."""
+    lens = CameraParameters(camera().matrix, np.array(distortion), (_WIDTH, _HEIGHT), fisheye)
+    sources = (
+        camera()
+        .project(
+            np.append(
+                lens.undistort(np.stack([_COLUMNS, _ROWS], axis=-1).astype(float)),
+                np.ones((_HEIGHT, _WIDTH, 1)),
+                axis=-1,
+            )
+        )
+        .astype(np.float32)
+    )
+    seen = cv2.remap(
+        _SCENE.depth.astype(np.float32), sources, None, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT, borderValue=0
+    )
+    ends = lens.distort(camera().undistort(np.reshape(_SCENE.line, (2, 2)).astype(float)))
+    x1, y1, x2, y2 = ends.ravel().tolist()
+    assert _size(seen, (x1, y1, x2, y2), lens) == pytest.approx(_size(_SCENE.depth, _SCENE.line), rel=0.02)
+
+
+# --- the ground ---------------------------------------------------------------------------------------------------
+
+
+@settings(max_examples=30)
+@given(st.floats(-0.5, 0.5), st.floats(0.4, 1.0), st.floats(0.2, 2.0), st.floats(0, 0.45), st.integers(0, 2**32 - 1))
+def test_the_ground_is_found_among_other_points(
+    side: float, down: float, height: float, others: float, seed: int
+) -> None:
+    """Up to 45 % of the points may be anywhere above the ground."""
+    rng = np.random.default_rng(seed)
+    normal = -np.array([side, 1.0, down]) / np.linalg.norm([side, 1.0, down])
+    directions = np.append(rng.uniform((-0.4, 0.0), (0.4, 0.4), (800, 2)), np.ones((800, 1)), axis=1)
+    depth = -height / (directions @ normal)
+    above = rng.random(800) < others
+    depth[above] *= rng.uniform(0.5, 0.9, above.sum())
+    ground = fit_ground(directions, depth)
+    assert ground is not None
+    assert ground.normal @ normal > np.cos(np.radians(0.5))
+    assert ground.height == pytest.approx(height, rel=0.01)
+    met = ground.meet(directions)
+    assert np.abs(met @ ground.normal + ground.height).max() < 1e-9
+
+
+@pytest.mark.parametrize("count", [0, 2, 50])
+def test_points_in_a_line_have_no_plane(count: int) -> None:
+    """Nor have fewer than three points."""
+    directions = np.column_stack([np.linspace(-0.3, 0.3, count), np.full(count, 0.2), np.ones(count)])
+    assert fit_ground(directions, np.ones(count)) is None
+
+
+# --- what is refused ----------------------------------------------------------------------------------------------
+
+
+@given(
+    st.integers(0, _WIDTH - 1), st.integers(200, _HEIGHT - 1), st.integers(0, _WIDTH - 1), st.integers(200, _HEIGHT - 1)
+)
+@settings(max_examples=12)
+def test_bare_ground_has_no_size(x1: int, y1: int, x2: int, y2: int) -> None:
+    """Wherever the line is."""
+    assert _refused(_BARE.depth, (x1, y1, x2, y2)) in (Unmeasurable.NO_ROCK, Unmeasurable.SHORT_LINE)
+
+
+@given(*[st.integers(0, 2**32 - 1) | st.integers(0, _WIDTH) for _ in range(4)])
+@settings(max_examples=30)
+def test_any_line_has_a_size_or_a_reason(x1: int, y1: int, x2: int, y2: int) -> None:
+    """Whatever a request contains: a size is a finite number above 0."""
+    with contextlib.suppress(UnmeasurableError):
+        found = measure(_SCENE.depth, camera(), (x1, y1, x2, y2))
+        assert 0 < found.length < np.inf
+        assert 0 < found.width < np.inf
+
+
+@pytest.mark.parametrize(
+    "line", [(-1, 5, 50, 50), (50, 50, _WIDTH, 50), (50, 50, 50, _HEIGHT), (50, 50, np.nan, 90), (0, 0, 2**32 - 1, 0)]
+)
+def test_a_line_must_be_in_the_image(line: Line) -> None:
+    """Both endpoints are pixels."""
+    assert _refused(_SCENE.depth, line) == Unmeasurable.OUTSIDE_IMAGE
+
+
+def test_a_short_line_is_refused() -> None:
+    """An error of a pixel would be more than a tenth of it."""
+    assert _refused(_SCENE.depth, (100, 100, 107, 107)) == Unmeasurable.SHORT_LINE
+    assert _refused(_SCENE.depth, (100, 100, 100, 100)) == Unmeasurable.SHORT_LINE
+
+
+@pytest.mark.parametrize("where", ["around", "at", "everywhere"])
+def test_too_little_depth_is_refused(where: str) -> None:
+    """Of the ring around the line and of the rock, 30 % must be there."""
+    x1, y1, x2, y2 = _SCENE.line
+    distance = np.hypot(_COLUMNS - (x1 + x2) / 2, _ROWS - (y1 + y2) / 2) / np.hypot(x2 - x1, y2 - y1)
+    missing = {"around": distance > 0.6, "at": distance <= 0.95, "everywhere": distance >= 0}[where]
+    assert _refused(np.where(missing, np.nan, _SCENE.depth), _SCENE.line) == Unmeasurable.LITTLE_DEPTH
+
+
+def test_a_third_of_the_depth_is_enough() -> None:
+    """Two of three pixels are missing, anywhere."""
+    missing = np.random.default_rng(1).random(_SCENE.depth.shape) < 0.65
+    length, width = _size(np.where(missing, np.nan, _SCENE.depth), _SCENE.line)
+    assert (length, width) == (pytest.approx(_SCENE.length, rel=0.04), pytest.approx(_SCENE.width, rel=0.1))
+
+
+def test_ground_that_is_no_plane_is_refused() -> None:
+    """Such as a heap of stones."""
+    depth = _SCENE.exact * cv2.resize(np.random.default_rng(2).uniform(0.7, 1.3, (48, 64)), (_WIDTH, _HEIGHT))
+    assert _refused(depth, _SCENE.line) == Unmeasurable.NO_PLANE
+
+
+def test_a_line_on_the_horizon_is_refused() -> None:
+    """Rays that are nearly parallel to the ground meet it anywhere."""
+    directions = np.append(
+        camera().undistort(np.stack([_COLUMNS, _ROWS], axis=-1).astype(float)), np.ones((_HEIGHT, _WIDTH, 1)), axis=-1
+    )
+    depth = np.where(directions[..., 1] > 0.02, 0.3 / np.maximum(directions[..., 1], 1e-9), np.nan)
+    assert _refused(depth, (200, 262, 400, 262)) == Unmeasurable.NO_PLANE
+
+
+def test_a_depth_that_is_not_aligned_is_refused() -> None:
+    """Its size is that of the depth camera."""
+    assert _refused(_SCENE.depth[::2, ::2], (50, 50, 90, 90)) == Unmeasurable.NOT_ALIGNED
