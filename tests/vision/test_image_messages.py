@@ -111,6 +111,24 @@ def test_a_big_endian_machine_is_understood(encoding: str) -> None:
     assert np.array_equal(_read(image(values.astype(">u2"), encoding, is_bigendian=1)).pixels, values)
 
 
+@pytest.mark.parametrize(
+    ("encoding", "pixels"),
+    [("16UC1", np.array([[0, 1234]], np.uint16)), ("32FC1", np.array([[np.nan, 1.234]], np.float32))],
+)
+def test_a_depth_is_in_metres(encoding: str, pixels: NDArray[Any]) -> None:
+    """Where it is missing, it is 0 or NaN, as the driver has it."""
+    depth = _read(image(pixels, encoding)).depth()
+    assert depth.dtype == np.float32
+    assert not depth[0, 0] > 0
+    assert depth[0, 1] == np.float32(1.234)
+
+
+def test_a_picture_is_no_depth() -> None:
+    """The message names the encoding."""
+    with pytest.raises(ConversionError, match="the encoding mono8 shows no depths; name the topic of a depth image"):
+        _read(image(_GREYS, "mono8")).depth()
+
+
 def test_a_depth_is_no_picture() -> None:
     """The error names the encoding, and what to do."""
     with pytest.raises(ConversionError, match=r"16UC1 shows depths; name the topic of a colour or grey image"):

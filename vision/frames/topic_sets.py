@@ -33,7 +33,8 @@ TopicMessage = ImageMessage | CameraInfo
 
 DEPTH = 5
 """Messages that the middleware keeps until they are taken, as in ROS 2's profile for sensor data."""
-_LOOK_S = 0.1
+LOOK_S = 0.1
+"""Time in seconds after which a source looks for publishers again while nothing comes."""
 _RECOVERED_S = 1.0
 
 S = TypeVar("S")
@@ -105,7 +106,7 @@ class _Topic:
     def watch(self) -> None:
         """Subscribe if necessary, and tell the user if the topic becomes silent or returns.
 
-        Called by one thread, at least every `_LOOK_S` while nothing comes.
+        Called by one thread, at least every `LOOK_S` while nothing comes.
         """
         now = time.monotonic()
         if self._count != self._seen:
@@ -196,13 +197,22 @@ class TopicSets:
         self._count = 0
         self._watch()
 
+    def take(self, seconds: float) -> tuple[int, tuple[Arrived, ...]] | None:
+        """Return the newest set that is not returned yet, serialized, with its number from 0.
+
+        Waits for it at most this time; then, or if the source is closed, returns None. Raises `MiddlewareError` if a
+        topic has messages of another type.
+        """
+        found = self._newest.take(seconds)
+        if self._newest.closed:
+            return None
+        self._watch()
+        return found
+
     def arrivals(self) -> Iterator[tuple[int, tuple[Arrived, ...]]]:
         """Yield the newest set that is not yielded yet, serialized, with its number from 0; wait for it."""
         while not self._newest.closed:
-            found = self._newest.take(_LOOK_S)
-            if self._newest.closed:
-                return
-            self._watch()
+            found = self.take(LOOK_S)
             if found is not None:
                 yield found
 

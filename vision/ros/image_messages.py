@@ -69,6 +69,7 @@ _ENCODINGS = {
     "32FC1": _Encoding("f4", 1, is_depth=True),
 }
 _PAIRED = 2  # the channels of an encoding whose pixels share their colours in pairs
+_MILLIMETRES = np.float32(1000)
 _TO_8_BITS = 255 / 65535
 _FROM_PNG = {(2, "uint8"): "mono8", (2, "uint16"): "mono16", (3, "uint8"): "bgr8", (3, "uint16"): "bgr16"}
 _DEPTH_HEADER = struct.Struct("<i2f")  # ConfigHeader of compressed_depth_image_transport: format, and two parameters
@@ -103,6 +104,18 @@ class ImageMessage:
         if pixels.dtype != np.uint8:
             pixels = cv2.convertScaleAbs(pixels, alpha=_TO_8_BITS)
         return pixels if encoding.to_bgr is None else cv2.cvtColor(pixels, getattr(cv2, encoding.to_bgr))
+
+    def depth(self) -> NDArray[np.float32]:
+        """Return the depth (H, W) in metres; NaN or 0 where it is missing.
+
+        Depths of the encoding ``32FC1`` are not copied. Raises `ConversionError` for a picture.
+        """
+        if not _ENCODINGS[self.encoding].is_depth:
+            raise ConversionError(
+                f"an image with the encoding {self.encoding} shows no depths; name the topic of a depth image"
+            )
+        pixels: NDArray[np.float32] = self.pixels.astype(np.float32, copy=False)
+        return pixels if self.encoding == "32FC1" else pixels / _MILLIMETRES
 
 
 def stamp_of(header: Header) -> int:
