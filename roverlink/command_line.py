@@ -37,6 +37,7 @@ COMMANDS = (
     "doctor",
     "link",
     "aruco",
+    "rocks",
     "demo",
 )
 """Names of all commands, in the order in which ``roverlink --help`` lists them."""
