@@ -70,15 +70,8 @@ def test_doctor_accepts_the_package_that_was_built(done: Start) -> None:
 def test_a_missing_standard_package_is_told(done: Start) -> None:
     """A package of ROS 2 that is not installed is named with the package of apt that brings it."""
     code, _, errors = done(
-        "echo",
-        "/aruco/detections",
-        "--type",
-        "vision_msgs/msg/Detection3DArray",
-        "--middleware",
-        "rclpy",
-        "--timeout",
-        1,
+        "echo", "/path", "--type", "trajectory_msgs/msg/JointTrajectory", "--middleware", "rclpy", "--timeout", 1
     )
     assert code == 2
-    assert "vision_msgs/msg/Detection3DArray is not installed" in errors
-    assert "apt install ros-$ROS_DISTRO-vision-msgs" in errors
+    assert "trajectory_msgs/msg/JointTrajectory is not installed" in errors
+    assert "apt install ros-$ROS_DISTRO-trajectory-msgs" in errors
