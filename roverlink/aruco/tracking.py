@@ -24,6 +24,7 @@ from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.progress import progress
+from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision import Tracker
 from roverlink.vision.camera.camera_model import Floats
@@ -66,7 +67,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             one.name: Eye(tracker(one), one.name, _mount(one, connection, arguments, logger, now=located))
             for one in cameras
         }
-        lookout = Lookout(len(cameras), targets.landmarks)
+        lookout = Lookout(sum(_is_mounted(one, arguments) for one in cameras), targets.landmarks)
         outputs = [output for camera in cameras for output in _files(camera, arguments, stack)]
         if arguments.middleware:
             stack.enter_context(publish_log(logger, connection.middleware, ros))
@@ -96,6 +97,12 @@ def _uncertainty(arguments: argparse.Namespace, readout_time: float | None) -> U
     return Uncertainty(**{name: value for name, value in options.items() if value is not None})
 
 
+def _is_mounted(camera: TrackedCamera, arguments: argparse.Namespace) -> bool:
+    """Return true if the mount of a camera is in the file of cameras, or may be on /tf."""
+    hears_ros = arguments.middleware or camera.entry.source.startswith(TOPIC)
+    return camera.entry.mount is not None or bool(hears_ros)
+
+
 def _mount(
     camera: TrackedCamera, ros: RosConnection, arguments: argparse.Namespace, logger: logging.Logger, *, now: bool
 ) -> Callable[[Frame], Pose | None]:
@@ -103,9 +110,15 @@ def _mount(
 
     With ``now``, the transforms are received at once, and otherwise when the mount is asked for.
     """
-    hears_ros = arguments.middleware or camera.entry.source.startswith(TOPIC)
-    if camera.entry.mount is not None or not hears_ros:
-        return lambda _: camera.entry.mount
+    mount = camera.entry.mount
+    if mount is not None or not _is_mounted(camera, arguments):
+        if mount is None and camera.name and now:
+            logger.warning(
+                "camera %s has no mount, so the pose of the rover is computed without it; add 'mount' to %s",
+                camera.name,
+                arguments.source,
+            )
+        return lambda _: mount
     on_tf = cache(lambda: MountOnTf(ros.transforms, arguments.base_frame, logger.warning))
     if now:
         on_tf()
@@ -136,6 +149,8 @@ def _files(camera: TrackedCamera, arguments: argparse.Namespace, stack: ExitStac
     if arguments.save:
         path: Path = arguments.save
         own = path.with_stem(f"{path.stem}_{camera.name}") if camera.name else path
+        if own.exists() and Path(camera.entry.source).exists() and own.samefile(camera.entry.source):
+            raise SetupError(f"{own} is the source of the images; give --save another name")
         film = stack.enter_context(Film(own, camera.source.rate))
         yield _of(camera, lambda view: film.add(_drawn(view, camera), view.frame.stamp))
 

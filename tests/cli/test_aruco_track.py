@@ -264,6 +264,17 @@ def test_a_principal_point_that_does_not_fit_is_told(
     assert told in capsys.readouterr().err
 
 
+def test_a_recording_is_not_replaced_by_its_film(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """Somebody who gives the same name twice keeps the recording."""
+    recording = field.folder / "drive.avi"
+    assert main(field.words("--save", recording)) == 0
+    before = recording.read_bytes()
+    again = ("--parameters", field.folder / "camera.yml", "--save", recording)
+    assert main(["aruco", "track", str(recording), *map(str, again)]) == 2
+    assert "drive.avi is the source of the images; give --save another name" in capsys.readouterr().err
+    assert recording.read_bytes() == before
+
+
 @pytest.mark.parametrize(
     ("more", "expected"),
     [

@@ -167,7 +167,9 @@ def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Know
     used: list[_Known] = []
     for slack in _SLACK:
         used = [one for one in known if _chi2(one, pose) < slack * one.limit]
-        refined = _refine(used, pose) if used else None
+        if not used:  # a compromise between landmarks that contradict each other, which fits none of them
+            used = [min(known, key=lambda one: _chi2(one, pose) / one.limit)]
+        refined = _refine(used, pose)
         if refined is None:
             return None
         pose = refined
