@@ -29,7 +29,11 @@ _DESCRIPTIONS = {
 _READ_ONLY = frozenset({USE_SIM_TIME})
 _UNUSED = frozenset({"start_type_description_service"})
 """Parameters that rclpy declares for every node, so that `ros2 param dump` writes them; this node does not use them."""
-_TYPES = {ParameterValue.STRING: str, ParameterValue.DOUBLE: float, ParameterValue.BOOL: bool}
+_TYPES = {
+    ParameterValue.STRING: (str, "a text (in quotes if it looks like a number)"),
+    ParameterValue.DOUBLE: (float, "a number, such as 0.15"),
+    ParameterValue.BOOL: (bool, "true or false"),
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,11 +121,11 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
             continue
         if name not in _DESCRIPTIONS:
             raise SetupError(f"unknown parameter {name!r}; {nearest(name, _DESCRIPTIONS)}")
-        wanted = _TYPES[_DESCRIPTIONS[name][0]]
+        wanted, described = _TYPES[_DESCRIPTIONS[name][0]]
         # YAML has no other way to tell 1 from 1.0
         checked[name] = float(value) if wanted is float and type(value) is int else value
         if type(checked[name]) is not wanted:
-            raise SetupError(f"the parameter {name!r} is {value!r}; it must be of type {wanted.__name__}")
+            raise SetupError(f"the parameter {name!r} is {value!r}; it must be {described}")
     return checked
 
 
