@@ -38,7 +38,7 @@ _TYPES = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Targets:
-    """What a tracker looks for: the markers, and the landmarks among them, if their poses are known."""
+    """Markers for which a tracker looks, and the landmarks among them, if their poses are known."""
 
     markers: MarkerSet
     landmarks: Landmarks | None
@@ -78,7 +78,7 @@ class TargetParameters:
 
     @property
     def targets(self) -> Targets:
-        """What to look for; another object after each change."""
+        """Markers and landmarks for which the tracker looks; another object after each change."""
         return self._targets
 
     def change(self, changes: Mapping[str, Any]) -> None:

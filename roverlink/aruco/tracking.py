@@ -63,11 +63,13 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             uncertainty = _uncertainty(arguments, camera.entry.readout_time)
             return Tracker(camera.parameters, targets.markers, scan_every=arguments.scan_every, uncertainty=uncertainty)
 
+        hears_ros = arguments.middleware or any(entry.source.startswith(TOPIC) for entry in entries)
+        ros_of_mounts = connection if hears_ros else None
         eyes = {
-            one.name: Eye(tracker(one), one.name, _mount(one, connection, arguments, logger, now=located))
+            one.name: Eye(tracker(one), one.name, _mount(one, ros_of_mounts, arguments, logger, now=located))
             for one in cameras
         }
-        lookout = Lookout(sum(_is_mounted(one, arguments) for one in cameras), targets.landmarks)
+        lookout = Lookout(sum(bool(ros_of_mounts or one.mount) for one in entries), targets.landmarks)
         outputs = [output for camera in cameras for output in _files(camera, arguments, stack)]
         if arguments.middleware:
             stack.enter_context(publish_log(logger, connection.middleware, ros))
@@ -97,21 +99,21 @@ def _uncertainty(arguments: argparse.Namespace, readout_time: float | None) -> U
     return Uncertainty(**{name: value for name, value in options.items() if value is not None})
 
 
-def _is_mounted(camera: TrackedCamera, arguments: argparse.Namespace) -> bool:
-    """Return true if the mount of a camera is in the file of cameras, or may be on /tf."""
-    hears_ros = arguments.middleware or camera.entry.source.startswith(TOPIC)
-    return camera.entry.mount is not None or bool(hears_ros)
-
-
 def _mount(
-    camera: TrackedCamera, ros: RosConnection, arguments: argparse.Namespace, logger: logging.Logger, *, now: bool
+    camera: TrackedCamera,
+    ros: RosConnection | None,
+    arguments: argparse.Namespace,
+    logger: logging.Logger,
+    *,
+    now: bool,
 ) -> Callable[[Frame], Pose | None]:
     """Return a function that returns the mount of a camera: that of the file of cameras, or else the one on /tf.
 
-    With ``now``, the transforms are received at once, and otherwise when the mount is asked for.
+    ``ros`` is None if the program hears nothing of ROS 2. With ``now``, the transforms are received at once, and
+    otherwise when the mount is asked for.
     """
     mount = camera.entry.mount
-    if mount is not None or not _is_mounted(camera, arguments):
+    if mount is not None or ros is None:
         if mount is None and camera.name and now:
             logger.warning(
                 "camera %s has no mount, so the pose of the rover is computed without it; add 'mount' to %s",
