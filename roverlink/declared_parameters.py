@@ -18,7 +18,11 @@ _SIM_TIME = (ParameterValue.BOOL, "true if the time is that of a simulation, on 
 _READ_ONLY = frozenset({USE_SIM_TIME})
 _UNUSED = frozenset({"start_type_description_service"})
 """Parameters that rclpy declares for every node, so that `ros2 param dump` writes them; this node does not use them."""
-_TYPES = {ParameterValue.STRING: str, ParameterValue.DOUBLE: float, ParameterValue.BOOL: bool}
+_TYPES = {
+    ParameterValue.STRING: (str, "a text (in quotes if it looks like a number)"),
+    ParameterValue.DOUBLE: (float, "a number, such as 0.15"),
+    ParameterValue.BOOL: (bool, "true or false"),
+}
 
 
 class DeclaredParameters(Generic[T]):
@@ -59,7 +63,7 @@ class DeclaredParameters(Generic[T]):
 
     @property
     def meaning(self) -> T:
-        """What the values mean; another object after each change."""
+        """Meaning of the values, as `read` returned it; another object after each change."""
         return self._meaning
 
     def change(self, changes: Mapping[str, Any]) -> None:
@@ -94,9 +98,9 @@ class DeclaredParameters(Generic[T]):
                 continue
             if name not in self._descriptions:
                 raise SetupError(f"unknown parameter {name!r}; {nearest(name, self._descriptions)}")
-            wanted = _TYPES[self._descriptions[name][0]]
+            wanted, described = _TYPES[self._descriptions[name][0]]
             # YAML has no other way to tell 1 from 1.0
             checked[name] = float(value) if wanted is float and type(value) is int else value
             if type(checked[name]) is not wanted:
-                raise SetupError(f"the parameter {name!r} is {value!r}; it must be of type {wanted.__name__}")
+                raise SetupError(f"the parameter {name!r} is {value!r}; it must be {described}")
         return checked

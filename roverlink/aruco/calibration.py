@@ -46,6 +46,7 @@ from roverlink.vision.calibration.writing import write_calibration
 from roverlink.vision.frames import Frame, FrameSource, ImageFiles
 from roverlink.vision.opencv import cv2
 
+_SUFFIXES = (".yml", ".yaml")
 REJECTED = ".rejected"
 """Part of the name of a file with parameters that must not be used, before its ending."""
 
@@ -57,7 +58,10 @@ def calibrate(arguments: argparse.Namespace, ros: RosArguments) -> int:
     source of frames, the board or the folder for the files is not usable.
     """
     board = board_of(arguments)
-    if not arguments.out.resolve().parent.is_dir():  # checked before the work, not after it
+    # Checked before the work, not after it.
+    if arguments.out.suffix.lower() not in _SUFFIXES:
+        raise SetupError(f"{arguments.out}: the name of the file of parameters must end with {' or '.join(_SUFFIXES)}")
+    if not arguments.out.resolve().parent.is_dir():
         raise SetupError(f"{arguments.out}: the folder {arguments.out.parent} does not exist")
     text = JsonText() if arguments.json else PlainText()
     with contextlib.ExitStack() as stack:

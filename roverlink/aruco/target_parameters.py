@@ -29,7 +29,7 @@ _DESCRIPTIONS = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Targets:
-    """What a tracker looks for: the markers, and the landmarks among them, if their poses are known."""
+    """Markers for which a tracker looks, and the landmarks among them, if their poses are known."""
 
     markers: MarkerSet
     landmarks: Landmarks | None
@@ -52,7 +52,7 @@ class TargetParameters(DeclaredParameters[Targets]):
 
     @property
     def targets(self) -> Targets:
-        """What to look for; another object after each change."""
+        """Markers and landmarks for which the tracker looks; another object after each change."""
         return self.meaning
 
 

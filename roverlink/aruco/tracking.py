@@ -24,6 +24,7 @@ from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.progress import progress
 from roverlink.ros_connection import RosConnection
+from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision import Tracker
 from roverlink.vision.camera.camera_model import Floats
@@ -62,11 +63,13 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             uncertainty = _uncertainty(arguments, camera.entry.readout_time)
             return Tracker(camera.parameters, targets.markers, scan_every=arguments.scan_every, uncertainty=uncertainty)
 
+        hears_ros = arguments.middleware or any(entry.source.startswith(TOPIC) for entry in entries)
+        ros_of_mounts = connection if hears_ros else None
         eyes = {
-            one.name: Eye(tracker(one), one.name, _mount(one, connection, arguments, logger, now=located))
+            one.name: Eye(tracker(one), one.name, _mount(one, ros_of_mounts, arguments, logger, now=located))
             for one in cameras
         }
-        lookout = Lookout(len(cameras), targets.landmarks)
+        lookout = Lookout(sum(bool(ros_of_mounts or one.mount) for one in entries), targets.landmarks)
         outputs = [output for camera in cameras for output in _files(camera, arguments, stack)]
         if arguments.middleware:
             stack.enter_context(publish_log(logger, connection.middleware, ros))
@@ -97,15 +100,27 @@ def _uncertainty(arguments: argparse.Namespace, readout_time: float | None) -> U
 
 
 def _mount(
-    camera: TrackedCamera, ros: RosConnection, arguments: argparse.Namespace, logger: logging.Logger, *, now: bool
+    camera: TrackedCamera,
+    ros: RosConnection | None,
+    arguments: argparse.Namespace,
+    logger: logging.Logger,
+    *,
+    now: bool,
 ) -> Callable[[Frame], Pose | None]:
     """Return a function that returns the mount of a camera: that of the file of cameras, or else the one on /tf.
 
-    With ``now``, the transforms are received at once, and otherwise when the mount is asked for.
+    ``ros`` is None if the program hears nothing of ROS 2. With ``now``, the transforms are received at once, and
+    otherwise when the mount is asked for.
     """
-    hears_ros = arguments.middleware or camera.entry.source.startswith(TOPIC)
-    if camera.entry.mount is not None or not hears_ros:
-        return lambda _: camera.entry.mount
+    mount = camera.entry.mount
+    if mount is not None or ros is None:
+        if mount is None and camera.name and now:
+            logger.warning(
+                "camera %s has no mount, so the pose of the rover is computed without it; add 'mount' to %s",
+                camera.name,
+                arguments.source,
+            )
+        return lambda _: mount
     on_tf = cache(lambda: MountOnTf(ros.transforms, arguments.base_frame, logger.warning))
     if now:
         on_tf()
@@ -136,6 +151,8 @@ def _files(camera: TrackedCamera, arguments: argparse.Namespace, stack: ExitStac
     if arguments.save:
         path: Path = arguments.save
         own = path.with_stem(f"{path.stem}_{camera.name}") if camera.name else path
+        if own.exists() and Path(camera.entry.source).exists() and own.samefile(camera.entry.source):
+            raise SetupError(f"{own} is the source of the images; give --save another name")
         film = stack.enter_context(Film(own, camera.source.rate))
         yield _of(camera, lambda view: film.add(_drawn(view, camera), view.frame.stamp))
 

@@ -107,7 +107,8 @@ class TrackingLog:
             dictionary, numbers = found
             self._hinted = True
             self._logger.warning(
-                "no marker of %s was found, but the image shows %s of %s (%s); use --dictionary %s",
+                "no marker of %s was found, but the image shows %s of %s (%s); use --dictionary %s, or a larger one "
+                "of this family",
                 self._markers.dictionary,
                 counted(len(numbers), "marker"),
                 dictionary,

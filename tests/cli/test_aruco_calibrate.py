@@ -178,6 +178,17 @@ def test_a_folder_that_is_not_there_is_told_before_the_work(
     assert "does not exist" in capsys.readouterr().err
 
 
+def test_a_file_of_another_kind_is_not_replaced(
+    images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A name that belongs to a film or a picture is a mistake."""
+    film = tmp_path / "drive.mp4"
+    film.write_bytes(b"a recording")
+    assert main(["aruco", "calibrate", str(images), "--out", str(film)]) == 2
+    assert "drive.mp4: the name of the file of parameters must end with .yml or .yaml" in capsys.readouterr().err
+    assert film.read_bytes() == b"a recording"
+
+
 @pytest.mark.slow
 def test_the_same_images_give_the_same_bytes(images: Path, tmp_path: Path) -> None:
     """Parameters and report: nothing in them is of the moment."""

@@ -96,12 +96,28 @@ def test_frames_of_two_cameras_give_one_pose(folder: Path, film: Film, capsys: p
         assert both["rover"]["covariance"][0] < 0.8 * one["rover"]["covariance"][0]
 
 
-def test_cameras_that_contradict_each_other_give_no_pose(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """If a mount is wrong, it is unknown which one: this is told once, and no position is given."""
-    _with_a_second_camera(folder, "[0, 1, 0.6]")
+@pytest.mark.parametrize("offset", [0.3, 1])
+def test_cameras_that_contradict_each_other_give_no_pose(
+    folder: Path, offset: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """If a mount is wrong, it is unknown which one: this is told once, and no position is given.
+
+    With a small error, a compromise fits no landmark at all.
+    """
+    _with_a_second_camera(folder, f"[0, {offset}, 0.6]")
     views, told = _lines(capsys, _words(folder, "--json"))
-    assert all("position" not in view.get("rover", {}) for view in views)
+    assert all("position" not in view["rover"] for view in views[1::2])
     assert told.count("contradict each other; there is no pose until most of them agree") == 1
+
+
+def test_a_camera_without_a_mount_is_told(folder: Path, film: Film, capsys: pytest.CaptureFixture[str]) -> None:
+    """Where no ROS 2 could give it, the rover's pose comes from the other cameras, without delay."""
+    _with_a_second_camera(folder)
+    whole = (folder / "cameras.yaml").read_text()
+    (folder / "cameras.yaml").write_text(whole[: whole.rindex("    mount:")])
+    views, told = _lines(capsys, _words(folder, "--json"))
+    assert "camera left has no mount, so the pose of the rover is computed without it; add 'mount' to" in told
+    assert [view["rover"]["stamp"] for view in views if "rover" in view] == [view["stamp"] for view in views[::2]]
 
 
 def test_each_camera_has_its_film(folder: Path) -> None:

@@ -264,6 +264,17 @@ def test_a_principal_point_that_does_not_fit_is_told(
     assert told in capsys.readouterr().err
 
 
+def test_a_recording_is_not_replaced_by_its_film(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """Somebody who gives the same name twice keeps the recording."""
+    recording = field.folder / "drive.avi"
+    assert main(field.words("--save", recording)) == 0
+    before = recording.read_bytes()
+    again = ("--parameters", field.folder / "camera.yml", "--save", recording)
+    assert main(["aruco", "track", str(recording), *map(str, again)]) == 2
+    assert "drive.avi is the source of the images; give --save another name" in capsys.readouterr().err
+    assert recording.read_bytes() == before
+
+
 @pytest.mark.parametrize(
     ("more", "expected"),
     [
@@ -278,8 +289,8 @@ def test_a_principal_point_that_does_not_fit_is_told(
             ("--ros-args", "-p", "rate:=10"),
             "unknown parameter 'rate'; known: dictionary, side, sides, landmarks, use_sim_time",
         ),
-        (("--ros-args", "-p", "side:=wide"), "the parameter 'side' is 'wide'; it must be of type float"),
-        (("--ros-args", "-p", "sides:=0.1"), "the parameter 'sides' is 0.1; it must be of type str"),
+        (("--ros-args", "-p", "side:=wide"), "the parameter 'side' is 'wide'; it must be a number, such as 0.15"),
+        (("--ros-args", "-p", "sides:=0.1"), "the parameter 'sides' is 0.1; it must be a text"),
         (("--ros-args", "-p", "sides:='7=wide'"), "the parameter 'sides': '7=wide' is not METRES or ID=METRES"),
         (("--ros-args", "-p", "sides:='7=0.1, 0.2'"), "'0.2' names no marker; write 7=0.1, or use 'side'"),
         (("--ros-args", "-p", "landmarks:=none.yaml"), "cannot read the landmarks"),

@@ -74,7 +74,7 @@ def test_a_change_gives_other_targets(landmarks: Path) -> None:
     [
         ({"dictionary": "DICT_5X5_25"}, "did you mean 'DICT_5X5_250'"),
         ({"side": -1.0}, "must be positive"),
-        ({"side": "wide"}, "must be of type float"),
+        ({"side": "wide"}, "must be a number, such as 0.15"),
         ({"sides": "7"}, "names no marker|is not METRES"),
         ({"landmarks": "none.yaml"}, "cannot read the landmarks"),
         ({"dictionary": "DICT_4X4_50", "sides": "99=0.1"}, "DICT_4X4_50 has no marker 99"),

@@ -69,7 +69,9 @@ def test_doctor_accepts_the_package_that_was_built(done: Start) -> None:
 
 def test_a_missing_standard_package_is_told(done: Start) -> None:
     """A package of ROS 2 that is not installed is named with the package of apt that brings it."""
-    code, _, errors = done("echo", "/tf", "--type", "tf2_msgs/msg/TFMessage", "--middleware", "rclpy", "--timeout", 1)
+    code, _, errors = done(
+        "echo", "/path", "--type", "trajectory_msgs/msg/JointTrajectory", "--middleware", "rclpy", "--timeout", 1
+    )
     assert code == 2
-    assert "tf2_msgs/msg/TFMessage is not installed" in errors
-    assert "apt install ros-$ROS_DISTRO-tf2-msgs" in errors
+    assert "trajectory_msgs/msg/JointTrajectory is not installed" in errors
+    assert "apt install ros-$ROS_DISTRO-trajectory-msgs" in errors

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+import random
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -156,3 +159,51 @@ def test_the_time_for_a_frame_can_be_set(timeout: float) -> None:
     first, last = _parts(1, 2)
     frames = _added(reassembler, [(0.0, first), (1.0, last)])
     assert bool(frames) == (timeout > 1.0)
+
+
+# --- C++ ----------------------------------------------------------------------------------------------------------
+
+_CASES = Path(__file__).parents[2] / "cpp/tests/reassembly_cases.tsv"
+_COUNTS = ("complete", "lost", "late", "duplicates", "invalid", "restarts")
+
+
+def _random_arrivals(rng: random.Random) -> list[tuple[int, _Part]]:
+    """Times in milliseconds and parts of a sender on a bad network, which starts again now and then."""
+    arrivals: list[tuple[int, _Part]] = []
+    now = frame_id = 0
+    for _ in range(60):
+        if rng.random() < 0.05:
+            frame_id, now = 0, now + rng.choice([300, 1500])
+        for part in _parts(frame_id, rng.choice([0, 1, 2, 3, 5])):
+            if rng.random() < 0.15:
+                part = replace(part, total_count=rng.randrange(5), frame_id=rng.choice([frame_id, 7, 2**32 - 1]))
+            for _ in range(rng.choice([0, 1, 1, 1, 1, 2])):
+                arrivals.append((now + rng.choice([0, 5, 40, 250, 1100]), part))
+        frame_id, now = frame_id + rng.choice([1, 1, 1, 2]), now + 50
+    return sorted(arrivals, key=lambda one: one[0])
+
+
+def _case(rng: random.Random) -> Iterator[str]:
+    timeout = rng.choice([100, 1000])
+    reassembler = Reassembler[_Part](timeout)  # milliseconds are exact numbers, other than their fractions of a second
+    yield f"reset\t{timeout}"
+    for at, part in _random_arrivals(rng):
+        frame = reassembler.add(part, at)
+        out = "-" if frame is None else f"{frame.frame_id}:{len(frame.parts)}"
+        yield f"part\t{at}\t{part.frame_id}\t{part.index}\t{part.total_count}\t{out}"
+    yield "\t".join(["counts", *(str(getattr(reassembler, name)) for name in _COUNTS)])
+
+
+def test_the_cases_for_cpp_are_what_python_does(request: pytest.FixtureRequest) -> None:
+    """The tests of the C++ library read them from a file, which `--update-cases` writes anew."""
+    head = (
+        "# Arrivals of parts, and what comes out: Python and C++ must agree with every line. Columns are separated by\n"
+        "# tabs.\n#\n# reset\ttimeout in milliseconds\n"
+        "# part\tmilliseconds\tframe_id\tindex\ttotal_count\tframe:parts, or -\n"
+        "# counts\t" + "\t".join(_COUNTS) + "\n"
+    )
+    lines = [line for seed in range(12) for line in _case(random.Random(seed))]  # noqa: S311  # no secrets
+    text = head + "".join(f"{line}\n" for line in lines)
+    if request.config.getoption("--update-cases"):
+        _CASES.write_text(text, encoding="utf-8")
+    assert text == _CASES.read_text(encoding="utf-8")

@@ -117,6 +117,19 @@ def test_a_simulation_that_starts_again_does_not_stop_a_recording(
     assert [round(frame.stamp / 1e9, 3) for frame in shown] == [10.0, 2.0, 2.033]
 
 
+def test_a_simulation_may_start_again_while_a_frame_is_in_use(
+    clock: SimulatedClock, tick: Tick, tmp_path: Path
+) -> None:
+    """The time that the last frame had tells that the clock has jumped back before the player waits."""
+    for number in range(2):
+        cv2.imwrite(str(tmp_path / f"{number}.png"), np.full((8, 8), number, np.uint8))
+    with open_source(str(tmp_path)) as source:
+        frames = play(source, clock=clock)
+        assert next(frames).stamp == 10_000_000_000
+        tick(2)
+        assert next(frames).stamp == 2_000_000_000
+
+
 def test_images_without_stamps_get_the_time_of_the_simulation(graph: Graph, clock: SimulatedClock, tick: Tick) -> None:
     """A stamp that an image has is kept."""
     publisher = MemoryMiddleware(graph).publisher("/image", Image, Qos())

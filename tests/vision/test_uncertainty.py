@@ -13,7 +13,13 @@ from bench.vision.contestants import camera_of
 from bench.vision.scenes import SIDE, drive, lens
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision import CameraParameters, MarkerSet, Sighting, Tracker, read_parameters, write_parameters
-from roverlink.vision.camera.uncertainty import UNKNOWN_CAMERA, Uncertainty, camera_roots, rays_by_camera
+from roverlink.vision.camera.uncertainty import (
+    UNKNOWN_CAMERA,
+    Uncertainty,
+    camera_roots,
+    pixels_by_camera,
+    pixels_to_rays,
+)
 from roverlink.vision.field.landmarks import Landmark, Landmarks
 from roverlink.vision.field.localization import localize
 from roverlink.vision.poses.pnp import with_all_errors
@@ -80,7 +86,7 @@ def test_the_camera_s_errors_move_rays(size: int) -> None:
     camera = replace(CAMERA, covariance=root @ root.T)
     roots, rays = camera_roots(camera), rng.uniform(-0.4, 0.4, (5, 2))
     assert roots @ roots.T == pytest.approx(root @ root.T)
-    shifts = rays_by_camera(camera, roots, rays)
+    shifts = pixels_to_rays(camera, rays, pixels_by_camera(camera, roots, rays))
     for column, shift in zip(roots.T, shifts.T):
         matrix = CAMERA.matrix.copy()
         matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += column[:4]
@@ -108,7 +114,8 @@ def test_landmarks_do_not_average_shared_errors_away() -> None:
     doubtful = CameraParameters(np.diag([1000.0, 1000, 1]), np.zeros(5), covariance=covariance)
     shared, own = [], []
     for one in sightings:
-        shifts = rays_by_camera(doubtful, camera_roots(doubtful), one.seen.rays)
+        pixels = pixels_by_camera(doubtful, camera_roots(doubtful), one.seen.rays)
+        shifts = pixels_to_rays(doubtful, one.seen.rays, pixels)
         shared.append(replace(one, seen=replace(one.seen, shared=shifts)))
         own.append(replace(one, seen=replace(one.seen, own=shifts @ shifts.T)))
     assert sigma(shared) > 1.5 * sigma(own)

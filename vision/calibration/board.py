@@ -1,6 +1,7 @@
 """Calibration boards: flat prints with corners at known positions, at which two edges cross.
 
-Each kind of board has a module of its own: `charuco_board`, `chessboard` and `april_grid`.
+Each kind of board has a module of its own: `charuco_board`, `chessboard` and `april_grid`. The first two share
+`checkered_board`.
 """
 
 from __future__ import annotations

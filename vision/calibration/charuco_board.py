@@ -11,23 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roverlink.runtime.core.errors import SetupError, nearest
-from roverlink.vision.calibration.board import (
-    Artwork,
-    CalibrationBoard,
-    Finder,
-    PrintedMarker,
-    millimetres,
-    nothing_found,
-)
+from roverlink.vision.calibration.board import Artwork, Finder, PrintedMarker, millimetres, nothing_found
+from roverlink.vision.calibration.checkered_board import CheckeredBoard
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.markers.detection import CELL, Image
 from roverlink.vision.markers.marker_set import black_modules
 from roverlink.vision.opencv import cv2
 
-COLUMNS, ROWS = 11, 8
-"""Default numbers of columns and rows of squares; with squares of `SQUARE` the board fits on A4 in landscape."""
-SQUARE, MARKER = 0.024, 0.018
-"""Default sides of a square and of a marker in metres."""
+MARKER = 0.018
+"""Default side of a marker in metres."""
 # Few and coarse modules: the board's markers are small, and 50 are enough for 100 squares.
 DICTIONARY = "DICT_4X4_50"
 """Default dictionary of the board's markers, by OpenCV's name.
@@ -39,7 +31,7 @@ OFFSET = 0.495 if int(cv2.__version__.split(".")[0]) < 5 else 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CharucoBoard(CalibrationBoard):
+class CharucoBoard(CheckeredBoard):
     """ChArUco board of `columns` x `rows` squares. Raises `SetupError` for an impossible board.
 
     `square` and `marker` are the sides of a square and of a marker in metres. `dictionary` is OpenCV's name of the
@@ -47,9 +39,6 @@ class CharucoBoard(CalibrationBoard):
     made with OpenCV before 4.6.
     """
 
-    columns: int = COLUMNS
-    rows: int = ROWS
-    square: float = SQUARE
     marker: float = MARKER
     dictionary: str = DICTIONARY
     legacy: bool = False
@@ -92,24 +81,9 @@ class CharucoBoard(CalibrationBoard):
         )
 
     @property
-    def size(self) -> tuple[float, float]:
-        """Width and height of the board without its margin, in metres."""
-        return self.columns * self.square, self.rows * self.square
-
-    @property
-    def points(self) -> Floats:
-        """Inner corners (N, 3) in the board's frame in metres. The id of a corner is its index in this array."""
-        return inner_corners(self.columns, self.rows, self.square)
-
-    @property
     def gap(self) -> float:
         """Distance in metres from a corner to the nearest marker, along both axes."""
         return (self.square - self.marker) / 2
-
-    @property
-    def reach(self) -> float:
-        """Distance in metres from a corner, along its edges, up to which the edges are straight and uncrossed."""
-        return self.square
 
     @property
     def artwork(self) -> Artwork:
@@ -142,13 +116,6 @@ class CharucoBoard(CalibrationBoard):
             return found[order], places[order]
 
         return find
-
-
-def inner_corners(columns: int, rows: int, square: float) -> Floats:
-    """Return the inner corners (N, 3) of a chessboard of `columns` x `rows` squares, row by row, in metres."""
-    across, down = columns - 1, rows - 1
-    row, column = np.divmod(np.arange(across * down), across)
-    return np.column_stack([column + 1, row + 1, np.zeros(across * down)]) * square
 
 
 def _parameters() -> tuple[Any, Any]:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roverlink.runtime.core.errors import SetupError
-from roverlink.vision.calibration.board import Artwork, CalibrationBoard, Finder, millimetres, nothing_found
-from roverlink.vision.calibration.charuco_board import COLUMNS, ROWS, SQUARE, inner_corners
+from roverlink.vision.calibration.board import Artwork, Finder, millimetres, nothing_found
+from roverlink.vision.calibration.checkered_board import CheckeredBoard
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.markers.detection import Image
 from roverlink.vision.opencv import cv2
@@ -21,15 +21,11 @@ _FEWEST = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chessboard(CalibrationBoard):
+class Chessboard(CheckeredBoard):
     """Chessboard of `columns` x `rows` squares; `square` is the side of a square in metres.
 
     Raises `SetupError` for an impossible board.
     """
-
-    columns: int = COLUMNS
-    rows: int = ROWS
-    square: float = SQUARE
 
     def __post_init__(self) -> None:
         if min(self.columns, self.rows) < _FEWEST:
@@ -46,24 +42,9 @@ class Chessboard(CalibrationBoard):
         return f"chessboard of {self.columns} x {self.rows} squares of {millimetres(self.square)}"
 
     @property
-    def size(self) -> tuple[float, float]:
-        """Width and height of the board without its margin, in metres."""
-        return self.columns * self.square, self.rows * self.square
-
-    @property
-    def points(self) -> Floats:
-        """Inner corners (N, 3) in the board's frame in metres. The id of a corner is its index in this array."""
-        return inner_corners(self.columns, self.rows, self.square)
-
-    @property
     def gap(self) -> float:
         """Infinite distance to the nearest marker, because there is none."""
         return math.inf
-
-    @property
-    def reach(self) -> float:
-        """Distance in metres from a corner, along its edges, up to which the edges are straight and uncrossed."""
-        return self.square
 
     @property
     def artwork(self) -> Artwork:

@@ -60,7 +60,7 @@ class CameraEntry:
     camera_info: str = ""
     """ROS 2 topic with the camera's parameters; empty for the topic beside the source."""
     settings: CameraSettings = CameraSettings()  # noqa: RUF009  # it is frozen
-    """What is requested from the camera."""
+    """Settings that are requested from the camera."""
     readout_time: float | None = None
     """Time in seconds from the first row of an image to the last one; None for a global shutter."""
     mount: Pose | None = None

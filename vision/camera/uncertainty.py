@@ -57,10 +57,13 @@ def camera_roots(camera: CameraParameters) -> Floats:
     return roots
 
 
-def rays_by_camera(camera: CameraParameters, roots: Floats, rays: Floats) -> Floats:
-    """Return the shifts (2N, P) of rays (N, 2) of fixed pixels that the columns of `camera_roots` (P, P) cause."""
-    by_camera = (by_pinhole if len(roots) == _PINHOLE else by_parameters)(camera, rays) @ roots
-    return pixels_to_rays(camera, rays, -by_camera)
+def pixels_by_camera(camera: CameraParameters, roots: Floats, rays: Floats) -> Floats:
+    """Return the shifts (N, 2, P) of the pixels at which rays (N, 2) are seen, by the errors of a camera's parameters.
+
+    `roots` are those of `camera_roots`: each shift is that of one standard deviation of an independent error.
+    """
+    moved: Floats = -((by_pinhole if len(roots) == _PINHOLE else by_parameters)(camera, rays) @ roots)
+    return moved
 
 
 def pixels_to_rays(camera: CameraParameters, rays: Floats, shifts: Floats) -> Floats:

@@ -8,7 +8,7 @@ that was moved or misidentified does not fit the pose that follows from the othe
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -51,18 +51,6 @@ class FieldPose:
     def agreed(self) -> bool:
         """True if most of the visible landmarks agree; otherwise it is unknown which of them are wrong."""
         return len(self.used) > len(self.rejected)
-
-    def through(self, mount: Pose) -> FieldPose:
-        """Return the pose of the rover that carries the camera.
-
-        `mount` is the transform from the camera's optical frame to the rover's frame, in metres.
-        """
-        pose = self.pose @ mount.inverse()
-        # A small rotation of the camera moves the rover by the cross product with the lever between them.
-        lever = pose.translation - self.pose.translation
-        change = np.eye(6)
-        change[:3, 3:] = np.cross(lever, np.eye(3))
-        return replace(self, pose=pose, covariance=change @ self.covariance @ change.T)
 
 
 class Shot(NamedTuple):
@@ -167,7 +155,9 @@ def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Know
     used: list[_Known] = []
     for slack in _SLACK:
         used = [one for one in known if _chi2(one, pose) < slack * one.limit]
-        refined = _refine(used, pose) if used else None
+        if not used:  # a compromise between landmarks that contradict each other, which fits none of them
+            used = [min(known, key=lambda one: _chi2(one, pose) / one.limit)]
+        refined = _refine(used, pose)
         if refined is None:
             return None
         pose = refined

@@ -12,8 +12,12 @@ class Clock(Protocol):
     def now(self) -> int:
         """Return the time in nanoseconds since 1970, or since the start of a simulation."""
 
-    def sleep_until(self, stamp: int) -> None:
-        """Wait until a time in nanoseconds. If the clock jumps back, the wait may end before that time."""
+    def sleep_until(self, stamp: int, since: int) -> None:
+        """Wait until the time `stamp` in nanoseconds.
+
+        `since` is a time that the clock has shown before. If the clock shows less, then it has jumped back, and the
+        wait ends before `stamp`.
+        """
 
 
 class SystemClock:
@@ -23,8 +27,10 @@ class SystemClock:
         """Return the time in nanoseconds since 1970."""
         return time.time_ns()
 
-    def sleep_until(self, stamp: int) -> None:
-        """Wait until a time in nanoseconds since 1970."""
+    def sleep_until(self, stamp: int, since: int) -> None:
+        """Wait as long as it takes now until the time `stamp` in nanoseconds since 1970."""
+        if self.now() < since:
+            return
         time.sleep(max(stamp - time.time_ns(), 0) / 1e9)
 
 

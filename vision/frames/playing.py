@@ -14,15 +14,15 @@ def play(source: FrameSource, *, loop: bool = False, clock: Clock = SYSTEM_CLOCK
 
     If the caller is slow, it gets all frames, but late. With `loop`, the recording is repeated without end.
     """
-    begin = clock.now()
+    begin = shown = clock.now()
     passed = 0
     while True:
         length = count = 0
         for frame in source:
-            clock.sleep_until(begin + frame.stamp)
-            if clock.now() < begin + frame.stamp:  # the clock has jumped back
-                begin = clock.now() - frame.stamp
-            yield replace(frame, stamp=begin + frame.stamp, number=passed + frame.number)
+            clock.sleep_until(begin + frame.stamp, shown)
+            begin = min(begin, clock.now() - frame.stamp)  # earlier if the clock has jumped back
+            shown = begin + frame.stamp
+            yield replace(frame, stamp=shown, number=passed + frame.number)
             length, count = frame.stamp + round(1e9 / source.rate), frame.number + 1
         if not loop:
             return

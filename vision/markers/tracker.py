@@ -16,7 +16,7 @@ import numpy as np
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
-from roverlink.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_to_rays, rays_by_camera
+from roverlink.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_by_camera, pixels_to_rays
 from roverlink.vision.markers.detection import Detection, Detector, Image, Region, to_grey
 from roverlink.vision.markers.edges import Fit, Guess
 from roverlink.vision.markers.flips import Flips
@@ -176,7 +176,7 @@ class Tracker:
         landmarks = self._landmarks(self._find(grey, stamp))
         # A caller may write the next grey image into the same array.
         self._stamp, self._before = stamp, grey.copy() if image.ndim == 2 else grey
-        seen = [self._seen(landmark, len(grey)) for landmark in landmarks]
+        seen = self._seen(landmarks, len(grey))
         found = solve(seen, _starts(landmarks))
         return tuple(
             self._sight(landmark, corners, solutions)
@@ -298,31 +298,35 @@ class Tracker:
             landmarks.append(_Landmark(name, group, points_of, self._board_flips.setdefault(name, Flips())))
         return landmarks
 
-    def _seen(self, landmark: _Landmark, height: int) -> Corners:
-        """Return the corners of a landmark with their covariance; `height` is the number of rows of the image."""
-        given, scale = self._uncertainty, self._uncertainty.covariance_scale
-        fits = [track.fit for track in landmark.tracks]
-        rays = np.concatenate([fit.rays for fit in fits])
-        noise = np.zeros((rays.size, rays.size))
-        for place, fit in enumerate(fits):
-            noise[8 * place : 8 * place + 8, 8 * place : 8 * place + 8] = fit.covariance
-        floor = np.zeros((len(rays), 2, rays.size))
-        corner = np.arange(len(rays))
-        floor[corner, 0, 2 * corner] = floor[corner, 1, 2 * corner + 1] = given.corner_floor
-        floor_rays = pixels_to_rays(self._camera, rays, floor)
-        rows = np.concatenate([track.corners[:, 1] for track in landmark.tracks])
+    def _seen(self, landmarks: Sequence[_Landmark], height: int) -> list[Corners]:
+        """Return the corners of each landmark with their covariance; `height` is the number of rows of the image."""
+        tracks = [track for landmark in landmarks for track in landmark.tracks]
+        if not tracks:
+            return []
+        given = self._uncertainty
+        rays = np.concatenate([track.fit.rays for track in tracks])
+        rows = np.concatenate([track.corners[:, 1] for track in tracks])
         seconds = given.readout_time * ((rows + 0.5) / height - 0.5)
-        motion = np.concatenate([track.velocity for track in landmark.tracks]) * seconds[:, None]
-        shared = [
-            rays_by_camera(self._camera, self._roots, rays),
-            pixels_to_rays(self._camera, rays, motion[..., None]),
-        ]
+        motion = np.concatenate([track.velocity for track in tracks]) * seconds[:, None]
+        floor = np.broadcast_to(given.corner_floor * np.eye(2), (len(rays), 2, 2))
+        pixels = [floor, pixels_by_camera(self._camera, self._roots, rays), motion[..., None]]
+        shifts = pixels_to_rays(self._camera, rays, np.concatenate(pixels, axis=2)) * given.covariance_scale
+        of_tracks = iter(shifts.reshape(len(tracks), 4, 2, -1))
+        return [self._corners(one, np.concatenate([next(of_tracks) for _ in one.tracks])) for one in landmarks]
+
+    def _corners(self, landmark: _Landmark, shifts: Floats) -> Corners:
+        """Return a landmark's corners; `shifts` (N, 2, S) of its rays are due to all errors, the first two its own."""
+        count = len(shifts)
+        noise, own = np.zeros((count // 4, 8, count // 4, 8)), np.zeros((count, 2, count, 2))
+        marker, corner = np.arange(count // 4), np.arange(count)
+        noise[marker, :, marker] = [track.fit.covariance for track in landmark.tracks]
+        own[corner, :, corner] = shifts[..., :2] @ shifts[..., :2].swapaxes(1, 2)
         return Corners(
             points=np.concatenate(landmark.points),
-            rays=rays,
-            covariance=noise * scale**2,
-            own=floor_rays @ floor_rays.T * scale**2,
-            shared=np.concatenate(shared, axis=1) * scale,
+            rays=np.concatenate([track.fit.rays for track in landmark.tracks]),
+            covariance=noise.reshape(2 * count, -1) * self._uncertainty.covariance_scale**2,
+            own=own.reshape(2 * count, -1),
+            shared=shifts[..., 2:].reshape(2 * count, -1),
         )
 
     def _sight(self, landmark: _Landmark, seen: Corners, solutions: Sequence[Solution]) -> Sighting:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError, nearest
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.standard_handler import nanoseconds
 from roverlink.runtime.interfaces import sensor_msgs
 from roverlink.runtime.interfaces.std_msgs import Header
 from roverlink.vision.markers.detection import Image
@@ -120,7 +121,7 @@ class ImageMessage:
 
 def stamp_of(header: Header) -> int:
     """Return the stamp of a header in nanoseconds since 1970."""
-    return header.stamp.sec * 10**9 + header.stamp.nanosec
+    return nanoseconds(header.stamp)
 
 
 def read_image(message_type: type[Message], data: bytes) -> ImageMessage:

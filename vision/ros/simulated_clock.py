@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.standard_handler import nanoseconds
 from roverlink.runtime.interfaces.rosgraph_msgs import Clock
 from roverlink.runtime.middleware import Middleware
 
@@ -26,7 +27,6 @@ class SimulatedClock:
         """
         self._news = threading.Condition()
         self._now: int | None = None
-        self._jumps = 0
         self._subscription = middleware.subscribe(topic, Clock, _QOS, self._take)
         with self._news:
             if not self._news.wait_for(lambda: self._now is not None, PATIENCE_S):
@@ -37,11 +37,10 @@ class SimulatedClock:
         """Return the time in nanoseconds of the newest message."""
         return self._now or 0
 
-    def sleep_until(self, stamp: int) -> None:
-        """Wait until the simulation has reached a time in nanoseconds, or until its time jumps back."""
+    def sleep_until(self, stamp: int, since: int) -> None:
+        """Wait until the simulation has reached a time in nanoseconds, or has jumped back behind the time `since`."""
         with self._news:
-            jumps = self._jumps
-            self._news.wait_for(lambda: self.now() >= stamp or self._jumps != jumps)
+            self._news.wait_for(lambda: not since <= self.now() < stamp)
 
     def __enter__(self) -> SimulatedClock:
         return self
@@ -56,7 +55,5 @@ class SimulatedClock:
         except ConversionError:  # the next one is right
             return
         with self._news:
-            now = newest.sec * 10**9 + newest.nanosec
-            self._jumps += self._now is not None and now < self._now
-            self._now = now
+            self._now = nanoseconds(newest)
             self._news.notify_all()

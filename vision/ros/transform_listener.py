@@ -10,6 +10,7 @@ import numpy as np
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.standard_handler import nanoseconds
 from roverlink.runtime.interfaces.geometry_msgs import TransformStamped
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
 from roverlink.runtime.middleware import Middleware
@@ -50,7 +51,6 @@ class TransformListener:
                     self._say(f"ignoring transforms: {error}")
 
     def _add(self, one: TransformStamped, static: bool) -> None:
-        stamp = one.header.stamp.sec * 10**9 + one.header.stamp.nanosec
         turn, way = one.transform.rotation, one.transform.translation
         quaternion = np.array([turn.x, turn.y, turn.z, turn.w])
         translation = np.array([way.x, way.y, way.z])
@@ -59,4 +59,4 @@ class TransformListener:
         pose = Pose(rotation_of_quaternion(quaternion), translation)
         # Frames had a slash in front in ROS 1, and some drivers still write it.
         parent, child = one.header.frame_id.lstrip("/"), one.child_frame_id.lstrip("/")
-        self.tree.add(parent, child, stamp, pose, static=static)
+        self.tree.add(parent, child, nanoseconds(one.header.stamp), pose, static=static)
