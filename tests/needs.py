@@ -10,6 +10,7 @@ import pytest
 SLOW = "slow (make test-slow)"
 NO_DDS = "need Cyclone DDS (no wheel for this machine)"
 NO_OPENCV = "need OpenCV (pip install 'opencv-contrib-python-headless>=4.8')"
+NO_SCIPY = "need SciPy (pip install scipy)"
 NO_ROS = "need ROS 2's tools and C++ libraries (xargs apt-get install <tests/ros/debian-packages)"
 NO_RCLPY = "need a real ROS 2 (make test-ros2)"
 NOT_LINUX = "need Linux"
