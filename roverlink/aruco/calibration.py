@@ -22,7 +22,7 @@ import numpy as np
 from roverlink.aruco.board_options import board_of
 from roverlink.aruco.calibration_page import serve_page
 from roverlink.aruco.calibration_text import CalibrationText, JsonText, PlainText
-from roverlink.aruco.camera_source import open_source, settings_of, source_of
+from roverlink.camera_source import open_source, settings_of, source_of
 from roverlink.console import FINDINGS, OK, counted
 from roverlink.installed_packages import installed_version
 from roverlink.progress import progress

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
 
-from roverlink.aruco.camera_source import (
+from roverlink.camera_source import (
     CAMERA_FRAME,
     PARAMETERS,
     SETTINGS,

@@ -21,7 +21,7 @@ from typing import IO, cast
 
 import numpy as np
 
-from roverlink.commands.aruco.track import NO_MIDDLEWARE
+from roverlink.console import NO_MIDDLEWARE
 from roverlink.demo.field import SIDE, landmarks, render_film, rover_position, write_cameras, write_field
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.middleware import Middleware

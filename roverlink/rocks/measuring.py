@@ -13,14 +13,15 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
 from roverlink.console import project_folder
+from roverlink.depth_camera import DepthCamera, NoDepthError
 from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
-from roverlink.rocks.depth_camera import CameraTopicParameters, DepthCamera
+from roverlink.rocks.camera_parameters import CameraTopicParameters
 from roverlink.rocks.rock_rows import RockRows
 from roverlink.ros_connection import RosConnection
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
-from roverlink.vision.rocks import Line, RockSize, UnmeasurableError, measure
+from roverlink.vision.rocks import Line, RockSize, Unmeasurable, UnmeasurableError, measure
 
 
 def measure_rocks(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> None:
@@ -77,14 +78,20 @@ class Answering:
         try:
             image = self._camera.image()
             size = measure(image.depth, image.camera, line)
+        except NoDepthError as error:
+            self._refuse(line, Unmeasurable.NO_IMAGE, error)
+            return
         except UnmeasurableError as error:
-            self._publish([self._rows.answer(None)])
-            self._logger.warning("no size of the rock (%s): %s", error.reason.value, error)
-            self._print({"line": line, "reason": error.reason.value, "message": str(error)})
+            self._refuse(line, error.reason, error)
             return
         self._publish([self._rows.answer((size.length, size.width))])
         self._logger.info("rock of %.1f x %.1f cm", 100 * size.length, 100 * size.width)
         self._print({"line": line, "stamp": image.stamp, **_as_dict(size)})
+
+    def _refuse(self, line: Line, reason: Unmeasurable, error: Exception) -> None:
+        self._publish([self._rows.answer(None)])
+        self._logger.warning("no size of the rock (%s): %s", reason.value, error)
+        self._print({"line": line, "reason": reason.value, "message": str(error)})
 
     def _print(self, entry: dict[str, object]) -> None:
         if self._json:

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.core.messages import fields_of
 from roverlink.vision.rocks import Line
 
 REQUEST, RESULT = "rock_measure_request", "rock_measure_result"
@@ -25,8 +22,8 @@ class RockRows:
 
     def __init__(self, registry: Registry) -> None:
         """Find the rows. Raises `SetupError` if one is missing, or lacks a field."""
-        self.request = _row(registry, REQUEST, ENDPOINTS, inbound=True)
-        self.result = _row(registry, RESULT, SIZES, inbound=False)
+        self.request = registry.row(REQUEST, ENDPOINTS, inbound=True)
+        self.result = registry.row(RESULT, SIZES, inbound=False)
 
     def line(self, data: bytes) -> Line:
         """Return the line of a serialized request. Raises `ConversionError` if it is damaged."""
@@ -40,14 +37,3 @@ class RockRows:
         # without an answer, the operator takes the last one for it.
         values = (math.nan, math.nan) if size is None else [100 * one for one in size]
         return cdr.encode(self.result.message_type(**dict(zip(SIZES, values))))
-
-
-def _row(registry: Registry, name: str, fields: Sequence[str], *, inbound: bool) -> Any:
-    handler = next((one for one in registry.handlers if one.route.name == name and one.route.inbound == inbound), None)
-    if handler is None:
-        direction = "from a peer" if inbound else "to a peer"
-        raise SetupError(f"the table has no row {name!r} in the direction {direction}; add it to mapping.yaml")
-    if missing := [field for field in fields if field not in {one.name for one in fields_of(handler.message_type)}]:
-        message = handler.message_type.__msgtype__
-        raise SetupError(f"{message}, the message of row {name!r}, has no field {', '.join(missing)}; add it")
-    return handler

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import itertools
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from google.protobuf.message import EncodeError
 from google.protobuf.runtime_version import VersionError
 
-from roverlink.runtime.core.errors import ConversionError, RegistryError
+from roverlink.runtime.core.errors import ConversionError, RegistryError, SetupError
 from roverlink.runtime.core.handler import Handler, Route
+from roverlink.runtime.core.messages import fields_of
 from roverlink.runtime.core.standard_handler import StandardHandler
 
 if TYPE_CHECKING:
@@ -152,6 +153,23 @@ class Registry:
     def end_of(self, route: Route) -> EndName:
         """Return the name of the end to which a row belongs. A row that a board sends may belong to none in `ends`."""
         return EndName(route.peer, route.board if self.peers_by_name[route.peer].boards else "")
+
+    def row(self, name: str, fields: Sequence[str], *, inbound: bool) -> AnyHandler | AnyStandardHandler:
+        """Return the row (or extra topic) of a name whose ROS 2 message has some fields.
+
+        ``inbound`` selects the direction from a peer. Raises `SetupError` if the table has no such row.
+        """
+        rows = (*self.handlers, *self.extra_topics)
+        handler = next((row for row in rows if row.route.name == name and row.route.inbound == inbound), None)
+        if handler is None:
+            direction = "from a peer" if inbound else "to a peer"
+            raise SetupError(f"the table has no row {name!r} in the direction {direction}; add it to mapping.yaml")
+        message = handler.message_type
+        if missing := [field for field in fields if field not in {one.name for one in fields_of(message)}]:
+            raise SetupError(
+                f"{message.__msgtype__}, the message of row {name!r}, has no field {', '.join(missing)}; add it"
+            )
+        return handler
 
     def datagram(self, name: str, payload: ProtoMessage) -> bytes:
         """Return the serialized envelope that carries a payload of the row ``name``.

@@ -76,6 +76,17 @@ class Pose(Message):
 
 
 @dataclass(slots=True)
+class PoseStamped(Message):
+    """ROS 2 message geometry_msgs/msg/PoseStamped."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/PoseStamped"
+    __typehash__: ClassVar[str] = "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    pose: Pose = dataclasses.field(default_factory=Pose)
+
+
+@dataclass(slots=True)
 class PoseWithCovariance(Message):
     """ROS 2 message geometry_msgs/msg/PoseWithCovariance."""
 

@@ -18,3 +18,13 @@ class Header(Message):
 
     stamp: builtin_interfaces.Time = dataclasses.field(default_factory=builtin_interfaces.Time)
     frame_id: str = ""
+
+
+@dataclass(slots=True)
+class String(Message):
+    """ROS 2 message std_msgs/msg/String."""
+
+    __msgtype__: ClassVar[str] = "std_msgs/msg/String"
+    __typehash__: ClassVar[str] = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
+
+    data: str = ""

@@ -31,6 +31,60 @@ class ObjectHypothesisWithPose(Message):
 
 
 @dataclass(slots=True)
+class Point2D(Message):
+    """ROS 2 message vision_msgs/msg/Point2D."""
+
+    __msgtype__: ClassVar[str] = "vision_msgs/msg/Point2D"
+
+    x: Float64 = 0.0
+    y: Float64 = 0.0
+
+
+@dataclass(slots=True)
+class Pose2D(Message):
+    """ROS 2 message vision_msgs/msg/Pose2D."""
+
+    __msgtype__: ClassVar[str] = "vision_msgs/msg/Pose2D"
+
+    position: Point2D = dataclasses.field(default_factory=Point2D)
+    theta: Float64 = 0.0
+
+
+@dataclass(slots=True)
+class BoundingBox2D(Message):
+    """ROS 2 message vision_msgs/msg/BoundingBox2D."""
+
+    __msgtype__: ClassVar[str] = "vision_msgs/msg/BoundingBox2D"
+
+    center: Pose2D = dataclasses.field(default_factory=Pose2D)
+    size_x: Float64 = 0.0
+    size_y: Float64 = 0.0
+
+
+@dataclass(slots=True)
+class Detection2D(Message):
+    """ROS 2 message vision_msgs/msg/Detection2D."""
+
+    __msgtype__: ClassVar[str] = "vision_msgs/msg/Detection2D"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    results: list[ObjectHypothesisWithPose] = dataclasses.field(default_factory=list)
+    bbox: BoundingBox2D = dataclasses.field(default_factory=BoundingBox2D)
+    id: str = ""
+
+
+@dataclass(slots=True)
+class Detection2DArray(Message):
+    """ROS 2 message vision_msgs/msg/Detection2DArray."""
+
+    __msgtype__: ClassVar[str] = "vision_msgs/msg/Detection2DArray"
+    __typehash__: ClassVar[str] = "RIHS01_214274120007f4a683866481336b70310268cfa107aebe9d594a6acf75bda968"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    detections: list[Detection2D] = dataclasses.field(default_factory=list)
+
+
+@dataclass(slots=True)
 class BoundingBox3D(Message):
     """ROS 2 message vision_msgs/msg/BoundingBox3D."""
 

@@ -32,8 +32,9 @@ cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 
 from bench.vision.rock_scenes import RockScene, camera, scenes  # noqa: E402  # they need OpenCV
-from roverlink.rocks import depth_camera  # noqa: E402
-from roverlink.rocks.depth_camera import CameraTopicParameters, DepthCamera  # noqa: E402
+from roverlink import depth_camera  # noqa: E402
+from roverlink.depth_camera import DepthCamera  # noqa: E402
+from roverlink.rocks.camera_parameters import CameraTopicParameters  # noqa: E402
 from roverlink.rocks.measuring import Answering  # noqa: E402
 from roverlink.rocks.rock_rows import REQUEST, RESULT, RockRows  # noqa: E402
 from roverlink.ros_connection import RosConnection  # noqa: E402
@@ -259,7 +260,7 @@ def test_a_table_without_the_rows_is_refused() -> None:
         ((_COLOUR, "--depth", "a b"), "'a b' is not the name of a topic"),
         ((_COLOUR, "--camera-info", "9"), "'9' is not the name of a topic"),
         (("/image",), "the topic of the depth that is aligned to /image is not known; name it with --depth TOPIC"),
-        ((_COLOUR, "--ros-args", "-p", "camera:=5"), "the parameter 'camera' is 5; it must be of type str"),
+        ((_COLOUR, "--ros-args", "-p", "camera:=5"), "the parameter 'camera' is 5; it must be a text"),
         ((_COLOUR, "--ros-args", "-p", "deep:=x"), "unknown parameter 'deep'; "),
         ((_COLOUR, "--project", "{empty}"), "generated"),
     ],

@@ -19,6 +19,7 @@ from roverlink.runtime.core.messages import Array, Message, Primitive, Sequence,
 from roverlink.vision import CameraParameters, FieldPose, Pose, Sighting
 from roverlink.vision.poses.pose import quaternion_of, rotation_of
 from roverlink.vision.ros import sighting_messages
+from roverlink.vision.ros.image_messages import compressed_of
 from roverlink.vision.ros.sighting_messages import FrameNames
 from tests.vision.seen import FACING, sighting
 
@@ -29,6 +30,11 @@ _NAMES = FrameNames("eye", "mark_")
 _VISION_MSGS = {
     "ObjectHypothesis": "string class_id\nfloat64 score\n",
     "ObjectHypothesisWithPose": "ObjectHypothesis hypothesis\ngeometry_msgs/PoseWithCovariance pose\n",
+    "Point2D": "float64 x\nfloat64 y\n",
+    "Pose2D": "vision_msgs/Point2D position\nfloat64 theta\n",
+    "BoundingBox2D": "vision_msgs/Pose2D center\nfloat64 size_x\nfloat64 size_y\n",
+    "Detection2D": "std_msgs/Header header\nObjectHypothesisWithPose[] results\nBoundingBox2D bbox\nstring id\n",
+    "Detection2DArray": "std_msgs/Header header\nDetection2D[] detections\n",
     "BoundingBox3D": "geometry_msgs/Pose center\ngeometry_msgs/Vector3 size\n",
     "Detection3D": "std_msgs/Header header\nObjectHypothesisWithPose[] results\nBoundingBox3D bbox\nstring id\n",
     "Detection3DArray": "std_msgs/Header header\nDetection3D[] detections\n",
@@ -183,7 +189,7 @@ def test_the_camera_info_is_of_images_that_nobody_rectified(
 def test_an_image_is_a_jpeg() -> None:
     """Whoever decodes it sees what was compressed."""
     image = cv2.GaussianBlur(np.random.default_rng(3).integers(0, 256, (90, 120, 3), np.uint8), (0, 0), 5)
-    message = _read(sighting_messages.compressed_of(image, _STAMP, _NAMES))
+    message = _read(compressed_of(image, _STAMP, _NAMES.camera))
     decoded = cv2.imdecode(message.data, cv2.IMREAD_COLOR)
     assert message.format == "jpeg"
     assert np.abs(decoded.astype(int) - image).mean() < 2

@@ -39,7 +39,7 @@ def test_without_the_row_nobody_is_told() -> None:
     others = tuple(handler for handler in REGISTRY.handlers if handler.route.name != ROW)
     heard, (warning,) = _published(dataclasses.replace(REGISTRY, handlers=others))
     assert heard == []
-    assert warning.startswith(f"the table has no row {ROW!r} ")
+    assert warning.startswith(f"the rover's position is not sent: the table has no row {ROW!r} ")
 
 
 def test_a_message_without_the_fields_is_not_published() -> None:
@@ -50,4 +50,4 @@ def test_a_message_without_the_fields_is_not_published() -> None:
 
     heard, (warning,) = _published(dataclasses.replace(REGISTRY, handlers=(Handler(),)))
     assert heard == []
-    assert warning.startswith(f"comms/msg/DrivingBoardMotorMessage, the message of row {ROW!r}, has no field x, y, z,")
+    assert "DrivingBoardMotorMessage, the message of row 'rover_localization', has no field x, y, z;" in warning

@@ -26,7 +26,8 @@ from roverlink.runtime.middleware.following import FollowingSubscription
 from roverlink.vision.frames.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.frames.live import STALLED_S, Say
 from roverlink.vision.frames.synchronization import Synchronizer
-from roverlink.vision.ros.image_messages import IMAGES, ImageMessage, read_image, stamp_of
+from roverlink.vision.ros.headers import stamp_of
+from roverlink.vision.ros.image_messages import IMAGES, ImageMessage, read_image
 
 TopicMessage = ImageMessage | CameraInfo
 """Message of a topic: an image, or a camera's parameters."""

@@ -37,28 +37,31 @@ def draw(image: Image, camera: CameraParameters, sightings: Sequence[Sighting], 
         _outline(drawn, one, REJECTED if one.shared or one.id in rejected else SEEN)
         _axes(drawn, camera, one)
         low = one.corners.min(axis=0)
-        _write(drawn, f"{one.id}: {np.linalg.norm(one.pose.translation):.2f} m", (low[0], low[1] - 4 * _width(drawn)))
+        write_label(
+            drawn, f"{one.id}: {np.linalg.norm(one.pose.translation):.2f} m", (low[0], low[1] - 4 * line_width(drawn))
+        )
     if place:
         x, y, z = place.pose.translation
         text = f"{place.frame}: x {x:.2f}  y {y:.2f}  z {z:.2f} m, by {len(place.used)}"
-        _write(drawn, text, (6 * _width(drawn), drawn.shape[0] - 8 * _width(drawn)))
+        write_label(drawn, text, (6 * line_width(drawn), drawn.shape[0] - 8 * line_width(drawn)))
     return drawn
 
 
 def write_above(image: Image, text: str) -> Image:
     """Write a line of text into the upper left corner of an image (H, W, 3), and return the image."""
-    _write(image, text, (0, 0))
+    write_label(image, text, (0, 0))
     return image
 
 
-def _width(image: Image) -> int:
+def line_width(image: Image) -> int:
+    """Return the width in pixels of thin lines in an image."""
     height: int = image.shape[0]
     return max(1, round(height / _LINE))
 
 
 def _outline(image: Image, one: Sighting, colour: Colour) -> None:
     for corners in one.corners.reshape(-1, 4, 2):
-        cv2.polylines(image, [_fixed(corners)], True, colour, _width(image) + 1, cv2.LINE_AA, _SHIFT)
+        cv2.polylines(image, [_fixed(corners)], True, colour, line_width(image) + 1, cv2.LINE_AA, _SHIFT)
         cv2.circle(image, _fixed(corners[0]).tolist(), 3 << _SHIFT, colour, -1, cv2.LINE_AA, _SHIFT)
 
 
@@ -70,15 +73,15 @@ def _axes(image: Image, camera: CameraParameters, one: Sighting) -> None:
         return
     start, *tips = _fixed(ends).tolist()
     for tip, colour in zip(tips, AXES):
-        cv2.line(image, start, tip, colour, _width(image) + 1, cv2.LINE_AA, _SHIFT)
+        cv2.line(image, start, tip, colour, line_width(image) + 1, cv2.LINE_AA, _SHIFT)
 
 
-def _write(image: Image, text: str, place: tuple[float, float]) -> None:
-    """Write light text in a dark box.
+def write_label(image: Image, text: str, place: tuple[float, float]) -> None:
+    """Write light text in a dark box into an image (H, W, 3).
 
     `place` is the lower left corner of the box; the box is moved if it leaves the image.
     """
-    width = _width(image)
+    width = line_width(image)
     (long, high), below = cv2.getTextSize(text, _FONT, 0.5 * width, width)
     rim = 2 * width
     x = int(np.clip(place[0], rim, max(image.shape[1] - long - rim, rim)))

@@ -16,16 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import ConversionError, nearest
+from roverlink.runtime.core.errors import ConversionError, SetupError, nearest
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.core.standard_handler import nanoseconds
 from roverlink.runtime.interfaces import sensor_msgs
-from roverlink.runtime.interfaces.std_msgs import Header
 from roverlink.vision.markers.detection import Image
 from roverlink.vision.opencv import cv2
+from roverlink.vision.ros.headers import header_of, stamp_of
 
 IMAGES: tuple[type[Message], ...] = (sensor_msgs.Image, sensor_msgs.CompressedImage)
 """Message types of which a topic with images can be."""
+_QUALITY = 80  # of JPEG
 
 
 class _Encoding(NamedTuple):
@@ -119,11 +119,6 @@ class ImageMessage:
         return pixels if self.encoding == "32FC1" else pixels / _MILLIMETRES
 
 
-def stamp_of(header: Header) -> int:
-    """Return the stamp of a header in nanoseconds since 1970."""
-    return nanoseconds(header.stamp)
-
-
 def read_image(message_type: type[Message], data: bytes) -> ImageMessage:
     """Return the image of a serialized message; ``message_type`` is one of `IMAGES`.
 
@@ -136,6 +131,14 @@ def read_image(message_type: type[Message], data: bytes) -> ImageMessage:
         image = cdr.decode(sensor_msgs.Image, data, views=True)
         header, encoding, pixels = image.header, image.encoding, _pixels(image)
     return ImageMessage(stamp_of(header), header.frame_id, encoding, pixels)
+
+
+def compressed_of(image: Image, stamp: int, frame: str) -> sensor_msgs.CompressedImage:
+    """Return a message with an image (H, W, 3) as JPEG. Raises `SetupError` if the image is too large for JPEG."""
+    done, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
+    if not done:
+        raise SetupError(f"cannot write an image of {image.shape[1]}x{image.shape[0]} pixels as JPEG")
+    return sensor_msgs.CompressedImage(header_of(stamp, frame), "jpeg", data.tobytes())
 
 
 def _pixels(message: sensor_msgs.Image) -> NDArray[Any]:

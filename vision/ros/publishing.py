@@ -20,21 +20,19 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
-from roverlink.runtime.middleware import Middleware, Publisher
+from roverlink.runtime.middleware import Middleware
 from roverlink.vision.camera.camera_model import CameraParameters
 from roverlink.vision.field.view import View
 from roverlink.vision.images.drawing import draw
 from roverlink.vision.ros import sighting_messages
+from roverlink.vision.ros.image_messages import compressed_of
+from roverlink.vision.ros.outputs import LATEST, Output, Outputs
 from roverlink.vision.ros.sighting_messages import FrameNames
 
 NODE = "aruco_tracker"
 _TRANSFORMS = Qos(depth=100)  # the depth of tf2's broadcaster
-_LATEST = Qos(depth=5)  # the depth of ROS 2's sensor data profile
 
 
 class Publishing:
@@ -53,14 +51,14 @@ class Publishing:
         `marker_frame` is the start of the name of a landmark's coordinate frame, as in `FrameNames`.
         `say` is called with a message if a topic cannot be published, for instance if rclpy lacks the message type.
         """
-        self._middleware, self._camera, self._topic, self._say = middleware, camera, topic, say
-        self._marker_frame = marker_frame
-        self._transforms = self._open("/tf", tf2_msgs.TFMessage, _TRANSFORMS)
-        self._detections = self._open("aruco/detections", vision_msgs.Detection3DArray)
-        self._camera_info = self._open("aruco/camera_info", sensor_msgs.CameraInfo, _LATEST)
-        self._image = self._open("aruco/image/compressed", sensor_msgs.CompressedImage, _LATEST)
-        self._camera_pose = self._open("aruco/camera_pose", geometry_msgs.PoseWithCovarianceStamped)
-        self._poses: dict[str, _Output] = {}
+        self._camera, self._marker_frame = camera, marker_frame
+        self._outputs = outputs = Outputs(middleware, topic, say)
+        self._transforms = outputs.open("/tf", tf2_msgs.TFMessage, _TRANSFORMS)
+        self._detections = outputs.open("aruco/detections", vision_msgs.Detection3DArray)
+        self._camera_info = outputs.open("aruco/camera_info", sensor_msgs.CameraInfo, LATEST)
+        self._image = outputs.open("aruco/image/compressed", sensor_msgs.CompressedImage, LATEST)
+        self._camera_pose = outputs.open("aruco/camera_pose", geometry_msgs.PoseWithCovarianceStamped)
+        self._poses: dict[str, Output] = {}
 
     def publish(self, view: View) -> None:
         """Publish the results of a frame on all topics. If the frame has no landmarks, nothing is published on /tf."""
@@ -73,34 +71,14 @@ class Publishing:
             self._pose_of(names.of(one.id)).put(partial(sighting_messages.marker_pose_of, one, names))
         self._detections.put(lambda: sighting_messages.detections_of(sightings, stamp, names))
         self._camera_info.put(lambda: sighting_messages.camera_info_of(self._camera, view.frame.size, stamp, names))
-        self._image.put(lambda: sighting_messages.compressed_of(self._drawn(view), stamp, names))
+        self._image.put(lambda: compressed_of(self._drawn(view), stamp, names.camera))
         if (place := view.place) and place.agreed:
             self._camera_pose.put(lambda: sighting_messages.field_pose_of(place, stamp))
 
     def _drawn(self, view: View) -> Any:
         return draw(view.frame.image, self._camera, view.sightings, view.place)
 
-    def _pose_of(self, name: str) -> _Output:
+    def _pose_of(self, name: str) -> Output:
         if name not in self._poses:
-            self._poses[name] = self._open(f"aruco/{name}/pose", geometry_msgs.PoseWithCovarianceStamped)
+            self._poses[name] = self._outputs.open(f"aruco/{name}/pose", geometry_msgs.PoseWithCovarianceStamped)
         return self._poses[name]
-
-    def _open(self, name: str, message_type: type[Message], qos: Qos = Qos()) -> _Output:  # noqa: B008  # it is frozen
-        topic = self._topic(name)
-        try:
-            return _Output(self._middleware.publisher(topic, message_type, qos))
-        except MiddlewareError as error:
-            self._say(f"cannot publish on {topic}: {error}")
-            return _Output(None)
-
-
-class _Output:
-    """Topic with its publisher; without one, if the topic cannot be published, messages are dropped."""
-
-    def __init__(self, publisher: Publisher | None) -> None:
-        self._publisher = publisher
-
-    def put(self, make: Callable[[], Message]) -> None:
-        """Call `make` and publish the message that it returns, but only if the topic has a subscriber."""
-        if self._publisher is not None and self._publisher.has_subscribers():
-            self._publisher.publish([cdr.encode(make())])

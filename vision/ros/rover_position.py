@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.messages import fields_of
+from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import Middleware
 from roverlink.vision.camera.camera_model import Floats
 
@@ -28,19 +28,12 @@ def position_publisher(
     has no field for one of `AXES`, ``warn`` is called with a message, and the returned function does nothing. This is
     no error, because tracking is useful without a peer too.
     """
-    rows = (*registry.handlers, *registry.extra_topics)
-    handler = next((row for row in rows if row.route.name == ROW and not row.route.inbound), None)
-    if handler is None:
-        warn(f"the table has no row {ROW!r} in the direction to a peer, so the rover's position is not sent")
+    try:
+        row = registry.row(ROW, AXES, inbound=False)
+    except SetupError as error:
+        warn(f"the rover's position is not sent: {error}")
         return lambda _: None
-    route, message_type = handler.route, handler.message_type
-    if missing := [axis for axis in AXES if axis not in {field.name for field in fields_of(message_type)}]:
-        name = message_type.__msgtype__
-        warn(
-            f"{name}, the message of row {ROW!r}, has no field {', '.join(missing)}, "
-            "so the rover's position is not sent"
-        )
-        return lambda _: None
+    route, message_type = row.route, row.message_type
     publish = middleware.publisher(topic(route.topic), message_type, route.qos).publish
 
     def publish_position(position: Floats) -> None:

@@ -12,20 +12,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.interfaces import Time, geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
+from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
 from roverlink.runtime.interfaces.std_msgs import Header
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
 from roverlink.vision.camera.parameters_file import model_name
 from roverlink.vision.field.localization import FieldPose
-from roverlink.vision.markers.detection import Image
 from roverlink.vision.markers.marker_set import TargetId
 from roverlink.vision.markers.tracker import Sighting
-from roverlink.vision.opencv import cv2
 from roverlink.vision.poses.pnp import Solution
 from roverlink.vision.poses.pose import Pose, quaternion_of
-
-_QUALITY = 80  # of JPEG
+from roverlink.vision.ros.headers import header_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +35,6 @@ class FrameNames:
     def of(self, target: TargetId) -> str:
         """Return the name of the coordinate frame of a marker or board, such as ``aruco_7`` or ``aruco_gate``."""
         return f"{self.marker}{target}"
-
-
-def header_of(stamp: int, frame: str) -> Header:
-    """Return a message header; `stamp` is in nanoseconds since 1970, `frame` names a coordinate frame."""
-    return Header(Time(stamp // 10**9, stamp % 10**9), frame)
 
 
 def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.TFMessage:
@@ -95,14 +86,6 @@ def camera_info_of(
         r=_plain(np.eye(3).ravel()),
         p=_plain(np.column_stack([camera.matrix, np.zeros(3)]).ravel()),
     )
-
-
-def compressed_of(image: Image, stamp: int, names: FrameNames) -> sensor_msgs.CompressedImage:
-    """Return a message with an image (H, W, 3) as JPEG. Raises `SetupError` if the image is too large for JPEG."""
-    done, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
-    if not done:
-        raise SetupError(f"cannot write an image of {image.shape[1]}x{image.shape[0]} pixels as JPEG")
-    return sensor_msgs.CompressedImage(header_of(stamp, names.camera), "jpeg", data.tobytes())
 
 
 def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.Detection3D:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from roverlink.aruco.board_options import add_board
-from roverlink.aruco.camera_source import PARAMETERS, add_source
+from roverlink.camera_source import PARAMETERS, add_source
 from roverlink.console import Subparsers, add_middleware, command, count, port
 from roverlink.runtime.ros_arguments import ros_args
 

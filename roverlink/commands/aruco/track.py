@@ -6,14 +6,12 @@ import argparse
 import math
 from pathlib import Path
 
-from roverlink.aruco.camera_source import CAMERA_FRAME, PARAMETERS, add_source
 from roverlink.aruco.target_options import add_targets
-from roverlink.console import MIDDLEWARES_HELP, Subparsers, add_project, command, count, node_logger
-from roverlink.runtime.middleware import NAMES
+from roverlink.camera_source import CAMERA_FRAME, PARAMETERS, add_source
+from roverlink.console import Subparsers, add_outputs, add_project, command, count, middleware_of, node_logger
 from roverlink.runtime.ros_arguments import ros_args
 
 NODE = "aruco_tracker"
-NO_MIDDLEWARE = "none"
 
 
 def add(commands: Subparsers) -> None:
@@ -40,7 +38,7 @@ def add(commands: Subparsers) -> None:
     _add_rover(parser)
     _add_markers(parser)
     _add_uncertainty(parser)
-    _add_outputs(parser)
+    add_outputs(parser, "poses")
     add_project(parser)
     parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
 
@@ -138,25 +136,11 @@ def _add_uncertainty(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_outputs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--json", action="store_true", help="print the poses as a JSON object for each image")
-    parser.add_argument("--save", type=Path, metavar="FILE", help="save a video with the poses drawn into it")
-    parser.add_argument(
-        "--middleware",
-        choices=(*NAMES, NO_MIDDLEWARE),
-        help=f"{MIDDLEWARES_HELP}; {NO_MIDDLEWARE}: publish nothing (default: auto, or {NO_MIDDLEWARE} with --json "
-        "or --save)",
-    )
-
-
 def run(arguments: argparse.Namespace) -> int:
     """Track markers until the source of frames ends or a signal comes; the exit code is 0 in both cases."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
-    if arguments.middleware is None and not (arguments.json or arguments.save):
-        arguments.middleware = "auto"
-    elif arguments.middleware == NO_MIDDLEWARE:
-        arguments.middleware = None
+    arguments.middleware = middleware_of(arguments)
     from roverlink.aruco.tracking import track  # only here, so that the help needs no OpenCV
 
     return track(arguments, ros, logger)

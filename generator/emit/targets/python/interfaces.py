@@ -22,10 +22,11 @@ _TIMES = "builtin_interfaces"
 OF_THE_RUNTIME = frozenset(
     {
         *(f"diagnostic_msgs/msg/{name}" for name in ("DiagnosticArray", "DiagnosticStatus", "KeyValue")),
-        *(f"geometry_msgs/msg/{name}" for name in ("Point", "Pose", "PoseWithCovariance", "PoseWithCovarianceStamped")),
+        *(f"geometry_msgs/msg/{name}" for name in ("Point", "Pose", "PoseStamped", "PoseWithCovariance")),
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
         *(f"geometry_msgs/msg/{name}" for name in ("Quaternion", "Transform", "TransformStamped", "Vector3")),
         *(f"sensor_msgs/msg/{name}" for name in ("CameraInfo", "CompressedImage", "Image", "RegionOfInterest")),
-        "std_msgs/msg/Header",
+        *(f"std_msgs/msg/{name}" for name in ("Header", "String")),
         "tf2_msgs/msg/TFMessage",
     }
 )
