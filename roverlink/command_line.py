@@ -38,6 +38,7 @@ COMMANDS = (
     "link",
     "aruco",
     "rocks",
+    "objects",
     "demo",
 )
 """Names of all commands, in the order in which ``roverlink --help`` lists them."""

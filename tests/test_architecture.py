@@ -19,6 +19,7 @@ _SHARED_NAMES = {
     "extra_topics",  # of the Python target, of the bridge
     "reader",  # of the table, of a recording
     "board",  # the command, and what it prints
+    "track",  # the commands: of markers, and of objects
 }
 LINKED = ("generator", "runtime", "vision")
 """Folders of the repository that are imported as `roverlink.<folder>`."""

@@ -17,7 +17,7 @@ from roverlink.__main__ import main
 from roverlink.command_line import COMMANDS, command_line
 from roverlink.console import NoProjectError, node_logger, project_folder
 
-_SUBCOMMANDS = ["aruco track", "aruco calibrate", "aruco board", "rocks measure"]
+_SUBCOMMANDS = ["aruco track", "aruco calibrate", "aruco board", "rocks measure", "objects track", "objects select"]
 
 _ROOT = Path(__file__).parents[2]
 

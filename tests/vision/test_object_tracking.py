@@ -14,7 +14,8 @@ from needs import NO_SCIPY
 pytest.importorskip("numpy", reason=NO_SCIPY)
 pytest.importorskip("scipy", reason=NO_SCIPY)
 
-from roverlink.vision.objects.object_tracker import CERTAIN, Box, Detection, ObjectTracker, TrackedObject
+from roverlink.vision.objects.detected_objects import Box, Detection, TrackedObject
+from roverlink.vision.objects.object_tracker import CERTAIN, ObjectTracker
 
 _PERIOD_NS = 33_333_333
 _SIDE = 60.0

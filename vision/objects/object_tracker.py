@@ -16,12 +16,12 @@ import itertools
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.objects.detected_objects import Box, Detection, TrackedObject
 
 CERTAIN = 0.5
 """Confidence from which a detection can begin a track."""
@@ -41,39 +41,6 @@ _SPEED = 2.0
 """Standard deviation of a new box's speed in its sizes per second."""
 _SMOOTHING_S = 0.5
 """Time constant in seconds of the smoothed confidence."""
-
-
-@dataclass(frozen=True, slots=True)
-class Box:
-    """Rectangle in an image in pixels; x and y are its upper left corner."""
-
-    x: float
-    y: float
-    width: float
-    height: float
-
-
-@dataclass(frozen=True, slots=True)
-class Detection:
-    """Object that a detector has found in one image."""
-
-    box: Box
-    class_name: str
-    confidence: float
-
-
-@dataclass(frozen=True, slots=True)
-class TrackedObject:
-    """Object that is visible in a frame."""
-
-    id: int
-    """Number of the object, from 1; no other object of the run has it."""
-    box: Box
-    """Box as detected in this frame."""
-    class_name: str
-    """Class with the largest sum of confidences over all frames."""
-    confidence: float
-    """Smoothed confidence."""
 
 
 class _Track:

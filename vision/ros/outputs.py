@@ -23,7 +23,12 @@ class Output:
     def put(self, make: Callable[[], Message]) -> None:
         """Call `make` and publish the message that it returns, but only if the topic has a subscriber."""
         if self._publisher is not None and self._publisher.has_subscribers():
-            self._publisher.publish([cdr.encode(make())])
+            self.publish(make())
+
+    def publish(self, message: Message) -> None:
+        """Publish a message in any case: on a topic that keeps it for later subscribers."""
+        if self._publisher is not None:
+            self._publisher.publish([cdr.encode(message)])
 
 
 class Outputs:

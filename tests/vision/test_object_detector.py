@@ -1,0 +1,425 @@
+"""Detectors in ONNX files: layouts, preprocessing, and files that cannot be used."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from needs import NO_ONNX, NO_OPENCV
+
+cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
+np = pytest.importorskip("numpy", reason=NO_OPENCV)
+onnx = pytest.importorskip("onnx", reason=NO_ONNX)
+pytest.importorskip("onnxruntime", reason=NO_ONNX)
+
+from onnx import TensorProto, helper, numpy_helper  # noqa: E402  # they need onnx
+
+from roverlink.runtime.core.errors import SetupError  # noqa: E402
+from roverlink.vision.objects.detected_objects import Box, Detection  # noqa: E402
+from roverlink.vision.objects.detector import ObjectDetector  # noqa: E402
+from roverlink.vision.objects.layouts import LAYOUTS  # noqa: E402
+from roverlink.vision.objects.preprocessing import Fit, Preprocessing  # noqa: E402
+from tests.vision.onnx_models import save, write  # noqa: E402
+
+_W, _H = 96, 64
+"""Size of the networks' input."""
+_IMAGE = (200, 100)
+"""Width and height of the image: of another shape than the input."""
+_CELLS = [(8, x, y) for y in range(8) for x in range(12)] + [(16, x, y) for y in range(4) for x in range(6)]
+_CELLS += [(32, x, y) for y in range(2) for x in range(3)]
+"""Stride, column and row of the cells of the grids, in the order of YOLOX."""
+_NAMES = ("rock", "socket", "plate")
+
+
+# --- layouts ------------------------------------------------------------------------------------------------------
+# What follows is written from the formats' descriptions, one number at a time, without numpy's tricks.
+
+Truth = tuple[float, float, float, float, int, float]
+"""Object: x1 y1 x2 y2 in pixels of the network's input, class, score."""
+
+
+def _logit(score: float) -> float:
+    return math.log(score / (1 - score))
+
+
+def _centre(one: Truth) -> list[float]:
+    x1, y1, x2, y2, _, _ = one
+    return [(x1 + x2) / 2, (y1 + y2) / 2, x2 - x1, y2 - y1]
+
+
+def _scores(one: Truth, none: float = 0.0) -> list[float]:
+    return [one[5] if index == one[4] else none for index in range(len(_NAMES))]
+
+
+def _yolov8(truths: list[Truth]) -> Mapping[str, Any]:
+    rows = [_centre(one) + _scores(one) for one in truths] + [[0.0] * 7] * (126 - len(truths))
+    return {"output0": [[[row[column] for row in rows] for column in range(7)]]}
+
+
+def _yolov5(truths: list[Truth]) -> Mapping[str, Any]:
+    rows = [[*_centre(one), 0.9, *(score / 0.9 for score in _scores(one))] for one in truths]
+    return {"output0": [rows + [[0.0] * 8] * (3 * 126 - len(rows))]}
+
+
+def _yolox(truths: list[Truth]) -> Mapping[str, Any]:
+    rows = []
+    for number, (stride, column, row) in enumerate(_CELLS):
+        if number < len(truths):
+            x, y, w, h = _centre(truths[number])
+            place = [x / stride - column, y / stride - row, math.log(w / stride), math.log(h / stride)]
+            rows.append([*place, 1.0, *_scores(truths[number])])
+        else:
+            rows.append([0.0] * 8)
+    return {"output": [rows]}
+
+
+def _queries(truths: list[Truth], boxes: str, scores: str, extra: int = 0) -> Mapping[str, Any]:
+    places = [[x / _W, y / _H, w / _W, h / _H] for x, y, w, h in map(_centre, truths)]
+    logits = [[_logit(score) if score else -20.0 for score in _scores(one)] + [5.0] * extra for one in truths]
+    empty = 20 - len(truths)
+    return {boxes: [places + [[0.5] * 4] * empty], scores: [logits + [[-20.0] * (3 + extra)] * empty]}
+
+
+def _rtdetr_in_one(truths: list[Truth]) -> Mapping[str, Any]:
+    rows = [[x / _W, y / _H, w / _W, h / _H, *_scores(one)] for one in truths for x, y, w, h in [_centre(one)]]
+    return {"output0": [rows + [[0.5] * 4 + [0.0] * 3] * (20 - len(rows))]}
+
+
+def _rtdetr_labels(truths: list[Truth]) -> Mapping[str, Any]:
+    empty = 20 - len(truths)
+    return {
+        "labels": np.array([[one[4] for one in truths] + [0] * empty], np.int64),
+        "boxes": [[list(one[:4]) for one in truths] + [[0.0] * 4] * empty],
+        "scores": [[one[5] for one in truths] + [0.0] * empty],
+    }
+
+
+def _nms(truths: list[Truth]) -> Mapping[str, Any]:
+    rows = [[*one[:4], one[5], float(one[4])] for one in truths]
+    return {"output0": [rows + [[0.0] * 6] * (20 - len(rows))]}
+
+
+def _nms_in_batch(truths: list[Truth]) -> Mapping[str, Any]:
+    return {"output": [[0.0, *one[:4], float(one[4]), one[5]] for one in truths] or np.zeros((0, 7))}
+
+
+def _nms_in_parts(truths: list[Truth]) -> Mapping[str, Any]:
+    empty = 20 - len(truths)
+    return {
+        "num_dets": np.array([[len(truths)]], np.int32),
+        "det_boxes": [[list(one[:4]) for one in truths] + [[1.0, 1.0, 9.0, 9.0]] * empty],
+        "det_scores": [[one[5] for one in truths] + [0.9] * empty],
+        "det_classes": np.array([[one[4] for one in truths] + [0] * empty], np.int32),
+    }
+
+
+_FORMATS: dict[str, tuple[str, Callable[[list[Truth]], Mapping[str, Any]], Fit]] = {
+    "yolov8": ("yolov8", _yolov8, Fit.CENTRED),
+    "yolov5": ("yolov5", _yolov5, Fit.CENTRED),
+    "yolox": ("yolox", _yolox, Fit.CORNER),
+    "rtdetr": ("rtdetr", lambda truths: _queries(truths, "pred_boxes", "logits"), Fit.STRETCHED),
+    "rtdetr in one": ("rtdetr", _rtdetr_in_one, Fit.STRETCHED),
+    "rtdetr with labels": ("rtdetr", _rtdetr_labels, Fit.STRETCHED),
+    "rfdetr": ("rfdetr", lambda truths: _queries(truths, "dets", "labels"), Fit.STRETCHED),
+    "rfdetr with background": ("rfdetr", lambda truths: _queries(truths, "dets", "labels", 1), Fit.STRETCHED),
+    "nms": ("nms", _nms, Fit.CENTRED),
+    "nms in batch": ("nms", _nms_in_batch, Fit.CENTRED),
+    "nms in parts": ("nms", _nms_in_parts, Fit.CENTRED),
+}
+
+
+def _in_image(one: Truth, fit: Fit) -> list[float]:
+    """Where an object of the input is in the image: x, y, width, height, clipped."""
+    if fit is Fit.STRETCHED:
+        scales, offsets = (_W / _IMAGE[0], _H / _IMAGE[1]), (0, 0)
+    else:  # 200x100 becomes 96x48, with 8 rows above if it is centred
+        scales, offsets = (0.48, 0.48), (0, 8 if fit is Fit.CENTRED else 0)
+    found = []
+    for axis in (0, 1):
+        low, high = (min(max((one[axis + 2 * end] - offsets[axis]) / scales[axis], 0), _IMAGE[axis]) for end in (0, 1))
+        found.append((low, high - low))
+    return [found[0][0], found[1][0], found[0][1], found[1][1]]
+
+
+def _truths() -> st.SearchStrategy[list[Truth]]:
+    """Up to four objects that do not overlap, also at the borders of the input."""
+    spot = st.tuples(
+        st.floats(0, 10), st.floats(0, 10), st.floats(4, 12), st.floats(4, 12), st.integers(0, 2), st.floats(0.3, 0.99)
+    )
+    return st.lists(spot, max_size=4).map(
+        lambda spots: [
+            (24.0 * number + x, 16 + y, 24.0 * number + x + w, 16 + y + h, kind, score)
+            for number, (x, y, w, h, kind, score) in enumerate(spots)
+        ]
+    )
+
+
+@pytest.mark.parametrize("name", _FORMATS)
+@settings(max_examples=10)
+@given(truths=_truths())
+def test_every_layout_gives_the_objects(
+    name: str, tmp_path_factory: pytest.TempPathFactory, truths: list[Truth]
+) -> None:
+    """The boxes, classes and scores are those of the format's description; the layout is recognized."""
+    layout, outputs, fit = _FORMATS[name]
+    values = {
+        key: np.asarray(one, np.float32) if isinstance(one, list) else one for key, one in outputs(truths).items()
+    }
+    inputs = {"images": (1, 3, _H, _W)} | ({"orig_target_sizes": (1, 2)} if "with labels" in name else {})
+    path = write(
+        tmp_path_factory.mktemp("models") / "model.onnx",
+        {key: one.astype(np.float32) if one.dtype.kind == "f" else one for key, one in values.items()},
+        metadata={"names": dict(enumerate(_NAMES))},
+        inputs=inputs,
+    )
+    detector = ObjectDetector(path)
+    assert (detector.layout, detector.class_names) == (layout, _NAMES)
+    found = detector.detect(np.zeros((_IMAGE[1], _IMAGE[0], 3), np.uint8))
+    expected = sorted(truths, key=lambda one: -np.float32(one[5]))
+    assert [one.class_name for one in found] == [_NAMES[one[4]] for one in expected]
+    for one, truth in zip(found, expected):
+        assert [one.box.x, one.box.y, one.box.width, one.box.height] == pytest.approx(_in_image(truth, fit), abs=1e-4)
+        assert one.confidence == pytest.approx(truth[5], abs=1e-5)
+
+
+def test_of_boxes_that_overlap_the_best_one_of_each_class_remains(tmp_path: Path) -> None:
+    """Objects of different classes may overlap; what is below the threshold is left out."""
+    truths: list[Truth] = [
+        (20, 20, 40, 40, 0, 0.8),
+        (21, 20, 41, 40, 0, 0.9),
+        (20, 21, 40, 41, 1, 0.6),
+        (50, 20, 70, 40, 0, 0.2),
+    ]
+    path = write(tmp_path / "m.onnx", {"output0": np.array(_yolov8(truths)["output0"], np.float32)}, (_W, _H))
+    found = ObjectDetector(path, names=_NAMES).detect(np.zeros((_H, _W), np.uint8))
+    assert [(one.class_name, round(one.confidence, 3)) for one in found] == [("rock", 0.9), ("socket", 0.6)]
+    surer = ObjectDetector(path, names=_NAMES, score=0.7).detect(np.zeros((_H, _W), np.uint8))
+    assert [round(one.confidence, 3) for one in surer] == [0.9]
+
+
+def test_boxes_that_are_no_numbers_are_left_out(tmp_path: Path) -> None:
+    """A network that overflows gives no object, and no error."""
+    table = np.full((1, 7, 126), np.nan, np.float32)
+    table[0, :, 5] = [20, 20, 10, 10, 0.9, 0, 0]
+    table[0, :, 6] = [np.inf, 20, 10, 10, 0.9, 0, 0]
+    table[0, :, 7] = [-50, 20, 10, 10, 0.9, 0, 0]
+    path = write(tmp_path / "m.onnx", {"output0": table}, (_W, _H))
+    assert [one.class_name for one in ObjectDetector(path).detect(np.zeros((_H, _W), np.uint8))] == ["0"]
+
+
+# --- preprocessing ------------------------------------------------------------------------------------------------
+
+
+@given(
+    st.integers(1, 2000),
+    st.integers(1, 2000),
+    st.sampled_from([(640, 640), (416, 416), (320, 256), (96, 64)]),
+    st.sampled_from(Fit),
+    st.data(),
+)
+def test_a_letterbox_and_back_is_the_same_place(
+    width: int, height: int, size: tuple[int, int], fit: Fit, data: st.DataObject
+) -> None:
+    """Within half a pixel, for any image and any input; the image lies inside the input."""
+    image = np.zeros((height, width), np.uint8)
+    _, placement = Preprocessing(fit).prepare(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), size)
+    x, y = data.draw(st.floats(0, width)), data.draw(st.floats(0, height))
+    inside = [x * placement.scale[0] + placement.offset[0], y * placement.scale[1] + placement.offset[1]]
+    assert 0 <= inside[0] <= size[0] + 1e-6
+    assert 0 <= inside[1] <= size[1] + 1e-6
+    back = placement.to_image(np.array([[*inside, *inside]]))
+    assert back[0] == pytest.approx([x, y, x, y], abs=0.5)
+
+
+@pytest.mark.parametrize("fit", Fit)
+def test_a_square_in_the_image_is_where_the_placement_says(fit: Fit) -> None:
+    """What the network sees and what its boxes are converted with belong together, within half a pixel."""
+    image = np.zeros((300, 500, 3), np.uint8)
+    image[100:200, 240:400] = 255
+    blob, placement = Preprocessing(fit).prepare(image, (320, 256))
+    ys, xs = np.nonzero(blob[0, 0] > 0.75)  # the border has 114 of 255
+    box = placement.to_image(np.array([[xs.min(), ys.min(), xs.max() + 1, ys.max() + 1]], float))[0]
+    one_pixel = 0.5 / min(placement.scale)
+    assert box == pytest.approx([240, 100, 400, 200], abs=one_pixel)
+
+
+def test_the_colours_are_those_that_the_network_expects() -> None:
+    """Order, range and normalization; the border is grey."""
+    image = np.full((10, 20, 3), (10, 20, 200), np.uint8)  # blue, green, red
+    plain, _ = Preprocessing(Fit.CORNER, rgb=False, unit=False).prepare(image, (40, 40))
+    assert plain[0, :, 0, 0].tolist() == [10, 20, 200]
+    assert plain[0, :, 39, 0].tolist() == [114, 114, 114]
+    rgb, _ = Preprocessing().prepare(image, (40, 40))
+    assert rgb[0, :, 20, 20] == pytest.approx([200 / 255, 20 / 255, 10 / 255])
+    normal, _ = Preprocessing(Fit.STRETCHED, normalized=True).prepare(image, (40, 40))
+    expected = [(200 / 255 - 0.485) / 0.229, (20 / 255 - 0.456) / 0.224, (10 / 255 - 0.406) / 0.225]
+    assert normal[0, :, 5, 5] == pytest.approx(expected, rel=1e-5)
+
+
+def _convolution(path: Path, size: int = 64) -> Path:
+    """A network with a convolution, a sigmoid and a reshape, whose output has the layout of YOLOv8."""
+    rng = np.random.default_rng(3)
+    weights = rng.normal(0, 0.5, (7, 3, 8, 8)).astype(np.float32)
+    nodes = [
+        helper.make_node("Conv", ["images", "w"], ["c"], strides=[8, 8], kernel_shape=[8, 8]),
+        helper.make_node("Sigmoid", ["c"], ["s"]),
+        helper.make_node("Mul", ["s", "scale"], ["m"]),
+        helper.make_node("Reshape", ["m", "shape"], ["output0"]),
+    ]
+    scale = np.array([64, 64, 30, 30, 1, 1, 1], np.float32).reshape(1, 7, 1, 1)
+    graph = helper.make_graph(
+        nodes,
+        "net",
+        [helper.make_tensor_value_info("images", TensorProto.FLOAT, (1, 3, size, size))],
+        [helper.make_tensor_value_info("output0", TensorProto.FLOAT, (1, 7, 64))],
+        [
+            numpy_helper.from_array(weights, "w"),
+            numpy_helper.from_array(scale, "scale"),
+            numpy_helper.from_array(np.array([1, 7, 64], np.int64), "shape"),
+        ],
+    )
+    return save(path, graph)
+
+
+def test_opencv_gives_the_same_objects(tmp_path: Path) -> None:
+    """ONNX Runtime and cv2.dnn run the same network on the same image."""
+    path = _convolution(tmp_path / "net.onnx")
+    image = np.random.default_rng(1).integers(0, 255, (64, 64, 3), np.uint8)
+    found = ObjectDetector(path, score=0.9).detect(image)
+    network = cv2.dnn.readNetFromONNX(str(path))
+    network.setInput(cv2.dnn.blobFromImage(image, 1 / 255, swapRB=True))
+    table = network.forward()[0].T
+    best = max(table, key=lambda row: row[4:].max())
+    assert found[0].confidence == pytest.approx(best[4:].max(), abs=1e-5)
+    x1, y1 = max(best[0] - best[2] / 2, 0), max(best[1] - best[3] / 2, 0)
+    assert (found[0].box.x, found[0].box.y) == pytest.approx((x1, y1), abs=1e-3)
+
+
+# --- files that cannot be used, and sizes that are open ------------------------------------------------------------
+
+
+def _is_refused(path: Path, text: str, **options: Any) -> None:
+    with pytest.raises(SetupError) as raised:
+        ObjectDetector(path, **options)
+    message = str(raised.value)
+    assert message.startswith(f"{path}: ")
+    assert text in message
+    assert "\n" not in message
+
+
+def test_a_missing_model_is_named(tmp_path: Path) -> None:
+    """As for any other file."""
+    _is_refused(tmp_path / "none.onnx", "cannot read the model: No such file or directory")
+
+
+@pytest.mark.parametrize("content", [b"", b"no model", b"\x08\x08\x12", bytes(1000)])
+def test_a_file_that_is_no_model_is_refused(tmp_path: Path, content: bytes) -> None:
+    """Empty, text, noise."""
+    path = tmp_path / "bad.onnx"
+    path.write_bytes(content)
+    _is_refused(path, "")
+
+
+def test_a_truncated_model_is_refused(tmp_path: Path) -> None:
+    """At any length."""
+    whole = _convolution(tmp_path / "net.onnx").read_bytes()
+    for length in range(10, len(whole) - 1, len(whole) // 7):
+        path = tmp_path / "part.onnx"
+        path.write_bytes(whole[:length])
+        _is_refused(path, "")
+
+
+def test_weights_in_another_file_are_refused(tmp_path: Path) -> None:
+    """A model must not read other files; the message says how to export it."""
+    model = onnx.load(_convolution(tmp_path / "net.onnx"))
+    onnx.save(model, tmp_path / "two.onnx", save_as_external_data=True, size_threshold=0, location="weights.bin")
+    _is_refused(tmp_path / "two.onnx", "the weights are in another file; export the model as one file")
+
+
+def test_an_unsupported_operator_is_named(tmp_path: Path) -> None:
+    """With what to do."""
+    graph = helper.make_graph(
+        [helper.make_node("NonsenseOp", ["images"], ["output0"])],
+        "net",
+        [helper.make_tensor_value_info("images", TensorProto.FLOAT, (1, 3, 64, 64))],
+        [helper.make_tensor_value_info("output0", TensorProto.FLOAT, (1, 7, 84))],
+    )
+    _is_refused(save(tmp_path / "m.onnx", graph), "ONNX Runtime lacks an operator of the model; update it, or")
+    _is_refused(tmp_path / "m.onnx", "NonsenseOp")
+
+
+@pytest.mark.parametrize(
+    ("inputs", "text"),
+    [
+        ({"x": (1, 3, 64)}, "the inputs are x (1, 3, 64); a detector has one for an image"),
+        ({"x": (1, 1, 64, 64)}, "a detector has one for an image, (1, 3, height, width)"),
+        ({"x": (4, 3, 64, 64)}, "the inputs are x (4, 3, 64, 64)"),
+        ({"x": (1, 3, 64, 64), "y": (1, 3, 64, 64)}, "the inputs are x (1, 3, 64, 64), y (1, 3, 64, 64)"),
+        ({"x": (1, 3, 8, 8)}, "has 8x8 pixels; 32 to 4096 are possible"),
+        ({"x": (1, 3, 8192, 64)}, "has 64x8192 pixels"),
+    ],
+)
+def test_other_inputs_are_refused(tmp_path: Path, inputs: Mapping[str, Any], text: str) -> None:
+    """The message has the shapes."""
+    _is_refused(write(tmp_path / "m.onnx", {"output0": np.zeros((1, 7, 84), np.float32)}, inputs=inputs), text)
+
+
+@pytest.mark.parametrize(
+    ("outputs", "options", "text"),
+    [
+        ({"o": (1, 300, 6)}, {}, "the outputs are o (1, 300, 6); this may be rtdetr or nms; choose with --layout"),
+        ({"o": (1, 300, 6)}, {"names": ["a", "b"]}, "(1, 300, 6) and 2 classes; this may be rtdetr or nms"),
+        ({"o": (1, 10)}, {}, "the outputs are o (1, 10); no known layout has them; docs/objects.md lists"),
+        ({"a": (1, 9, 4), "b": (1, 9, 3)}, {}, "a (1, 9, 4), b (1, 9, 3); no known layout has them"),
+        ({"o": (1, 7, 84)}, {"layout": "yolox"}, "that does not fit the layout yolox; leave --layout out"),
+        ({"o": (1, 7, 84)}, {"names": ["a"]}, "(1, 7, 84) and 1 classes; no known layout has them"),
+    ],
+)
+def test_other_outputs_are_refused(
+    tmp_path: Path, outputs: Mapping[str, Any], options: Mapping[str, Any], text: str
+) -> None:
+    """A model that may have two layouts is not guessed at."""
+    arrays = {name: np.zeros(shape, np.float32) for name, shape in outputs.items()}
+    _is_refused(write(tmp_path / "m.onnx", arrays), text, **options)
+
+
+def test_an_ambiguous_model_can_be_named(tmp_path: Path) -> None:
+    """Both readings are possible then."""
+    path = write(tmp_path / "m.onnx", {"o": np.zeros((1, 300, 6), np.float32)})
+    assert [ObjectDetector(path, layout).layout for layout in ("rtdetr", "nms")] == ["rtdetr", "nms"]
+    assert set(LAYOUTS) == {"yolov8", "yolov5", "yolox", "rtdetr", "rfdetr", "nms"}
+
+
+def test_another_task_is_refused(tmp_path: Path) -> None:
+    """A network for poses has other columns."""
+    outputs = {"output0": np.zeros((1, 56, 84), np.float32)}
+    _is_refused(write(tmp_path / "m.onnx", outputs, metadata={"task": "pose"}), "the model is for the task 'pose'")
+
+
+@pytest.mark.parametrize(
+    ("metadata", "size"), [({}, (640, 640)), ({"imgsz": "[64, 96]"}, (96, 64)), ({"imgsz": "128"}, (128, 128))]
+)
+def test_an_open_size_is_that_of_training(
+    tmp_path: Path, metadata: Mapping[str, object], size: tuple[int, int]
+) -> None:
+    """The metadata has height and width."""
+    outputs = {"boxes": np.zeros((1, 5, 4), np.float32), "scores": np.zeros((1, 5), np.float32)}
+    outputs["labels"] = np.zeros((1, 5), np.int64)
+    path = write(tmp_path / "m.onnx", outputs, metadata=metadata, inputs={"images": ("batch", 3, "h", "w")})
+    detector = ObjectDetector(path)
+    assert detector._size == size
+    assert detector.detect(np.zeros((50, 70, 3), np.uint8)) == []
+
+
+def test_half_precision_is_supported(tmp_path: Path) -> None:
+    """Inputs and outputs of float16, as exports for GPUs have them."""
+    table = np.zeros((1, 7, 126), np.float16)
+    table[0, :, 0] = [48, 32, 20, 10, 0, 0.75, 0]
+    path = write(tmp_path / "m.onnx", {"output0": table}, (_W, _H), kind=TensorProto.FLOAT16)
+    found = ObjectDetector(path, names=_NAMES).detect(np.zeros((_H, _W, 3), np.uint8))
+    assert found == [Detection(Box(38.0, 27.0, 20.0, 10.0), "socket", 0.75)]
