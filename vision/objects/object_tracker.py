@@ -18,10 +18,17 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
+from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.objects.detected_objects import Box, Detection, TrackedObject
+
+try:
+    from scipy.optimize import linear_sum_assignment
+except ImportError as error:
+    raise SetupError(
+        f"the tracking of objects needs SciPy ({error}); install it with `pip install 'scipy>=1.11'`"
+    ) from error
 
 CERTAIN = 0.5
 """Confidence from which a detection can begin a track."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from roverlink.runtime.core.errors import SetupError
 
-_INSTALL = "install it with `pip install 'roverlink[detect]'`"
+_INSTALL = "install it with `pip install 'onnxruntime>=1.17'`"
 _PROVIDERS = ("TensorrtExecutionProvider", "CUDAExecutionProvider", "CPUExecutionProvider")
 """Execution providers, the fastest one first; those of the installed ONNX Runtime are used."""
 _FATAL = 4  # log level: errors are reported as exceptions, too

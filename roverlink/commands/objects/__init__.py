@@ -17,7 +17,8 @@ def add(commands: Subparsers) -> None:
         "detect objects in camera images, and locate the one that the operator selects",
         "roverlink objects track topic:/camera/camera/color/image_raw --model rocks.onnx",
         "Detect and track objects in camera images, and locate the one that the operator selects.\n"
-        "The commands need ONNX Runtime and OpenCV: pip install 'roverlink[detect]'.",
+        "They need OpenCV: pip install 'opencv-contrib-python-headless>=4.8', and track needs ONNX Runtime and SciPy:\n"
+        "pip install 'onnxruntime>=1.17' 'scipy>=1.11'.",
     )
     subcommands = parser.add_subparsers(required=True, metavar="command")
     for name in _COMMANDS:
