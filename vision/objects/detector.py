@@ -12,7 +12,7 @@ import numpy as np
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.vision.markers.detection import Image, to_colour
 from roverlink.vision.objects.detected_objects import Box, Detection
-from roverlink.vision.objects.layouts import LAYOUTS, Candidates, Layout, Outputs, Signature, candidates
+from roverlink.vision.objects.layouts import LAYOUTS, Candidates, Layout, Signature, candidates
 from roverlink.vision.objects.runtime_session import Array, Session
 from roverlink.vision.opencv import cv2
 
@@ -62,10 +62,12 @@ class ObjectDetector:
         Raises `SetupError` if the model fails.
         """
         blob, placement = self._layout.preprocessing.prepare(to_colour(image), self._size)
-        found = self._layout.decode(_finite(self._session.run([blob, *self._extra])), self._signature)
-        boxes = placement.to_image(found.boxes.astype(float))
+        found = self._layout.decode(self._session.run([blob, *self._extra]), self._signature)
+        sure = found.scores >= self._score  # false for NaN, too
+        found = Candidates(found.boxes[sure].astype(float), found.scores[sure], found.classes[sure])
+        boxes = placement.to_image(found.boxes)
         lengths = boxes[:, 2:] - boxes[:, :2]
-        good = (found.scores >= self._score) & (lengths > 0).all(axis=1) & (found.classes >= 0)
+        good = (lengths > 0).all(axis=1) & (found.classes >= 0)
         if self.class_names:
             good &= found.classes < len(self.class_names)
         chosen = self._chosen(
@@ -149,11 +151,6 @@ class ObjectDetector:
                 f"{start} that does not fit the layout {layout}; leave --layout out, or correct the classes"
             )
         raise SetupError(f"{start} no known layout has them; docs/objects.md lists the layouts and how to export them")
-
-
-def _finite(outputs: Outputs) -> Outputs:
-    """Return outputs in which NaN is 0: the score of such a box is below any threshold."""
-    return {name: np.nan_to_num(one) if one.dtype.kind == "f" else one for name, one in outputs.items()}
 
 
 def _literal(text: str) -> object:

@@ -133,18 +133,23 @@ def _detr_with_labels(outputs: Outputs, _: Signature) -> Candidates:
 
 def _suppressed(outputs: Outputs, _: Signature) -> Candidates:
     table = _single(outputs)
-    return Candidates(table[:, :4], table[:, 4], table[:, 5].astype(np.intp))
+    return Candidates(table[:, :4], table[:, 4], _indices(table[:, 5]))
 
 
 def _suppressed_in_batch(outputs: Outputs, _: Signature) -> Candidates:
     (table,) = outputs.values()  # image, x1, y1, x2, y2, class, score
-    return Candidates(table[:, 1:5], table[:, 6], table[:, 5].astype(np.intp))
+    return Candidates(table[:, 1:5], table[:, 6], _indices(table[:, 5]))
 
 
 def _suppressed_in_parts(outputs: Outputs, _: Signature) -> Candidates:
     count = int(outputs["num_dets"].ravel()[0])
     boxes, scores, classes = (outputs[f"det_{name}"][0][:count] for name in ("boxes", "scores", "classes"))
     return Candidates(boxes, scores, classes.astype(np.intp))
+
+
+def _indices(classes: Array) -> NDArray[np.intp]:
+    """Return indices of classes that a network has computed as numbers; -1 for NaN."""
+    return np.nan_to_num(classes, nan=-1.0).astype(np.intp)
 
 
 def _is_table(shape: Sequence[int]) -> bool:

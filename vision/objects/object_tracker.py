@@ -51,60 +51,53 @@ _SMOOTHING_S = 0.5
 
 
 class _Track:
-    """Object with its filter. The state is the box (centre x y, width, height) in pixels, and its change per second."""
+    """Object with its filter. The state is the box (centre x y, width, height) in pixels, and its change per second.
+
+    The four numbers have the same noise, so they have one covariance, of the number and its change.
+    """
 
     def __init__(self, id: int, detection: Detection, stamp: int) -> None:
         self.id, self.stamp, self.seen = id, stamp, 1
         self.confidence = detection.confidence
         self.classes: dict[str, float] = defaultdict(float, {detection.class_name: detection.confidence})
         self._at = stamp
-        self._state = np.concatenate([_measured(detection.box), np.zeros(4)])
+        self._state = np.vstack([_measured(detection.box), np.zeros(4)])
         size = _size(detection.box)
-        self._covariance = np.diag(np.repeat([(_JITTER * size) ** 2, (_SPEED * size) ** 2], 4))
+        self._covariance: Floats = np.diag([(_JITTER * size) ** 2, (_SPEED * size) ** 2])
 
     @property
     def class_name(self) -> str:
         """Class with the largest sum of confidences."""
         return max(self.classes, key=self.classes.__getitem__)
 
+    @property
+    def box(self) -> Floats:
+        """Predicted box (4,): centre x y, width, height."""
+        box: Floats = self._state[0]
+        return box
+
     def predict(self, stamp: int) -> None:
         """Move the state to a time in nanoseconds."""
         seconds, self._at = (stamp - self._at) / 1e9, stamp
-        step = np.eye(8)
-        step[:4, 4:] = seconds * np.eye(4)
-        push = np.concatenate([seconds**2 / 2 * np.eye(4), seconds * np.eye(4)])
-        acceleration = _ACCELERATION * float(self._state[2:4].mean())
+        step, push = np.array([[1.0, seconds], [0, 1]]), np.array([seconds**2 / 2, seconds])
+        acceleration = _ACCELERATION * float(self._state[0, 2:].mean())
         self._state = step @ self._state
-        self._covariance = step @ self._covariance @ step.T + acceleration**2 * push @ push.T
-
-    def distance(self, box: Box) -> float:
-        """Return the distance of a box from the prediction, in sizes of the box."""
-        return float(np.linalg.norm(self.difference(box))) / _size(box)
-
-    def difference(self, box: Box) -> Floats:
-        """Return what a box's centre and size (4,) differ from the prediction, in pixels."""
-        difference: Floats = _measured(box) - self._state[:4]
-        return difference
+        self._covariance = step @ self._covariance @ step.T + acceleration**2 * np.outer(push, push)
 
     def shift(self, pixels: Floats) -> None:
         """Move the predicted centre by pixels (2,)."""
-        self._state[:2] += pixels
+        self._state[0, :2] += pixels
 
     def update(self, detection: Detection, stamp: int) -> None:
         """Correct the state by a detection."""
-        innovation = self._innovation(detection.box)
-        gain = np.linalg.solve(innovation, self._covariance[:4]).T
-        self._state = self._state + gain @ (_measured(detection.box) - self._state[:4])
-        self._covariance = self._covariance - gain @ innovation @ gain.T
+        innovation = self._covariance[0, 0] + (_JITTER * _size(detection.box)) ** 2
+        gain = self._covariance[0] / innovation
+        self._state = self._state + np.outer(gain, _measured(detection.box) - self._state[0])
+        self._covariance = self._covariance - innovation * np.outer(gain, gain)
         weight = 1 - math.exp(-(stamp - self.stamp) / 1e9 / _SMOOTHING_S)
         self.confidence += weight * (detection.confidence - self.confidence)
         self.classes[detection.class_name] += detection.confidence
         self.seen, self.stamp = self.seen + 1, stamp
-
-    def _innovation(self, box: Box) -> Floats:
-        """Return the covariance (4, 4) of the difference between a box and the prediction."""
-        innovation: Floats = self._covariance[:4, :4] + (_JITTER * _size(box)) ** 2 * np.eye(4)
-        return innovation
 
 
 class ObjectTracker:
@@ -144,7 +137,7 @@ class ObjectTracker:
         """Shift all predictions by the motion that most objects have in common: that of the camera."""
         pairs = _pairs(self._tracks, detections)
         if len(pairs) >= _IN_COMMON:
-            shift = np.median([track.difference(one.box)[:2] for track, one in pairs], axis=0)
+            shift = np.median([(_measured(one.box) - track.box)[:2] for track, one in pairs], axis=0)
             for track in self._tracks:
                 track.shift(shift)
 
@@ -171,8 +164,12 @@ def _joined(
 
 def _pairs(tracks: Sequence[_Track], detections: Sequence[Detection]) -> list[tuple[_Track, Detection]]:
     """Return the pairs of tracks and detections with the smallest total distance."""
-    distances = np.array([[track.distance(one.box) for one in detections] for track in tracks])
-    distances = distances.reshape(len(tracks), len(detections))
+    if not tracks or not detections:
+        return []
+    seen = np.array([_measured(one.box) for one in detections])
+    predicted = np.array([track.box for track in tracks])
+    # In sizes of the detected box.
+    distances = np.linalg.norm(seen - predicted[:, None], axis=2) / np.sqrt(seen[:, 2] * seen[:, 3])
     # A pair beyond the gate costs as much as two objects without a partner.
     rows, columns = linear_sum_assignment(np.minimum(distances, _GATE))
     return [(tracks[row], detections[column]) for row, column in zip(rows, columns) if distances[row, column] < _GATE]

@@ -27,7 +27,7 @@ class Session:
     def __init__(self, path: Path) -> None:
         """Open an ONNX file. Raises `SetupError` if that is not possible."""
         self._path = path
-        runtime = _import()
+        runtime = import_runtime()
         runtime.set_default_logger_severity(_FATAL)
         try:
             data = path.read_bytes()
@@ -64,7 +64,8 @@ class Session:
         return {name: np.asarray(one) for name, one in zip(self._outputs, outputs)}
 
 
-def _import() -> Any:
+def import_runtime() -> Any:
+    """Return the module of ONNX Runtime. Raises `SetupError` if it is not installed."""
     try:
         return importlib.import_module("onnxruntime")
     except ImportError as error:
