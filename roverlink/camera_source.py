@@ -40,7 +40,7 @@ def add_source(parser: argparse.ArgumentParser) -> None:
         "camera 0)",
     )
     add = parser.add_argument_group("settings of the camera").add_argument
-    add("--size", type=_size, metavar="WxH", help="image size in pixels, such as 1280x720")
+    add("--size", type=image_size, metavar="WxH", help="image size in pixels, such as 1280x720")
     add("--rate", type=rate, metavar="HZ", help="images a second; also those of a folder (default there: 30)")
     add("--format", metavar="FOURCC", help="pixel format, such as MJPG, with which many USB cameras are faster")
     add("--exposure", type=float, metavar="MS", help="exposure time in milliseconds instead of the automatic one")
@@ -103,7 +103,8 @@ def _asked(say: Callable[[str], None]) -> str:
     return sys.stdin.readline().strip() or _CAMERA
 
 
-def _size(text: str) -> tuple[int, int]:
+def image_size(text: str) -> tuple[int, int]:
+    """Parse the size of an image, such as ``1280x720``, as width and height."""
     found = _SIZE.fullmatch(text)
     if not found:
         raise argparse.ArgumentTypeError(f"{text!r} is not an image size, such as 1280x720")

@@ -24,16 +24,20 @@ LENSES, QUICK_LENSES = 20, 3
 """Runs for each lens."""
 ROCKS, QUICK_ROCKS = 240, 30
 """Rocks of each kind."""
+SEQUENCES, QUICK_SEQUENCES = 10, 2
 PLAIN_WIDTH = 130  # columns, if the output is not a terminal
 RECEIVING_S, QUICK_RECEIVING_S = 10.0, 3.0
-SECTIONS = ("accuracy", "consistency", "nothing", "finding", "speed", "calibration", "lenses", "receiving", "rocks")
+SECTIONS = (
+    *("accuracy", "consistency", "nothing", "finding", "speed", "calibration", "lenses"),
+    *("receiving", "rocks", "objects"),
+)
 
 
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m bench.vision",
-        description="Measure marker poses, calibrations and rocks on rendered frames, beside plain OpenCV, and the "
-        "receiving of images, beside rclpy.",
+        description="Measure marker poses, calibrations, rocks and objects on rendered frames, beside plain OpenCV, "
+        "and the receiving of images, beside rclpy.",
         epilog="example: python -m bench.vision --quick --only speed --json vision.json",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all measurements to FILE")
@@ -68,7 +72,18 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
 
 def _run(options: argparse.Namespace) -> None:
     try:  # imported here, so that --help needs no OpenCV
-        from bench.vision import accuracy, calibration, consistency, finding, lenses, nothing, receiving, rocks, speed
+        from bench.vision import (
+            accuracy,
+            calibration,
+            consistency,
+            finding,
+            lenses,
+            nothing,
+            objects,
+            receiving,
+            rocks,
+            speed,
+        )
     except ImportError as error:
         raise BenchError(f"{error}; `make bench-vision` installs the missing packages") from error
     progress = Console(stderr=True, highlight=False, markup=False)
@@ -96,6 +111,8 @@ def _run(options: argparse.Namespace) -> None:
         results["receiving"] = receiving.measure(seconds, options.out, progress.print)
     if "rocks" in options.only:
         results["rocks"] = rocks.measure(QUICK_ROCKS if options.quick else ROCKS, progress.print)
+    if "objects" in options.only:
+        results["objects"] = objects.measure(QUICK_SEQUENCES if options.quick else SEQUENCES, progress.print)
     console = Console()
     print_results(results, [], console if console.is_terminal else Console(width=PLAIN_WIDTH))
     if options.json:

@@ -22,6 +22,7 @@ from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.depth_camera import CameraTopics, DepthCamera, NoDepthError, aligned_depth_topic
 from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
+from roverlink.objects.chosen_detector import open_detector
 from roverlink.objects.object_log import ObjectLog
 from roverlink.objects.object_rows import DetectedObjectRow
 from roverlink.progress import progress
@@ -33,10 +34,9 @@ from roverlink.vision.frames import Frame, FrameSource, TopicSource, play
 from roverlink.vision.images.film import Film
 from roverlink.vision.images.object_drawing import draw_objects
 from roverlink.vision.objects.detected_objects import TrackedObject
-from roverlink.vision.objects.detector import SCORE, ObjectDetector
 from roverlink.vision.objects.location import Location, locate
 from roverlink.vision.objects.object_tracker import ObjectTracker
-from roverlink.vision.objects.object_types import ClassesFile, ObjectTypes, read_classes
+from roverlink.vision.objects.object_types import ClassesFile, ObjectTypes
 from roverlink.vision.ros.camera_info import camera_info_topic
 from roverlink.vision.ros.image_messages import compressed_of
 from roverlink.vision.ros.object_messages import detections_2d_of, detections_3d_of
@@ -81,8 +81,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
     Raises `SetupError` if a file, the source of frames or a package is missing, or if a file is wrong.
     """
     with ExitStack() as stack:
-        classes = read_classes(arguments.classes) if arguments.classes else ClassesFile()
-        detector = _detector(arguments, classes)
+        detector, classes = open_detector(arguments, arguments.score)
         logger.info("%s: layout %s, run by %s", detector.name, detector.layout, detector.provider)
         connection = RosConnection(ros, arguments.middleware or "auto", stack, logger.warning)
         text = source_of(arguments, logger.warning)
@@ -103,11 +102,6 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
                 output(view)
             log.add(frame, objects, live=source.live)
     return OK
-
-
-def _detector(arguments: argparse.Namespace, classes: ClassesFile) -> ObjectDetector:
-    score = SCORE if arguments.score is None else arguments.score
-    return ObjectDetector(arguments.model, arguments.layout, classes.names, score)
 
 
 def _frames(source: FrameSource, arguments: argparse.Namespace, ros: RosConnection) -> Iterator[Frame]:

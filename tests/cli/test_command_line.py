@@ -17,7 +17,13 @@ from roverlink.__main__ import main
 from roverlink.command_line import COMMANDS, command_line
 from roverlink.console import NoProjectError, node_logger, project_folder
 
-_SUBCOMMANDS = ["aruco track", "aruco calibrate", "aruco board", "rocks measure", "objects track", "objects select"]
+_SUBCOMMANDS = [
+    "aruco track",
+    "aruco calibrate",
+    "aruco board",
+    "rocks measure",
+    *(f"objects {name}" for name in ("track", "select", "train", "measure", "render")),
+]
 
 _ROOT = Path(__file__).parents[2]
 

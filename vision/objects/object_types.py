@@ -36,7 +36,7 @@ class ClassesFile:
 def read_classes(path: Path) -> ClassesFile:
     """Read the file. Raises `SetupError`, with line and column, for a mistake in it."""
     entries = read_file(path, "classes").known_entries({"names", "types"})
-    names = _names(entries["names"]) if "names" in entries else None
+    names = class_names(entries["names"]) if "names" in entries else None
     types = (
         {str(name): item for name, item in entries["types"].entries("type of").items()} if "types" in entries else {}
     )
@@ -78,8 +78,11 @@ class ObjectTypes:
         return self._types[name]
 
 
-def _names(item: Item) -> tuple[str, ...]:
-    """Return the names of classes: a list, or a mapping from 0, 1, ... as in the data.yaml of a YOLO data set."""
+def class_names(item: Item) -> tuple[str, ...]:
+    """Return the names of classes: a list, or a mapping from 0, 1, ... as in the data.yaml of a YOLO data set.
+
+    Raises `SetupError` for anything else.
+    """
     if item.is_mapping:
         entries = item.entries()
         if list(entries) != list(range(len(entries))):

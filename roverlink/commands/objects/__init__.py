@@ -6,7 +6,7 @@ import importlib
 
 from roverlink.console import Subparsers, command
 
-_COMMANDS = ("track", "select")
+_MODULES = ("track", "select", "train", "measure", "render_scenes")
 
 
 def add(commands: Subparsers) -> None:
@@ -14,12 +14,12 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "objects",
-        "detect objects in camera images, and locate the one that the operator selects",
+        "detect objects in camera images, locate the selected one, train detectors",
         "roverlink objects track topic:/camera/camera/color/image_raw --model rocks.onnx",
         "Detect and track objects in camera images, and locate the one that the operator selects.\n"
         "They need OpenCV: pip install 'opencv-contrib-python-headless>=4.8', and track needs ONNX Runtime and SciPy:\n"
         "pip install 'onnxruntime>=1.17' 'scipy>=1.11'.",
     )
     subcommands = parser.add_subparsers(required=True, metavar="command")
-    for name in _COMMANDS:
+    for name in _MODULES:
         importlib.import_module(f"roverlink.commands.objects.{name}").add(subcommands)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from roverlink.camera_source import CAMERA_FRAME, add_source
+from roverlink.commands.objects.model_options import add_model
 from roverlink.console import Subparsers, add_outputs, add_project, command, count, middleware_of, node_logger
 from roverlink.runtime.ros_arguments import ros_args
 
@@ -47,31 +47,16 @@ def add(commands: Subparsers) -> None:
         metavar="TOPIC",
         help="with --depth: topic with the camera's parameters (default: camera_info beside the images)",
     )
-    _add_model(parser)
-    add_outputs(parser, "objects")
-    add_project(parser)
-    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
-
-
-def _add_model(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--model", type=Path, metavar="FILE", required=True, help="ONNX file of a detector")
-    parser.add_argument(
-        "--layout",
-        metavar="NAME",
-        help="layout of the model's inputs and outputs (default: recognized from the model)",
-    )
-    parser.add_argument(
-        "--classes",
-        type=Path,
-        metavar="FILE",
-        help="YAML file that says which of the model's classes is which type of object (default: equal names)",
-    )
+    add_model(parser)
     parser.add_argument(
         "--score",
         type=_share,
         metavar="S",
         help="ignore detections with a smaller confidence than this, from 0 to 1 (default: that of the detector)",
     )
+    add_outputs(parser, "objects")
+    add_project(parser)
+    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,0 +1,8 @@
+"""Model that ships with roverlink: it finds rendered rocks and the parts of rendered panels (docs/model-card.md)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+PATH = Path(__file__).with_name("rocks_and_panels.onnx")
+"""ONNX file of the model."""
