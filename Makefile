@@ -26,7 +26,7 @@ test-slow: $(VENV)/ready-dev  ## the tests that take minutes
 	$(BIN)/pytest -n auto --dist worksteal -m slow
 
 test-vision: $(VENV)/ready-dev  ## the tests of the camera programs; OPENCV=4.8 with that version of OpenCV
-	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py tests/cli/test_aruco_calibrate.py
+	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py tests/cli/test_aruco_calibrate.py tests/cli/test_objects_*.py
 
 test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2=jazzy for one of them
 	$(PYTHON) tests/ros2/run.py $(ROS2)
@@ -96,18 +96,18 @@ $(VENV)/bin/python:
 # What each environment needs, and its size on the disk in megabytes.
 $(VENV)/ready: EXTRAS = standard
 $(VENV)/ready: SIZE = 200
-$(VENV)/ready-demo: EXTRAS = standard,vision
-$(VENV)/ready-demo: SIZE = 400
+$(VENV)/ready-demo: EXTRAS = standard,detect
+$(VENV)/ready-demo: SIZE = 650
 $(VENV)/ready-dev: EXTRAS = dev
-$(VENV)/ready-dev: SIZE = 1000
+$(VENV)/ready-dev: SIZE = 1700
 $(VENV)/ready-docs: EXTRAS = docs
 $(VENV)/ready-docs: SIZE = 200
 $(VENV)/ready-fuzz: EXTRAS = fuzz
 $(VENV)/ready-fuzz: SIZE = 150
 $(VENV)/ready-bench: EXTRAS = bench
 $(VENV)/ready-bench: SIZE = 450
-$(VENV)/ready-bench-vision: EXTRAS = vision,bench
-$(VENV)/ready-bench-vision: SIZE = 600
+$(VENV)/ready-bench-vision: EXTRAS = detect,bench
+$(VENV)/ready-bench-vision: SIZE = 850
 
 $(VENV)/ready-dist: | $(VENV)/bin/python
 	@echo "installing build in $(VENV)"

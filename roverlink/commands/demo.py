@@ -7,7 +7,7 @@ import contextlib
 import importlib.util
 import tempfile
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,7 +32,7 @@ from roverlink.simulation.peers import on_loopback
 from roverlink.simulation.simulated_keys import make_throw_away_keys
 
 if TYPE_CHECKING:
-    from roverlink.demo.camera import DemoCamera
+    from roverlink.demo.camera_program import CameraProgram
 
 _RATE_HZ = 20.0
 _TICK_S = 0.01
@@ -50,7 +50,8 @@ def add(commands: Subparsers) -> None:
         "roverlink demo --seconds 5",
         "Run the bridge with simulated boards, a simulated basestation and a ROS 2 node on this computer, to see what\n"
         "roverlink does without a rover. No message leaves this computer. If OpenCV is installed, a simulated camera\n"
-        "computes the position of the rover from rendered images of markers.\n\n"
+        "computes the position of the rover from rendered images of markers. With ONNX Runtime, another one detects\n"
+        "the parts of a rendered panel.\n\n"
         "The live table has a row for each message of mapping.yaml: its number, its direction, messages a second,\n"
         "messages since the start, and the last value. The last lines say how many of these messages were bridged,\n"
         "and what the bridge counted. Exit code 0: each message of mapping.yaml was bridged at least once; 1: one or\n"
@@ -78,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     registry = load_project(project)
     console = Console()
     with contextlib.ExitStack() as stack:
-        camera = _camera(console, project, arguments.middleware, stack)
+        cameras = list(_cameras(console, project, arguments.middleware, stack))
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="roverlink-demo-")))
         keys = make_throw_away_keys(registry, folder)
         peers = {peer.name: stack.enter_context(_on_loopback(peer.name, registry, keys)) for peer in registry.peers}
@@ -88,12 +89,12 @@ def run(arguments: argparse.Namespace) -> int:
         for peer in peers.values():
             peer.direct_to("127.0.0.1", host.port)
         middleware = stack.enter_context(host.middleware(topic_types.identity("demo")))
-        rig = _Rig(registry, middleware, peers, camera.rows if camera else ())
-        if camera and arguments.middleware == "memory":
+        rig = _Rig(registry, middleware, peers, {row for camera in cameras for row in camera.rows})
+        for camera in cameras if arguments.middleware == "memory" else ():
             camera.publish_on(middleware, registry, topic_types.full_topic)
         _show(rig, console, arguments.seconds, f"roverlink over {arguments.middleware}")
         account = host.stop()  # at once: the commanding topics are silent from now on, and the watchdogs would fire
-        if camera:
+        for camera in cameras:
             console.print(camera.stop(), soft_wrap=True)
     missing = [crossing.handler.route.name for crossing in rig.crossings if not crossing.count]
     crossed = sum(crossing.count for crossing in rig.crossings)
@@ -108,14 +109,20 @@ def run(arguments: argparse.Namespace) -> int:
     return FINDINGS if missing else OK
 
 
-def _camera(console: Console, project: Path, middleware: str, stack: contextlib.ExitStack) -> DemoCamera | None:
-    """Start the simulated camera, which publishes the rover's position. Return None if OpenCV is not installed."""
+def _cameras(console: Console, project: Path, middleware: str, stack: contextlib.ExitStack) -> Iterator[CameraProgram]:
+    """Start the simulated cameras, and yield them: one sees markers, the other one objects.
+
+    Without OpenCV or ONNX Runtime, the user is told what is missing.
+    """
     try:
-        from roverlink.demo.camera import DemoCamera
+        from roverlink.demo.marker_camera import MarkerCamera
+
+        yield stack.enter_context(MarkerCamera(project, middleware))
+        from roverlink.demo.object_camera import ObjectCamera
+
+        yield stack.enter_context(ObjectCamera(project, middleware))
     except SetupError as error:
         console.print(f"running without a camera: {error}", soft_wrap=True, markup=False)
-        return None
-    return stack.enter_context(DemoCamera(project, middleware))
 
 
 def _on_loopback(peer: str, registry: Registry, keys: Mapping[str, Path]) -> BlockingPeer:

@@ -60,6 +60,13 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
         assert seen
         assert int(seen[1]) > 0
         assert int(seen[2]) <= 10
+        if importlib.util.find_spec("onnxruntime") and importlib.util.find_spec("scipy"):
+            objects = re.search(r"searched (\d+) frames for objects; it found (\d+)% of them", output)
+            assert objects
+            assert int(objects[1]) > 3
+            assert int(objects[2]) >= 70
+        else:
+            assert "pip install 'onnxruntime>=1.17'" in output
     else:
         assert "pip install 'opencv-contrib-python-headless>=4.8'" in output
     for handler in REGISTRY.handlers:

@@ -1,0 +1,102 @@
+"""Camera program of ``roverlink demo``: a child process that reads rendered images in a loop, and prints JSON.
+
+It is a process of its own, as on a rover, so its computations do not delay the demo's messages to peers.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import IO, Any, ClassVar, cast
+
+from roverlink.console import NO_MIDDLEWARE
+from roverlink.runtime import Registry, SetupError
+from roverlink.runtime.middleware import Middleware
+from roverlink.vision.markers.detection import Image
+from roverlink.vision.opencv import cv2
+
+_TIMEOUT_S = 20.0
+
+
+class CameraProgram(ABC):
+    """Camera program. A context manager: the child process starts on entry and ends on exit."""
+
+    rows: ClassVar[tuple[str, ...]]
+    """Names of the rows on whose topics the program publishes, so the demo does not simulate their messages."""
+
+    def __init__(self, project: Path, middleware: str) -> None:
+        """Render the images, write the files for the child process, and prepare its command line.
+
+        With the middleware ``memory``, call `publish_on`, because the child process has no access to the topics of
+        this process. With any other middleware, the child process publishes its results itself.
+        """
+        self._folder = TemporaryDirectory(prefix="roverlink-camera-")
+        frames = Path(self._folder.name) / "frames"
+        frames.mkdir()
+        for number, image in enumerate(self._images()):
+            cv2.imwrite(str(frames / f"{number}.png"), image)
+        self._command = [sys.executable, "-m", "roverlink", *self._words(frames), "--loop", "--json"]
+        self._command += ["--middleware", NO_MIDDLEWARE if middleware == "memory" else middleware]
+        self._command += ["--project", str(project), "--ros-args", "--log-level", "warn"]
+
+    @abstractmethod
+    def _images(self) -> Iterable[Image]:
+        """Return the images that the camera sees."""
+
+    @abstractmethod
+    def _words(self, frames: Path) -> Sequence[str]:
+        """Return the words of the child's command line, for the folder of images. Files may be written beside it."""
+
+    @abstractmethod
+    def _take(self, view: dict[str, Any]) -> None:
+        """Take the results of an image, on a thread."""
+
+    @abstractmethod
+    def publish_on(self, middleware: Middleware, registry: Registry, topic: Callable[[str], str]) -> None:
+        """Publish the results of the child process through ``middleware``, which belongs to this process.
+
+        ``topic`` returns the fully qualified name of a topic of the table.
+        """
+
+    @property
+    @abstractmethod
+    def result(self) -> str:
+        """Text for the user about what was found."""
+
+    def stop(self) -> str:
+        """End the child process, and return `result`."""
+        self._child.send_signal(signal.SIGINT)
+        self._child.wait(_TIMEOUT_S)
+        self._thread.join()
+        return self.result
+
+    def __enter__(self) -> CameraProgram:
+        self._child = subprocess.Popen(  # noqa: S603  # our own program
+            self._command, stdout=subprocess.PIPE, text=True
+        )
+        self._output = cast(IO[str], self._child.stdout)
+        first = self._output.readline()
+        if not first:
+            self._child.wait()
+            raise SetupError("a camera program of the demo did not start; see its messages above")
+        self._thread = threading.Thread(target=self._listen, daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._child.poll() is None:
+            self._child.kill()
+            self._child.wait()
+        self._output.close()
+        self._folder.cleanup()
+
+    def _listen(self) -> None:
+        for line in self._output:
+            self._take(json.loads(line))

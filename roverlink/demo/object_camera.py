@@ -1,0 +1,81 @@
+"""Camera of ``roverlink demo`` that sees a panel: ``roverlink objects track`` detects its parts."""
+
+from __future__ import annotations
+
+import roverlink.vision  # noqa: F401  # first: it explains how to install numpy and OpenCV
+
+# isort: split
+
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from roverlink.demo.camera_program import CameraProgram
+from roverlink.objects.object_rows import DETECTED, DetectedObjectRow
+from roverlink.runtime import Registry, SetupError
+from roverlink.runtime.middleware import Middleware
+from roverlink.vision.markers.detection import Image
+from roverlink.vision.objects.detected_objects import Box, TrackedObject
+from roverlink.vision.objects.metrics import overlap
+from roverlink.vision.objects.object_types import ClassesFile, ObjectTypes
+from roverlink.vision.objects.runtime_session import import_runtime
+from roverlink.vision.objects.scenes import CLASSES, SIZE, sequence
+
+_FRAMES = 30
+_SEED = 4
+_OVERLAP = 0.5
+"""Overlap with the truth from which an object counts as found."""
+
+
+class ObjectCamera(CameraProgram):
+    """Camera that moves past a panel."""
+
+    rows = (DETECTED,)
+
+    def __init__(self, project: Path, middleware: str) -> None:
+        """Render the images, and prepare the command line. Raises `SetupError` if ONNX Runtime is not installed."""
+        import_runtime()
+        self._scenes = list(sequence(_SEED, _FRAMES, panel=True))
+        self._publish: Callable[[list[TrackedObject]], None] = lambda _: None
+        self._frames = self._there = self._found = 0
+        super().__init__(project, middleware)
+
+    def _images(self) -> Iterable[Image]:
+        return (scene.image for scene in self._scenes)
+
+    def _words(self, frames: Path) -> Sequence[str]:
+        return ["objects", "track", str(frames), "--rate", "10"]
+
+    def publish_on(self, middleware: Middleware, registry: Registry, topic: Callable[[str], str]) -> None:
+        """Publish the objects that the child process detects."""
+        try:
+            row = DetectedObjectRow(registry)
+        except SetupError:  # another project's table
+            return
+        types = ObjectTypes(ClassesFile(), row.types, CLASSES, lambda _: None)
+        publisher = middleware.publisher(topic(row.route.topic), row.message_type, row.route.qos)
+
+        def publish(objects: list[TrackedObject]) -> None:
+            publisher.publish(list(row.messages([(one, types.of(one.class_name)) for one in objects], SIZE)))
+
+        self._publish = publish
+
+    @property
+    def result(self) -> str:
+        """Number of images, and the part of the objects that was found."""
+        part = self._found / max(self._there, 1)
+        return f"another simulated camera searched {self._frames} frames for objects; it found {part:.0%} of them"
+
+    def _take(self, view: dict[str, Any]) -> None:
+        objects = [
+            TrackedObject(one["id"], Box(**one["box"]), one["class"], one["confidence"]) for one in view["objects"]
+        ]
+        self._publish(objects)
+        self._frames += 1
+        if self._frames == 1:
+            return  # an object comes out when it is detected for the second time
+        for truth in self._scenes[view["frame"] % len(self._scenes)].objects:
+            self._there += 1
+            self._found += any(
+                one.class_name == truth.class_name and overlap(one.box, truth.box) >= _OVERLAP for one in objects
+            )
