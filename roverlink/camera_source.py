@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from roverlink.console import print_note, rate
+from roverlink.console import count, print_note, rate
 from roverlink.ros_connection import full_topic
 
 if TYPE_CHECKING:
@@ -52,6 +52,18 @@ def add_source(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="seconds from the exposure of a camera's or stream's image to its arrival; stamps are earlier by this "
         "(default: 0)",
+    )
+
+
+def add_playing(parser: argparse.ArgumentParser) -> None:
+    """Add the options for how long frames are taken, and for the name of their coordinate frame, to a parser."""
+    parser.add_argument("--loop", action="store_true", help="play a video or a folder again and again, until Ctrl-C")
+    parser.add_argument("--count", type=count, metavar="N", help="stop after N images")
+    parser.add_argument(
+        "--camera-frame",
+        metavar="NAME",
+        help="name of the camera's coordinate frame in all results (default: the frame of the images of a ROS 2 topic; "
+        f"for other sources, {CAMERA_FRAME})",
     )
 
 

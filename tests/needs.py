@@ -18,4 +18,5 @@ NO_RCLPY = "need a real ROS 2 (make test-ros2)"
 NOT_LINUX = "need Linux"
 
 needs_dds = pytest.mark.skipif(not find_spec("cyclonedds"), reason=NO_DDS)
+needs_jax = pytest.mark.skipif(not all(map(find_spec, ("jax", "optax", "onnx"))), reason=NO_JAX)
 needs_linux = pytest.mark.skipif(sys.platform != "linux", reason=NOT_LINUX)

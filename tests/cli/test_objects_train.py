@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from needs import NO_JAX, NO_ONNX, NO_OPENCV
+from needs import NO_ONNX, NO_OPENCV, needs_jax
+from programs import Start
 
 from roverlink.__main__ import main
 
@@ -45,14 +46,16 @@ def test_a_folder_with_files_stays_as_it_is(scenes: Path, capsys: pytest.Capture
     assert "at least 8 are needed" in _refused(capsys, "render", scenes / "new", "--images", 3)
 
 
-def test_a_network_is_trained_and_measured(scenes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@needs_jax
+def test_a_network_is_trained_and_measured(
+    done: Start, scenes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """The file is a model for `measure` and `track`; the result has each class of the images."""
-    for name in ("jax", "optax", "onnx"):
-        pytest.importorskip(name, reason=NO_JAX)
     model = tmp_path / "m.onnx"
-    words = ["objects", "train", str(scenes), "--out", str(model), "--epochs", "1", "--size", "128x96"]
-    assert main(words) == 0
-    out = capsys.readouterr().out.splitlines()
+    words = ("--out", model, "--epochs", 1, "--size", "128x96")
+    code, output, errors = done("objects", "train", scenes, *words)  # type: ignore[misc]
+    assert code == 0, errors
+    out = output.splitlines()
     assert out[-1].split()[0] == "mAP50"
     assert out[-1].endswith("(2 images)")
     assert main(["objects", "measure", str(scenes), "--model", str(model), "--json"]) == 0
@@ -63,17 +66,20 @@ def test_a_network_is_trained_and_measured(scenes: Path, tmp_path: Path, capsys:
     assert list(tmp_path.iterdir()) == [model]
 
 
-def test_what_cannot_be_trained_is_one_line(scenes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@needs_jax
+def test_what_cannot_be_trained_is_one_line(done: Start, scenes: Path, tmp_path: Path) -> None:
     """Before the training begins."""
-    for name in ("jax", "optax", "onnx"):
-        pytest.importorskip(name, reason=NO_JAX)
     other = tmp_path / "other.onnx"
     other.write_text("somebody's")
-    assert "data.yaml: cannot read the data" in _refused(capsys, "train", tmp_path)
-    assert "--size is 100x96; width and height must be multiples of 32" in _refused(
-        capsys, "train", scenes, "--size", "100x96"
-    )
-    assert f"{other} exists, and" in _refused(capsys, "train", scenes, "--out", other)
+    for words, text in (
+        ((tmp_path,), "data.yaml: cannot read the data"),
+        ((scenes, "--size", "100x96"), "--size is 100x96; width and height must be multiples of 32"),
+        ((scenes, "--out", other), f"{other} exists, and"),
+    ):
+        code, _, errors = done("objects", "train", *words)  # type: ignore[misc]
+        (line,) = errors.strip().splitlines()
+        assert code == 2
+        assert text in line
     assert other.read_text() == "somebody's"
 
 

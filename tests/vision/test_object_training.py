@@ -11,20 +11,31 @@ cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 onnx = pytest.importorskip("onnx", reason=NO_ONNX)
 onnxruntime = pytest.importorskip("onnxruntime", reason=NO_ONNX)
-jax = pytest.importorskip("jax", reason=NO_JAX)
-pytest.importorskip("optax", reason=NO_JAX)
 
 from roverlink.runtime.core.errors import SetupError  # noqa: E402  # they need the libraries
 from roverlink.vision.objects.detected_objects import Box  # noqa: E402
 from roverlink.vision.objects.detector import ObjectDetector  # noqa: E402
-from roverlink.vision.objects.training.jax_network import new_weights, outputs  # noqa: E402
-from roverlink.vision.objects.training.learning import learn, loss  # noqa: E402
-from roverlink.vision.objects.training.onnx_file import check_replaceable, write_model  # noqa: E402
 from roverlink.vision.objects.training.training_examples import BATCH, batch, changed, target  # noqa: E402
 from roverlink.vision.objects.yolo_folder import read_folder, write_folder  # noqa: E402
 
 _SIZE = (64, 64)
 _NAMES = ("disk", "square")
+
+
+class _Training:
+    """The modules that need jax. They are imported late: jax starts threads in every process that imports it."""
+
+    def __init__(self) -> None:
+        for name in ("jax", "optax"):
+            pytest.importorskip(name, reason=NO_JAX)
+        from roverlink.vision.objects.training import jax_network, learning, onnx_file
+
+        self.network, self.learning, self.file = jax_network, learning, onnx_file
+
+
+@pytest.fixture(scope="module")
+def training() -> _Training:
+    return _Training()
 
 
 def _picture(seed: int) -> tuple[object, list[tuple[int, Box]]]:
@@ -122,12 +133,12 @@ def test_mistakes_in_data_yaml_are_located(folder: Path, text: str, message: str
     assert message in str(raised.value)
 
 
-def test_an_image_that_cannot_be_read_is_named(folder: Path) -> None:
+def test_an_image_that_cannot_be_read_is_named(training: _Training, folder: Path) -> None:
     """With what to do."""
     data = read_folder(folder)
     data.train[3].path.write_bytes(b"no image")
     with pytest.raises(SetupError, match="cannot read the image; remove it, or write it again"):
-        learn(data.train, 2, _SIZE, 1, 1, lambda *_: None)
+        training.learning.learn(data.train, 2, _SIZE, 1, 1, lambda *_: None)
 
 
 def test_a_folder_with_files_is_not_written_to(folder: Path) -> None:
@@ -168,18 +179,18 @@ def test_the_target_of_an_object_is_its_cell() -> None:
 # --- network and file ---------------------------------------------------------------------------------------------
 
 
-def test_the_file_gives_what_the_network_gives(tmp_path: Path) -> None:
+def test_the_file_gives_what_the_network_gives(training: _Training, tmp_path: Path) -> None:
     """ONNX Runtime and jax agree to 1e-4; at other cells than peaks, the file has no score."""
-    weights, statistics = new_weights(3, 2)
+    weights, statistics = training.network.new_weights(3, 2)
     rng = np.random.default_rng(1)
     weights = {name: one + rng.normal(0, 0.02, one.shape).astype(np.float32) for name, one in weights.items()}
     statistics = {
         name: np.abs(one + rng.normal(0, 0.2, one.shape)).astype(np.float32) for name, one in statistics.items()
     }
     path = tmp_path / "m.onnx"
-    write_model(path, weights, statistics, _NAMES, (96, 64), "test")
+    training.file.write_model(path, weights, statistics, _NAMES, (96, 64), "test")
     image = rng.random((1, 64, 96, 3), np.float32)
-    expected = np.asarray(outputs(weights, statistics, image, train=False)[0])[0]
+    expected = np.asarray(training.network.outputs(weights, statistics, image, train=False)[0])[0]
     session = onnxruntime.InferenceSession(path)
     (found,) = session.run(None, {"images": image.transpose(0, 3, 1, 2)})
     assert found.shape == (1, 6, 96)
@@ -195,20 +206,20 @@ def test_the_file_gives_what_the_network_gives(tmp_path: Path) -> None:
     assert kept[(*best, 0)] > 0
 
 
-def test_training_finds_the_objects(folder: Path, tmp_path: Path) -> None:
+def test_training_finds_the_objects(training: _Training, folder: Path, tmp_path: Path) -> None:
     """The loss falls, and the file finds disks and squares in images that were not learnt."""
     data = read_folder(folder)
     examples = [one.read() for one in data.val]
     first = batch((examples * BATCH)[:BATCH], _SIZE, 2)
     arrays = first.images, first.heat, first.boxes, first.weights
-    before = float(loss(*new_weights(1, 2), *arrays, train=True)[0])
+    before = float(training.learning.loss(*training.network.new_weights(1, 2), *arrays, train=True)[0])
     steps: list[int] = []
-    learnt = learn(data.train, 2, _SIZE, 60, 1, lambda done, _: steps.append(done))
-    after = float(loss(learnt.weights, learnt.statistics, *arrays, train=False)[0])
+    learnt = training.learning.learn(data.train, 2, _SIZE, 60, 1, lambda done, _: steps.append(done))
+    after = float(training.learning.loss(learnt.weights, learnt.statistics, *arrays, train=False)[0])
     assert steps == list(range(1, 121))
     assert after < 0.3 * before
     path = tmp_path / "m.onnx"
-    write_model(path, learnt.weights, learnt.statistics, data.names, _SIZE, "test")
+    training.file.write_model(path, learnt.weights, learnt.statistics, data.names, _SIZE, "test")
     detector = ObjectDetector(path)
     assert (detector.layout, detector.class_names) == ("yolov8", _NAMES)
     for image, labels in examples:
@@ -220,15 +231,15 @@ def test_training_finds_the_objects(folder: Path, tmp_path: Path) -> None:
             )
 
 
-def test_only_own_files_are_replaced(tmp_path: Path) -> None:
+def test_only_own_files_are_replaced(training: _Training, tmp_path: Path) -> None:
     """Another program's model, or any other file, stays."""
     path = tmp_path / "m.onnx"
-    check_replaceable(path)
-    write_model(path, *new_weights(1, 2), _NAMES, _SIZE, "test")
-    check_replaceable(path)
+    training.file.check_replaceable(path)
+    training.file.write_model(path, *training.network.new_weights(1, 2), _NAMES, _SIZE, "test")
+    training.file.check_replaceable(path)
     for content in (b"somebody's", onnx.helper.make_model(onnx.helper.make_graph([], "g", [], [])).SerializeToString()):
         path.write_bytes(content)
         with pytest.raises(SetupError, match="has not written it; give --out another name"):
-            check_replaceable(path)
+            training.file.check_replaceable(path)
     with pytest.raises(SetupError, match="the folder does not exist"):
-        check_replaceable(tmp_path / "none" / "m.onnx")
+        training.file.check_replaceable(tmp_path / "none" / "m.onnx")

@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 
 from roverlink.aruco.target_options import add_targets
-from roverlink.camera_source import CAMERA_FRAME, PARAMETERS, add_source
+from roverlink.camera_source import PARAMETERS, add_playing, add_source
 from roverlink.console import Subparsers, add_outputs, add_project, command, count, middleware_of, node_logger
 from roverlink.runtime.ros_arguments import ros_args
 
@@ -32,8 +32,7 @@ def add(commands: Subparsers) -> None:
         "ROS 2 can change them while the program runs. With -p use_sim_time:=true, the time is that on /clock.",
     )
     add_source(parser)
-    parser.add_argument("--loop", action="store_true", help="play a video or a folder again and again, until Ctrl-C")
-    parser.add_argument("--count", type=count, metavar="N", help="stop after N images")
+    add_playing(parser)
     _add_camera(parser)
     _add_rover(parser)
     _add_markers(parser)
@@ -61,12 +60,6 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
         "--rescale",
         action="store_true",
         help="if the camera was calibrated with another image size, scale its parameters to the current size",
-    )
-    parser.add_argument(
-        "--camera-frame",
-        metavar="NAME",
-        help="name of the camera's coordinate frame in all results (default: the frame of the images of a ROS 2 topic; "
-        f"for other sources, {CAMERA_FRAME})",
     )
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
-from roverlink.camera_source import CAMERA_FRAME, add_source
+from roverlink.camera_source import add_playing, add_source
 from roverlink.commands.objects.model_options import add_model
-from roverlink.console import Subparsers, add_outputs, add_project, command, count, middleware_of, node_logger
+from roverlink.console import Subparsers, add_outputs, add_project, command, middleware_of, node_logger
 from roverlink.runtime.ros_arguments import ros_args
 
 NODE = "object_tracker"
@@ -28,14 +28,7 @@ def add(commands: Subparsers) -> None:
         "that on /clock.",
     )
     add_source(parser)
-    parser.add_argument("--loop", action="store_true", help="play a video or a folder again and again, until Ctrl-C")
-    parser.add_argument("--count", type=count, metavar="N", help="stop after N images")
-    parser.add_argument(
-        "--camera-frame",
-        metavar="NAME",
-        help="name of the camera's coordinate frame in all results (default: the frame of the images of a ROS 2 topic; "
-        f"for other sources, {CAMERA_FRAME})",
-    )
+    add_playing(parser)
     parser.add_argument(
         "--depth",
         metavar="TOPIC",
