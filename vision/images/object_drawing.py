@@ -32,9 +32,9 @@ def draw_objects(image: Image, objects: Sequence[TrackedObject], locations: Mapp
         box, colour = one.box, _COLOURS[one.id % len(_COLOURS)]
         corners = [(round(box.x), round(box.y)), (round(box.x + box.width), round(box.y + box.height))]
         cv2.rectangle(drawn, *corners, colour, line_width(drawn) + 1, cv2.LINE_AA)
+    for one in objects:  # after all boxes, which would cross them
         location = locations.get(one.id)
-        distance = f" {location.point[2]:.2f} m" if location else ""
-        write_label(
-            drawn, f"{one.id} {one.class_name} {one.confidence:.0%}{distance}", (box.x, box.y - 4 * line_width(drawn))
-        )
+        distance = f" {location.point[2]:.1f} m" if location else ""
+        place = one.box.x, one.box.y - 4 * line_width(drawn)
+        write_label(drawn, f"{one.id} {one.class_name}{distance}", place)
     return drawn
