@@ -54,7 +54,9 @@ def add(commands: Subparsers) -> None:
         help="take at least N views, that is, images of the board (default: %(default)s)",
     )
     parser.add_argument(
-        "--json", action="store_true", help="print a JSON object for each view that is taken, and one for the result"
+        "--json",
+        action="store_true",
+        help="print a JSON object for each view that is taken from a camera or a video, and one for the result",
     )
     parser.add_argument(
         "--page",
