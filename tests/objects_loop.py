@@ -10,8 +10,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from polling import wait_until
 from programs import Start
 
@@ -27,9 +29,10 @@ from roverlink.runtime.client import BlockingPeer, Reassembler
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import tf2_msgs
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, Image
+from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.objects.detected_objects import Box
 from roverlink.vision.objects.metrics import overlap
-from roverlink.vision.objects.scenes import CAMERA, RenderedScene, SceneObject, degraded, sequence
+from roverlink.vision.objects.scenes import CAMERA, RenderedScene, SceneObject, sequence
 from roverlink.vision.poses.pose import Pose, rotation_of
 from roverlink.vision.ros.sighting_messages import transform_of
 from tests.vision.d435i import COLOUR, DEPTH, INFO
@@ -53,7 +56,7 @@ class _DepthCamera:
         self.rock: RockScene = next(rock_scenes(1, 4))
         self.shows_rock = False
         rng = np.random.default_rng(0)
-        self._depths = [degraded(self.scene.depth, rng) for _ in range(4)]
+        self._depths = [_measured(self.scene.depth, rng) for _ in range(4)]
         self._rock = np.rint(1000 * np.nan_to_num(self.rock.depth)).astype(np.uint16)
 
     def messages(self, number: int) -> tuple[Image, Image, CameraInfo, tf2_msgs.TFMessage]:
@@ -64,6 +67,13 @@ class _DepthCamera:
         info = camera_info(rock_camera() if self.shows_rock else CAMERA, stamp)
         on_field = transform_of(self.scene.camera @ _MOUNT.inverse(), "map", "base_link", stamp)
         return colour, depth, info, tf2_msgs.TFMessage([on_field, transform_of(_MOUNT, "base_link", FRAME, stamp)])
+
+
+def _measured(depth: Floats, rng: np.random.Generator) -> NDArray[np.uint16]:
+    """A depth image as a stereo camera publishes it: in millimetres, with noise of 1 % and holes (0)."""
+    noisy = depth * (1 + rng.normal(0, 0.01, depth.shape))
+    noisy[cv2.resize(rng.random((60, 80)), depth.shape[::-1]) > 0.93] = np.nan
+    return np.nan_to_num(np.rint(1000 * noisy)).astype(np.uint16)
 
 
 def run_the_loop(start: Start, middleware: str, publish: Publish, hear: Hear) -> None:

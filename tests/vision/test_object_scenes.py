@@ -9,8 +9,8 @@ pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 
 from roverlink.vision.objects.location import locate  # noqa: E402  # they need OpenCV
-from roverlink.vision.objects.panel_parts import PARTS, draw_part  # noqa: E402
 from roverlink.vision.objects.scenes import CAMERA, CLASSES, RenderedScene, scenes, sequence  # noqa: E402
+from roverlink.vision.objects.scenes.panel_parts import PARTS, draw_part  # noqa: E402
 
 
 @pytest.fixture(scope="module")
