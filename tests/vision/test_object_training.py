@@ -206,6 +206,7 @@ def test_the_file_gives_what_the_network_gives(training: _Training, tmp_path: Pa
     assert kept[(*best, 0)] > 0
 
 
+@pytest.mark.slow
 def test_training_finds_the_objects(training: _Training, folder: Path, tmp_path: Path) -> None:
     """The loss falls, and the file finds disks and squares in images that were not learnt."""
     data = read_folder(folder)
