@@ -47,16 +47,16 @@ def render(folder: Path, images: int, seed: int) -> None:
 
 def train(arguments: argparse.Namespace) -> None:
     """Train a network, and print its average precisions. Raises `SetupError` for bad images, or a taken name."""
-    from roverlink.vision.objects.training.learning import learn  # only here: `measure` needs no jax
-    from roverlink.vision.objects.training.onnx_file import check_replaceable, write_model
-
     if any(side % MULTIPLE for side in arguments.size):
         width, height = arguments.size
         raise SetupError(f"--size is {width}x{height}; width and height must be multiples of {MULTIPLE}")
     data = read_folder(arguments.folder)
-    check_replaceable(arguments.out)
     for one in (*data.train, *data.val):  # a mistake in a label is told before the training, and not in the middle
         one.check()
+    from roverlink.vision.objects.training.learning import learn  # only here: `measure` needs no jax
+    from roverlink.vision.objects.training.onnx_file import check_replaceable, write_model
+
+    check_replaceable(arguments.out)
     with progress("training") as report:
         learnt = learn(data.train, len(data.names), arguments.size, arguments.epochs, abs(arguments.seed), report)
     description = (

@@ -15,7 +15,7 @@ onnxruntime = pytest.importorskip("onnxruntime", reason=NO_ONNX)
 from roverlink.runtime.core.errors import SetupError  # noqa: E402  # they need the libraries
 from roverlink.vision.objects.detected_objects import Box  # noqa: E402
 from roverlink.vision.objects.detector import ObjectDetector  # noqa: E402
-from roverlink.vision.objects.training.training_examples import BATCH, batch, changed, target  # noqa: E402
+from roverlink.vision.objects.training.training_examples import BATCH, batch, batches, changed, target  # noqa: E402
 from roverlink.vision.objects.yolo_folder import read_folder, write_folder  # noqa: E402
 
 _SIZE = (64, 64)
@@ -133,12 +133,12 @@ def test_mistakes_in_data_yaml_are_located(folder: Path, text: str, message: str
     assert message in str(raised.value)
 
 
-def test_an_image_that_cannot_be_read_is_named(training: _Training, folder: Path) -> None:
+def test_an_image_that_cannot_be_read_is_named(folder: Path) -> None:
     """With what to do."""
     data = read_folder(folder)
     data.train[3].path.write_bytes(b"no image")
     with pytest.raises(SetupError, match="cannot read the image; remove it, or write it again"):
-        training.learning.learn(data.train, 2, _SIZE, 1, 1, lambda *_: None)
+        list(batches(data.train, _SIZE, 2, np.random.default_rng(0)))
 
 
 def test_a_folder_with_files_is_not_written_to(folder: Path) -> None:
