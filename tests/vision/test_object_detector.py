@@ -378,6 +378,17 @@ def test_other_inputs_are_refused(tmp_path: Path, inputs: Mapping[str, Any], tex
         ({"a": (1, 9, 4), "b": (1, 9, 3)}, {}, "a (1, 9, 4), b (1, 9, 3); no known layout has them"),
         ({"o": (1, 7, 84)}, {"layout": "yolox"}, "that does not fit the layout yolox; leave --layout out"),
         ({"o": (1, 7, 84)}, {"names": ["a"]}, "(1, 7, 84) and 1 classes; no known layout has them"),
+        ({"labels": (5,), "boxes": (5, 4), "scores": (5,)}, {}, "no known layout has them"),
+        ({"labels": (1, 5), "boxes": (1, 5, 3), "scores": (1, 5)}, {}, "no known layout has them"),
+        ({"labels": (1, 5), "boxes": (1, 5, 4), "scores": (1, 9)}, {}, "no known layout has them"),
+        ({"logits": (1, 5, 0), "pred_boxes": (1, 5, 4)}, {}, "no known layout has them"),
+        ({"logits": (5,), "pred_boxes": (5,)}, {"layout": "rtdetr"}, "that does not fit the layout rtdetr"),
+        ({"dets": (1, 5, 4), "labels": (1, 7, 3)}, {}, "no known layout has them"),
+        (
+            {"num_dets": (1, 0), "det_boxes": (1, 5, 4), "det_scores": (1, 5), "det_classes": (1, 5)},
+            {},
+            "no known layout has them",
+        ),
     ],
 )
 def test_other_outputs_are_refused(
@@ -386,6 +397,41 @@ def test_other_outputs_are_refused(
     """A model that may have two layouts is not guessed at."""
     arrays = {name: np.zeros(shape, np.float32) for name, shape in outputs.items()}
     _is_refused(write(tmp_path / "m.onnx", arrays), text, **options)
+
+
+def test_a_model_without_inputs_is_refused(tmp_path: Path) -> None:
+    """There is nothing that it could look at."""
+    output = helper.make_tensor_value_info("o", TensorProto.FLOAT, (1, 7, 84))
+    value = numpy_helper.from_array(np.zeros((1, 7, 84), np.float32), "v")
+    graph = helper.make_graph([helper.make_node("Identity", ["v"], ["o"])], "net", [], [output], [value])
+    _is_refused(save(tmp_path / "m.onnx", graph), "the inputs are none; a detector has one for an image")
+
+
+def test_outputs_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
+    """Such as the names of classes as text."""
+    path = write(tmp_path / "m.onnx", {"o": np.full((1, 7, 84), "rock", object)})
+    _is_refused(path, "an output has the type tensor(string); a detector has tensors of numbers")
+
+
+@pytest.mark.parametrize("text", ["{[]: 1}", "((((", "{0: [1]}", "nan", "[" * 100_000])
+def test_metadata_of_others_is_left_alone(tmp_path: Path, text: str) -> None:
+    """Texts that only look like names, sizes and options of an export."""
+    metadata = dict.fromkeys(("names", "imgsz", "args", "end2end"), text)
+    inputs = {"images": (1, 3, "h", "w")}
+    path = write(tmp_path / "m.onnx", {"o": np.zeros((1, 5, 84), np.float32)}, metadata=metadata, inputs=inputs)
+    assert ObjectDetector(path)._size == (640, 640)
+
+
+@pytest.mark.parametrize("metadata", [{"end2end": "True"}, {"args": {"batch": 1, "nms": True}}])
+@pytest.mark.parametrize("rows", [5, 84, 300])
+def test_the_metadata_can_say_that_suppression_is_inside(
+    tmp_path: Path, metadata: Mapping[str, object], rows: int
+) -> None:
+    """The shapes alone may be those of other layouts, too; what the user says comes first."""
+    path = write(tmp_path / "m.onnx", {"o": np.zeros((1, rows, 6), np.float32)}, metadata=metadata)
+    assert ObjectDetector(path, names=("rock", "socket") if rows == 300 else None).layout == "nms"
+    if rows == 300:
+        assert ObjectDetector(path, "rtdetr").layout == "rtdetr"
 
 
 def test_an_ambiguous_model_can_be_named(tmp_path: Path) -> None:
@@ -423,3 +469,44 @@ def test_half_precision_is_supported(tmp_path: Path) -> None:
     path = write(tmp_path / "m.onnx", {"output0": table}, (_W, _H), kind=TensorProto.FLOAT16)
     found = ObjectDetector(path, names=_NAMES).detect(np.zeros((_H, _W, 3), np.uint8))
     assert found == [Detection(Box(38.0, 27.0, 20.0, 10.0), "socket", 0.75)]
+
+
+def test_half_precision_is_not_used_for_the_boxes(tmp_path: Path) -> None:
+    """At 600 pixels, its numbers have steps of half a pixel."""
+    table = np.zeros((1, 7, 8400), np.float16)
+    table[0, :, 0] = [600.5, 300.25, 2.25, 2.25, 0, 0.75, 0]
+    path = write(tmp_path / "m.onnx", {"output0": table}, (640, 640), kind=TensorProto.FLOAT16)
+    (found,) = ObjectDetector(path, names=_NAMES).detect(np.zeros((640, 640, 3), np.uint8))
+    assert found.box == Box(599.375, 299.125, 2.25, 2.25)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 3e38])
+@pytest.mark.parametrize("name", _FORMATS)
+def test_numbers_out_of_range_give_no_warning(tmp_path: Path, name: str, value: float) -> None:
+    """Whatever the layout, and wherever the numbers are; boxes of objects are numbers and lie in the image."""
+    _, outputs, _ = _FORMATS[name]
+    arrays = {key: np.asarray(one) for key, one in outputs([(20, 20, 40, 40, 1, 0.9)]).items()}
+    wrong = {
+        key: np.full(one.shape, value, np.float32) if one.dtype.kind == "f" else one for key, one in arrays.items()
+    }
+    inputs = {"images": (1, 3, _H, _W)} | ({"orig_target_sizes": (1, 2)} if "with labels" in name else {})
+    detector = ObjectDetector(write(tmp_path / "m.onnx", wrong, inputs=inputs), names=_NAMES)
+    for one in detector.detect(np.zeros((_IMAGE[1], _IMAGE[0], 3), np.uint8)):
+        assert 0 <= one.box.x <= one.box.x + one.box.width <= _IMAGE[0]
+
+
+@pytest.mark.parametrize("kind", ["no model", "truncated", "operator", "weights"])
+def test_onnx_runtime_prints_nothing(tmp_path: Path, capfd: pytest.CaptureFixture[str], kind: str) -> None:
+    """The error is the only message."""
+    path = _convolution(tmp_path / "net.onnx")
+    model = onnx.load(path)
+    if kind == "weights":
+        onnx.save(model, path, save_as_external_data=True, size_threshold=0, location="weights.bin")
+    elif kind == "operator":
+        model.graph.node[0].op_type = "NonsenseOp"
+        path.write_bytes(model.SerializeToString())
+    else:
+        path.write_bytes(b"no model" if kind == "no model" else path.read_bytes()[:500])
+    _is_refused(path, "")
+    assert capfd.readouterr() == ("", "")

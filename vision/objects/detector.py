@@ -49,7 +49,7 @@ class ObjectDetector:
         # RT-DETR scales its boxes by the size of the image; here, that of its input.
         self._extra = [np.array([self._size], np.int64)] if extra else []
         known = list(names) if names is not None else self._names()
-        self._signature = Signature(self._size, self._shapes(), len(known) or None)
+        self._signature = Signature(self._size, self._shapes(), len(known) or None, self._states_suppression())
         self._layout = self._recognized(self._signature, layout)
         self.layout = self._layout.name
         """Name of the layout."""
@@ -62,11 +62,13 @@ class ObjectDetector:
         Raises `SetupError` if the model fails.
         """
         blob, placement = self._layout.preprocessing.prepare(to_colour(image), self._size)
-        found = self._layout.decode(self._session.run([blob, *self._extra]), self._signature)
-        sure = found.scores >= self._score  # false for NaN, too
-        found = Candidates(found.boxes[sure].astype(float), found.scores[sure], found.classes[sure])
-        boxes = placement.to_image(found.boxes)
-        lengths = boxes[:, 2:] - boxes[:, :2]
+        outputs = self._session.run([blob, *self._extra])
+        with np.errstate(over="ignore", invalid="ignore"):  # a network may compute NaN, which gives no object
+            found = self._layout.decode(outputs, self._signature)
+            sure = found.scores >= self._score  # false for NaN, too
+            found = Candidates(found.boxes[sure].astype(float), found.scores[sure], found.classes[sure])
+            boxes = placement.to_image(found.boxes)
+            lengths = boxes[:, 2:] - boxes[:, :2]
         good = (lengths > 0).all(axis=1) & (found.classes >= 0)
         if self.class_names:
             good &= found.classes < len(self.class_names)
@@ -96,10 +98,11 @@ class ObjectDetector:
 
     def _inputs(self) -> tuple[tuple[int, int], bool]:
         """Return width and height of the image input, and true if there is an input for the size of the image."""
-        (name, shape), *others = self._session.inputs.items()
+        (name, shape), *others = self._session.inputs.items() or [("", ())]
         rest = [other for other, sides in others if len(sides) != 2]
         if len(others) > 1 or rest or len(shape) != 4 or shape[0] not in (1, None) or shape[1] not in (3, None):
             given = ", ".join(f"{one} {_shown(sides)}" for one, sides in self._session.inputs.items())
+            given = given or "none"
             raise SetupError(
                 f"{self._path}: the inputs are {given}; a detector has one for an image, (1, 3, height, width)"
             )
@@ -113,8 +116,8 @@ class ObjectDetector:
     def _open_size(self, sides: Sequence[int | None]) -> tuple[int, int]:
         """Return height and width; what the file leaves open is that of training, if the metadata has it."""
         stated = _literal(self._session.metadata.get("imgsz", ""))
-        trained = [stated, stated] if isinstance(stated, int) else stated
-        if not (isinstance(trained, list) and len(trained) == 2 and all(isinstance(one, int) for one in trained)):
+        trained = stated if isinstance(stated, list) else [stated, stated]
+        if len(trained) != 2 or any(type(one) is not int for one in trained):  # True is an instance of int
             trained = [_SIZE, _SIZE]
         height, width = (side or size for side, size in zip(sides, trained))
         return height, width
@@ -126,6 +129,12 @@ class ObjectDetector:
             by_index = {int(index): str(name) for index, name in names.items()}
             return [by_index[index] for index in range(len(by_index))]
         return [str(one) for one in names] if isinstance(names, list) else []
+
+    def _states_suppression(self) -> bool:
+        """Return true if the metadata of Ultralytics says that the outputs have no overlapping boxes."""
+        arguments = _literal(self._session.metadata.get("args", ""))
+        inside = isinstance(arguments, dict) and arguments.get("nms") is True
+        return inside or self._session.metadata.get("end2end") == "True"
 
     def _shapes(self) -> dict[str, tuple[int, ...]]:
         """Return the shapes of the outputs for a grey image: the file may leave them open."""
@@ -158,7 +167,7 @@ def _literal(text: str) -> object:
     for parse in (ast.literal_eval, json.loads):
         try:
             return parse(text)
-        except (ValueError, SyntaxError, MemoryError, RecursionError):
+        except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError):
             continue
     return None
 

@@ -18,8 +18,9 @@ The layouts are those that the exporters of ultralytics, YOLOX (Megvii), RT-DETR
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ from roverlink.vision.objects.preprocessing import Fit, Preprocessing
 _STRIDES = ((8, 16, 32), (8, 16, 32, 64))
 """Cells of the grids of YOLOv5 and YOLOX in pixels: of the usual models, and of those for large images (P6)."""
 _RATIOS = 3  # anchors of YOLOv5 for each cell
+_CLASSES = 2**31  # OpenCV's indices of classes have 32 bits
 
 Array = NDArray[Any]
 Outputs = Mapping[str, Array]
@@ -59,15 +61,23 @@ class Signature:
     """Shapes of the outputs by their names."""
     classes: int | None
     """Number of classes; None if it is unknown."""
+    suppressed: bool = False
+    """True if the metadata says that the network has chosen the best one of overlapping boxes."""
 
     @property
     def only(self) -> tuple[int, ...]:
         """Shape of the only output; () if there are several."""
         return next(iter(self.shapes.values())) if len(self.shapes) == 1 else ()
 
-    def has(self, *names: str) -> bool:
-        """Return true if these are the names of the outputs."""
-        return set(names) == set(self.shapes)
+    def has(self, **columns: int | None) -> bool:
+        """Return true if these are the outputs, for one image, with the same number of rows.
+
+        The number of each output is that of its columns: 0 for any, None if it has rows without columns.
+        """
+        if columns.keys() != self.shapes.keys():
+            return False
+        rows = {self.shapes[name][1:2] for name in columns}
+        return len(rows) == 1 and all(_is_part(self.shapes[name], wanted) for name, wanted in columns.items())
 
     def cells(self) -> list[int]:
         """Return the numbers of cells that the grids can have."""
@@ -128,7 +138,7 @@ def _detr_in_one(outputs: Outputs, model: Signature) -> Candidates:
 
 
 def _detr_with_labels(outputs: Outputs, _: Signature) -> Candidates:
-    return Candidates(outputs["boxes"][0], outputs["scores"][0], outputs["labels"][0].astype(np.intp))
+    return Candidates(outputs["boxes"][0], outputs["scores"][0], _indices(outputs["labels"][0]))
 
 
 def _suppressed(outputs: Outputs, _: Signature) -> Candidates:
@@ -142,18 +152,31 @@ def _suppressed_in_batch(outputs: Outputs, _: Signature) -> Candidates:
 
 
 def _suppressed_in_parts(outputs: Outputs, _: Signature) -> Candidates:
-    count = int(outputs["num_dets"].ravel()[0])
+    count = int(outputs["num_dets"].item())
     boxes, scores, classes = (outputs[f"det_{name}"][0][:count] for name in ("boxes", "scores", "classes"))
-    return Candidates(boxes, scores, classes.astype(np.intp))
+    return Candidates(boxes, scores, _indices(classes))
 
 
 def _indices(classes: Array) -> NDArray[np.intp]:
-    """Return indices of classes that a network has computed as numbers; -1 for NaN."""
-    return np.nan_to_num(classes, nan=-1.0).astype(np.intp)
+    """Return indices of classes that a network has computed as numbers; -1 for NaN and for what is no index."""
+    return np.where((classes >= 0) & (classes < _CLASSES), classes, -1).astype(np.intp)
 
 
 def _is_table(shape: Sequence[int]) -> bool:
     return len(shape) == 3 and shape[0] == 1
+
+
+def _has_parts(model: Signature) -> bool:
+    shapes = dict(model.shapes)
+    count = shapes.pop("num_dets", (0,))
+    return math.prod(count) == 1 and replace(model, shapes=shapes).has(det_boxes=4, det_scores=None, det_classes=None)
+
+
+def _is_part(shape: Sequence[int], columns: int | None) -> bool:
+    """Return true for a shape (1, N), or (1, N, columns); 0 is any number of columns except 0."""
+    if columns is None:
+        return len(shape) == 2 and shape[0] == 1
+    return _is_table(shape) and shape[2] > 0 and columns in (0, shape[2])
 
 
 _STRETCHED = Preprocessing(Fit.STRETCHED)
@@ -179,8 +202,8 @@ _VARIANTS = (
         Preprocessing(Fit.CORNER, rgb=False, unit=False),
         overlapping=True,
     ),
-    Layout("rtdetr", lambda one: one.has("logits", "pred_boxes"), _detr("pred_boxes", "logits"), _STRETCHED),
-    Layout("rtdetr", lambda one: one.has("labels", "boxes", "scores"), _detr_with_labels, _STRETCHED),
+    Layout("rtdetr", lambda one: one.has(logits=0, pred_boxes=4), _detr("pred_boxes", "logits"), _STRETCHED),
+    Layout("rtdetr", lambda one: one.has(labels=None, boxes=4, scores=None), _detr_with_labels, _STRETCHED),
     Layout(
         "rtdetr",
         lambda one: _is_table(one.only)
@@ -192,13 +215,17 @@ _VARIANTS = (
     ),
     Layout(
         "rfdetr",
-        lambda one: one.has("dets", "labels"),
+        lambda one: one.has(dets=4, labels=0),
         _detr("dets", "labels"),
         Preprocessing(Fit.STRETCHED, normalized=True),
     ),
-    Layout("nms", lambda one: _is_table(one.only) and one.only[2] == 6 and not _is_on_grid(one), _suppressed),
+    Layout(
+        "nms",
+        lambda one: _is_table(one.only) and one.only[2] == 6 and (one.suppressed or not _is_on_grid(one)),
+        _suppressed,
+    ),
     Layout("nms", lambda one: len(one.only) == 2 and one.only[1] == 7, _suppressed_in_batch),
-    Layout("nms", lambda one: one.has("num_dets", "det_boxes", "det_scores", "det_classes"), _suppressed_in_parts),
+    Layout("nms", _has_parts, _suppressed_in_parts),
 )
 LAYOUTS = tuple(dict.fromkeys(one.name for one in _VARIANTS))
 """Names of the layouts."""
@@ -206,7 +233,9 @@ LAYOUTS = tuple(dict.fromkeys(one.name for one in _VARIANTS))
 
 def candidates(signature: Signature, name: str | None = None) -> list[Layout]:
     """Return the layouts that a model can have; `name` is that of the only one that is possible, if it is known."""
-    return [one for one in _VARIANTS if name in (None, one.name) and one.matches(signature)]
+    found = [one for one in _VARIANTS if name in (None, one.name) and one.matches(signature)]
+    stated = [one for one in found if signature.suppressed and one.name == "nms"]
+    return stated or found
 
 
 def _is_on_grid(signature: Signature) -> bool:

@@ -52,7 +52,10 @@ class Session:
         self._types = {one.name: one.type for one in self._session.get_inputs()}
         if unknown := sorted(set(self._types.values()) - _TYPES.keys()):
             raise SetupError(f"{path}: an input has the type {unknown[0]}; export the model with inputs of float32")
-        self._outputs = [one.name for one in self._session.get_outputs()]
+        outputs = self._session.get_outputs()
+        if other := [one.type for one in outputs if not one.type.startswith("tensor(") or "string" in one.type]:
+            raise SetupError(f"{path}: an output has the type {other[0]}; a detector has tensors of numbers")
+        self._outputs = [one.name for one in outputs]
 
     def run(self, inputs: Sequence[Array]) -> dict[str, Array]:
         """Return the outputs by their names for the inputs in their order. Raises `SetupError` if the model fails."""
@@ -61,7 +64,11 @@ class Session:
             outputs = self._session.run(None, feed)
         except Exception as error:  # ONNX Runtime's errors have no common class
             raise SetupError(f"{self._path}: the model fails on an image: {_reason(error)}") from error
-        return {name: np.asarray(one) for name, one in zip(self._outputs, outputs)}
+        # In half precision, the arithmetic of boxes would round them to half a pixel.
+        return {
+            name: one.astype(np.float32) if one.dtype == np.float16 else one
+            for name, one in zip(self._outputs, outputs)
+        }
 
 
 def import_runtime() -> Any:
