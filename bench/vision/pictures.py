@@ -1,8 +1,9 @@
-"""Pictures of docs/vision.md, and the recording of its tutorial: python -m bench.vision.pictures."""
+"""Pictures of docs/vision.md and docs/objects.md, and the recording of a tutorial: python -m bench.vision.pictures."""
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -20,7 +21,12 @@ from roverlink.vision.field.view import Eye, Lookout, View
 from roverlink.vision.frames import Frame
 from roverlink.vision.images.drawing import SEEN, draw
 from roverlink.vision.images.film import Film as Writer
+from roverlink.vision.images.object_drawing import draw_objects
 from roverlink.vision.markers.detection import Detection, Detector, Image, to_grey
+from roverlink.vision.objects.detector import ObjectDetector
+from roverlink.vision.objects.object_tracker import ObjectTracker
+from roverlink.vision.objects.scenes import sequence
+from roverlink.vision.objects.shipped_model import PATH
 
 FOLDER = Path("docs/vision")
 POSES = 100
@@ -31,6 +37,7 @@ _REGION = (235, 160, 40)
 _AROUND = 6  # pixels around a marker
 _ZOOM = 12
 _AXES = ("x, m", "y, m")
+_SEED = 4  # of the image with objects
 _SURE = 2.4477  # radius in standard deviations that holds 95 % of a bivariate normal distribution
 
 
@@ -46,6 +53,7 @@ def main(words: list[str]) -> int:
     film = render_film()
     write_recording(options.out, film)
     draw_steps(options.out, film)
+    draw_detections(options.out / "objects.png")
     if not options.quick:
         print(draw_charts(options.out / "errors.png", {"accuracy": measure(POSES, SIZES, print)}))
     return 0
@@ -58,6 +66,15 @@ def write_recording(folder: Path, film: Film) -> None:
             writer.add(frame.image, frame.stamp)
     write_field(folder)
     write_cameras(folder, "drive.mp4")
+
+
+def draw_detections(path: Path) -> None:
+    """Draw the objects that the shipped model finds in a rendered image."""
+    tracker, detector = ObjectTracker(), ObjectDetector(PATH)
+    # An object comes out with its second detection.
+    for number, scene in enumerate(itertools.islice(sequence(_SEED, 60, panel=True), 2)):
+        found = tracker.track(detector.detect(scene.image), number)
+    _write(path, draw_objects(scene.image, found, {}))
 
 
 def draw_steps(folder: Path, film: Film) -> None:

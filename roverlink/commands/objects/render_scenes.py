@@ -14,13 +14,13 @@ def add(commands: Subparsers) -> None:
         commands,
         "render",
         "render images of rocks and panels with their labels",
-        "roverlink objects render scenes --images 1600 --seed 1",
+        "roverlink objects render scenes --images 3000 --seed 1",
         "Render images of rocks and maintenance panels, and write them with their labels to a new folder in YOLO's\n"
         "format. `roverlink objects train` can learn from them. Every eighth image is for the measurement.",
     )
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder that does not exist, or is empty")
     parser.add_argument(
-        "--images", type=count, default=1600, metavar="N", help="number of images (default: %(default)s)"
+        "--images", type=count, default=3000, metavar="N", help="number of images (default: %(default)s)"
     )
     parser.add_argument(
         "--seed", type=int, default=1, metavar="N", help="other images for another number (default: %(default)s)"

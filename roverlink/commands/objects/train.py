@@ -38,7 +38,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--epochs",
         type=count,
-        default=24,
+        default=30,
         metavar="N",
         help="number of times that each image is learnt (default: %(default)s)",
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from roverlink.vision.camera.camera_model import Floats
@@ -34,17 +36,34 @@ class Panel(World):
             self._add(name, int(x), int(y), rng)
 
     def _decorate(self, rng: np.random.Generator) -> None:
-        """Draw what is no object: an edge, bolts, and lines of text."""
+        """Draw what is no object: an edge, labels, bolts, and frames around groups of parts."""
         width, height = _PANEL
         cv2.rectangle(self._drawing, (0, 0), (width - 1, height - 1), rng.integers(20, 120, 3).tolist(), 8)
-        for _ in range(rng.integers(0, 14)):
-            x, y = int(rng.integers(30, width - 150)), int(rng.integers(30, height - 30))
+        for _ in range(rng.integers(0, 16)):
+            place = int(rng.integers(30, width - 60)), int(rng.integers(30, height - 30))
             ink = rng.integers(0, 255, 3).tolist()
-            if rng.random() < 0.5:
-                text = "".join(chr(code) for code in rng.integers(48, 91, rng.integers(2, 8)))
-                cv2.putText(self._drawing, text, (x, y), 0, rng.uniform(0.5, 1.0), ink, 2, cv2.LINE_AA)
+            kind = rng.choice(["label", "bolt", "frame"], p=[0.6, 0.25, 0.15])
+            if kind == "label":
+                self._write_label(place, ink, rng)
+            elif kind == "bolt":
+                radius = int(rng.integers(3, 8))
+                cv2.circle(self._drawing, place, radius, ink, -1, cv2.LINE_AA)
+                cv2.circle(self._drawing, place, radius, (30, 30, 30), 1, cv2.LINE_AA)
             else:
-                cv2.circle(self._drawing, (x, y), int(rng.integers(3, 8)), ink, -1)
+                corner = place[0] + int(rng.integers(60, 400)), place[1] + int(rng.integers(60, 300))
+                cv2.rectangle(self._drawing, place, corner, ink, int(rng.integers(1, 5)), cv2.LINE_AA)
+
+    def _write_label(self, place: tuple[int, int], ink: Sequence[int], rng: np.random.Generator) -> None:
+        """Write letters and digits, on a sticker or on the panel."""
+        text = "".join(chr(code) for code in rng.integers(48, 91, rng.integers(1, 13)))
+        font, scale, thick = int(rng.integers(0, 5)), rng.uniform(0.3, 1.2), int(rng.integers(1, 4))
+        (width, height), below = cv2.getTextSize(text, font, scale, thick)
+        if rng.random() < 0.3:
+            margin = int(rng.integers(3, 10))
+            top, bottom = place[1] - height - margin, place[1] + below + margin
+            sticker = rng.integers(60, 255, 3).tolist()
+            cv2.rectangle(self._drawing, (place[0] - margin, top), (place[0] + width + margin, bottom), sticker, -1)
+        cv2.putText(self._drawing, text, place, font, scale, ink, thick, cv2.LINE_AA)
 
     def _add(self, name: str, x: int, y: int, rng: np.random.Generator) -> None:
         """Add a part, turned at random, if it has enough space."""
