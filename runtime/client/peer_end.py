@@ -16,6 +16,7 @@ from roverlink.runtime.client.signatures import Signatures
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.registry import EndName, Registry, load_registry
 from roverlink.runtime.net import udp
+from roverlink.runtime.net.traffic_class import TrafficClass, mark
 from roverlink.runtime.ros_arguments import parameters
 
 if TYPE_CHECKING:
@@ -200,4 +201,5 @@ class PeerEnd(ABC):
         if address == _EVERY_ADDRESS and ":" in self._remote[0]:
             address = "::"
         self._socket = udp.bind(address, port, _RECEIVE_BUFFER)
+        mark(self._socket, TrafficClass.COMMANDS)
         return self._socket

@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.net.hosts import SocketAddress, family_of, is_multicast, text_of
+from roverlink.runtime.net.traffic_class import TrafficClass, mark
 
 _UDP_SEGMENT = 103  # linux/udp.h
 
@@ -126,6 +127,8 @@ class _Way:
         if family not in self._pairs:
             # Both made now: switching between them is then one assignment, which is safe while other threads send.
             pair = socket.socket(family, socket.SOCK_DGRAM), socket.socket(family, socket.SOCK_DGRAM)
+            for sock in pair:
+                mark(sock, TrafficClass.COMMANDS)
             self._pairs[family] = pair
             self._can_segment = _can_segment(pair[0])
         connected, unconnected = self._pairs[family]
