@@ -11,7 +11,7 @@ SOAK_FAULTS := $(addprefix --scenario ,reboot old-schema malformed padded lossy)
 FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime vision roverlink bench tests docs
 
-.PHONY: help demo test test-slow test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision pictures generate docs docs-reference clean
+.PHONY: help demo test test-slow test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision bench-video pictures generate docs docs-reference clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -26,7 +26,7 @@ test-slow: $(VENV)/ready-dev  ## the tests that take minutes
 	$(BIN)/pytest -n auto --dist worksteal -m slow
 
 test-vision: $(VENV)/ready-dev  ## the tests of the camera programs; OPENCV=4.8 with that version of OpenCV
-	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py tests/cli/test_aruco_calibrate.py tests/cli/test_objects_*.py
+	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py tests/cli/test_aruco_calibrate.py tests/cli/test_objects_*.py tests/cli/test_video.py
 
 test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2=jazzy for one of them
 	$(PYTHON) tests/ros2/run.py $(ROS2)
@@ -68,7 +68,10 @@ bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise
 bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on rendered frames, beside OpenCV (OPENCV=4.8: that version)
 	$(BIN)/python -m bench.vision
 
-pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md, docs/calibration.md and docs/operations.md (with Chromium), and the recording for the first
+bench-video: $(VENV)/ready-bench-video  ## video on loopback and on bad links, beside GStreamer, which has to be installed
+	$(BIN)/python -m bench.video
+
+pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md, docs/objects.md, docs/calibration.md and docs/operations.md (with Chromium), and the recording for the first
 	$(BIN)/python -m bench.vision.pictures
 	$(BIN)/python -m bench.vision.page_pictures
 	$(BIN)/python -m bench.link_page_pictures
@@ -96,8 +99,8 @@ $(VENV)/bin/python:
 # What each environment needs, and its size on the disk in megabytes.
 $(VENV)/ready: EXTRAS = standard
 $(VENV)/ready: SIZE = 200
-$(VENV)/ready-demo: EXTRAS = standard,detect
-$(VENV)/ready-demo: SIZE = 650
+$(VENV)/ready-demo: EXTRAS = standard,detect,video
+$(VENV)/ready-demo: SIZE = 750
 $(VENV)/ready-dev: EXTRAS = dev
 $(VENV)/ready-dev: SIZE = 1700
 $(VENV)/ready-docs: EXTRAS = docs
@@ -108,6 +111,8 @@ $(VENV)/ready-bench: EXTRAS = bench
 $(VENV)/ready-bench: SIZE = 450
 $(VENV)/ready-bench-vision: EXTRAS = detect,bench
 $(VENV)/ready-bench-vision: SIZE = 850
+$(VENV)/ready-bench-video: EXTRAS = video,bench
+$(VENV)/ready-bench-video: SIZE = 750
 
 $(VENV)/ready-dist: | $(VENV)/bin/python
 	@echo "installing build in $(VENV)"
@@ -115,7 +120,7 @@ $(VENV)/ready-dist: | $(VENV)/bin/python
 	@touch $@
 
 # Not --quiet: pip shows the progress of each download.
-$(addprefix $(VENV)/,ready ready-demo ready-dev ready-docs ready-fuzz ready-bench ready-bench-vision): pyproject.toml | $(VENV)/bin/python
+$(addprefix $(VENV)/,ready ready-demo ready-dev ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml | $(VENV)/bin/python
 	@echo "installing roverlink with [$(EXTRAS)] in $(VENV): about $(SIZE) MB on the disk; the first time, this can take minutes"
 	@$(BIN)/python -m pip install --disable-pip-version-check --editable '.[$(EXTRAS)]' $(OPENCV_PIN)
 	@touch $@

@@ -39,6 +39,7 @@ COMMANDS = (
     "aruco",
     "rocks",
     "objects",
+    "video",
     "demo",
 )
 """Names of all commands, in the order in which ``roverlink --help`` lists them."""

@@ -21,6 +21,7 @@ _UNUSED = frozenset({"start_type_description_service"})
 _TYPES = {
     ParameterValue.STRING: (str, "a text (in quotes if it looks like a number)"),
     ParameterValue.DOUBLE: (float, "a number, such as 0.15"),
+    ParameterValue.INTEGER: (int, "a whole number, such as 4500"),
     ParameterValue.BOOL: (bool, "true or false"),
 }
 

@@ -20,6 +20,7 @@ _SHARED_NAMES = {
     "reader",  # of the table, of a recording
     "board",  # the command, and what it prints
     "track",  # the commands: of markers, and of objects
+    "send",  # the commands: of a datagram, and of video
     "measure",  # the commands: of rocks, and of detectors
 }
 LINKED = ("generator", "runtime", "vision")

@@ -15,12 +15,13 @@ _ROOT = Path(__file__).parents[1]
     ("environment", "extras"),
     [
         ("ready", "standard"),
-        ("ready-demo", "standard,detect"),
+        ("ready-demo", "standard,detect,video"),
         ("ready-dev", "dev"),
         ("ready-docs", "docs"),
         ("ready-fuzz", "fuzz"),
         ("ready-bench", "bench"),
         ("ready-bench-vision", "detect,bench"),
+        ("ready-bench-video", "video,bench"),
     ],
 )
 def test_make_says_what_it_installs_where_and_how_much(environment: str, extras: str, tmp_path: Path) -> None:

@@ -21,6 +21,8 @@ COMPUTER = socket.gethostname()
 """Name of this computer."""
 EVENT_STREAM = "text/event-stream"
 """Type of an answer without end: server-sent events."""
+IMAGE_STREAM = "multipart/x-mixed-replace; boundary=image"
+"""Type of an answer without end: images, each of which replaces the one before."""
 _FILES = {"/": "index.html", "/page.css": "page.css", "/page.js": "page.js"}
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 # Content Security Policy: nothing is loaded from elsewhere, and no other page may frame this one (clickjacking).
@@ -152,7 +154,7 @@ class PageHandler(BaseHTTPRequestHandler):
         if answer.status != HTTPStatus.NO_CONTENT:
             charset = "; charset=utf-8" if answer.type.startswith("text/") else ""
             self.send_header("Content-Type", answer.type + charset)
-            if answer.type != EVENT_STREAM:
+            if answer.type not in (EVENT_STREAM, IMAGE_STREAM):
                 self.send_header("Content-Length", str(len(answer.body)))
         self.send_header("Cache-Control", "no-store")
         self.send_header("X-Content-Type-Options", "nosniff")

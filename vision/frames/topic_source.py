@@ -20,18 +20,22 @@ from roverlink.vision.ros.image_messages import IMAGES, read_image
 class TopicSource:
     """Topic with images as a source of frames, which are grey or BGR. An iteration yields the newest image.
 
-    All frames have the size of the first one.
+    All frames have the size of the first one, unless any size is wanted.
     """
 
     live = True
     total: int | None = None
     rate = RATE
 
-    def __init__(self, middleware: Middleware, topic: str, say: Say, clock: Clock = SYSTEM_CLOCK) -> None:
+    def __init__(
+        self, middleware: Middleware, topic: str, say: Say, clock: Clock = SYSTEM_CLOCK, *, any_size: bool = False
+    ) -> None:
         """Begin to receive a fully qualified topic; `say` is called with messages for the user.
 
         Images without a stamp get the time of `clock`. The topic needs no publisher yet: the iteration waits for one.
+        With `any_size`, the size of the images may change.
         """
+        self._any_size = any_size
         self.name = topic
         self._middleware, self._say = middleware, say
         self._sets = TopicSets(middleware, [topic], say, types=IMAGES, clock=clock)
@@ -42,8 +46,8 @@ class TopicSource:
     def __iter__(self) -> Iterator[Frame]:
         """Yield the newest frame, then wait for a newer one, and so on. No frame is yielded twice.
 
-        Images that are damaged, are no pictures or have another size are ignored. Raises `MiddlewareError` if the topic
-        has messages of another type.
+        Images that are damaged, are no pictures or have an unwanted size are ignored. Raises `MiddlewareError` if the
+        topic has messages of another type.
         """
         for number, (arrived,) in self._sets.arrivals():
             try:
@@ -82,7 +86,7 @@ class TopicSource:
         picture = image.picture()
         if self._size is None:
             self._size = size_of(picture)
-        elif size_of(picture) != self._size:
+        elif size_of(picture) != self._size and not self._any_size:
             # The camera's parameters are those of the first size.
             sizes = "{}x{} to {}x{}".format(*self._size, *size_of(picture))
             raise ConversionError(f"the image size has changed from {sizes} pixels; start the program again")

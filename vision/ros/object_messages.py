@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from roverlink.runtime.interfaces import geometry_msgs, vision_msgs
-from roverlink.vision.objects.detected_objects import TrackedObject
+from roverlink.vision.objects.detected_objects import Box, TrackedObject
 from roverlink.vision.objects.location import Location
 from roverlink.vision.ros.headers import header_of
 
@@ -31,6 +31,21 @@ def detections_2d_of(objects: Sequence[TrackedObject], stamp: int, frame: str) -
         hypothesis = vision_msgs.ObjectHypothesisWithPose(_hypothesis(one))
         detections.append(vision_msgs.Detection2D(header, [hypothesis], bounds, str(one.id)))
     return vision_msgs.Detection2DArray(header, detections)
+
+
+def objects_of(message: vision_msgs.Detection2DArray) -> list[TrackedObject]:
+    """Return the objects in a message of `detections_2d_of`.
+
+    Detections of other programs, whose id is not a number, or which have no result, are left out.
+    """
+    found = []
+    for one in message.detections:
+        if one.id.isdecimal() and one.results:
+            centre, width, height = one.bbox.center.position, one.bbox.size_x, one.bbox.size_y
+            best = one.results[0].hypothesis
+            box = Box(centre.x - width / 2, centre.y - height / 2, width, height)
+            found.append(TrackedObject(int(one.id), box, best.class_id, best.score))
+    return found
 
 
 def detections_3d_of(

@@ -1,0 +1,55 @@
+"""Quality of the link to a computer, as the running bridge publishes it on ``/diagnostics``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from roverlink.heard_bridges import HeardBridges
+from roverlink.runtime.core.errors import MiddlewareError
+from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
+from roverlink.runtime.middleware import Middleware
+from roverlink.runtime.monitoring import diagnostic_array
+
+
+class LinkQuality(NamedTuple):
+    """Quality of the link to one computer."""
+
+    loss: float
+    """Part of the datagrams to it that were lost recently, from 0 to 1."""
+    round_trip: float | None
+    """Time in seconds to it and back; None if it is unknown."""
+
+
+class LinkQualities:
+    """Qualities of the links of all bridges that are heard, by the IP address of the other computer."""
+
+    def __init__(self, middleware: Middleware, heard: Callable[[], None], say: Callable[[str], None]) -> None:
+        """Listen; `heard` is called, on another thread, after each message of a bridge.
+
+        `say` is called with a message if ROS 2 has no message type for it.
+        """
+        self._bridges, self._heard = HeardBridges(), heard
+        self._by_address: dict[str, LinkQuality] = {}
+        try:
+            middleware.subscribe(diagnostic_array.TOPIC, DiagnosticArray, diagnostic_array.QOS, self._take)
+        except MiddlewareError as error:
+            say(f"the quality of the link is not received: {error}")
+
+    def of(self, address: str) -> LinkQuality | None:
+        """Return the quality of the link to an IP address; None if no bridge measures it."""
+        return self._by_address.get(address)
+
+    def _take(self, messages: Sequence[bytes]) -> None:
+        for message in messages:
+            page = self._bridges.take(message)
+            if page is None:
+                continue
+            losses = {link["name"]: link for link in page["links"] if "loss_out" in link}
+            for end in page["ends"]:
+                if (link := losses.get(end["name"])) is None:
+                    continue
+                for address in str(end.get("address", "")).split(", "):
+                    host = address.rpartition(":")[0].strip("[]")
+                    self._by_address[host] = LinkQuality(link["loss_out"], link.get("round_trip"))
+        self._heard()

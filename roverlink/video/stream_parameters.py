@@ -1,0 +1,85 @@
+"""Parameters of ``roverlink video send``: those of each stream, which ROS 2 can read and change."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from roverlink.camera_source import image_size
+from roverlink.declared_parameters import DeclaredParameters
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.interfaces.rcl_interfaces import ParameterValue
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
+from roverlink.vision.video.stream_settings import OVERLAYS, StreamSettings
+
+Streams = tuple[StreamSettings, ...]
+
+_DESCRIPTIONS = {
+    "running": (ParameterValue.BOOL, "false to send nothing, and to close the camera"),
+    "source": (ParameterValue.STRING, "camera, topic:NAME, video file, folder of images, or URL"),
+    "host": (ParameterValue.STRING, "name or address of the receiver's computer"),
+    "port": (ParameterValue.INTEGER, "UDP port of the receiver"),
+    "size": (ParameterValue.STRING, "size of the sent images, such as 640x480; empty for that of the source"),
+    "rate": (ParameterValue.DOUBLE, "most images a second"),
+    "bitrate": (ParameterValue.DOUBLE, "most kbit/s"),
+    "min_bitrate": (ParameterValue.DOUBLE, "kbit/s below which congestion does not press the stream"),
+    "overlay": (ParameterValue.STRING, f"what is drawn into the images, with commas: {', '.join(OVERLAYS)}"),
+    "pipeline": (ParameterValue.STRING, "pipeline of GStreamer, or the name of one; empty for the own encoder"),
+}
+
+
+class StreamParameters(DeclaredParameters[Streams]):
+    """Parameters of the node: ``NAME.KEY`` for each stream and each of its keys."""
+
+    def __init__(
+        self,
+        streams: Sequence[StreamSettings],
+        ros: RosArguments,
+        changed: Callable[[Streams], None],
+        logger: logging.Logger,
+    ) -> None:
+        """Read the first values; `changed` is called with all streams after each change.
+
+        Raises `SetupError` if a value is wrong.
+        """
+        self._changed = changed
+        descriptions = {
+            f"{stream.name}.{key}": description for stream in streams for key, description in _DESCRIPTIONS.items()
+        }
+        options = {f"{stream.name}.{key}": _value(stream, key) for stream in streams for key in _DESCRIPTIONS}
+
+        def read(values: Mapping[str, Any]) -> Streams:
+            return tuple(_read(stream, values) for stream in streams)
+
+        super().__init__(descriptions, options, ros, read, logger)
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Change parameters, and with them the streams. Raises `SetupError` if that is not possible."""
+        super().change(changes)
+        self._changed(self.meaning)
+
+
+def _value(stream: StreamSettings, key: str) -> Any:
+    value = getattr(stream, key)
+    if key == "size":
+        return "{}x{}".format(*value) if value else ""
+    if key == "overlay":
+        return ",".join(value)
+    return value
+
+
+def _read(stream: StreamSettings, values: Mapping[str, Any]) -> StreamSettings:
+    """Return the settings of a stream with the values of its parameters."""
+    given = {key: values[f"{stream.name}.{key}"] for key in _DESCRIPTIONS}
+    try:
+        size = image_size(given["size"]) if given["size"] else None
+    except argparse.ArgumentTypeError as error:
+        raise SetupError(f"the parameter '{stream.name}.size' is wrong: {error}") from error
+    overlay = tuple(one.strip() for one in given["overlay"].split(",") if one.strip())
+    try:
+        return replace(stream, **{**given, "size": size, "overlay": overlay})
+    except SetupError as error:
+        raise SetupError(f"stream {stream.name}: {error}") from error

@@ -1,0 +1,276 @@
+"""``roverlink video``: from cameras to the basestation's page, files and topics, and what is said about mistakes."""
+
+from __future__ import annotations
+
+import json
+import socket
+import urllib.request
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from needs import NO_AV, NO_OPENCV, needs_dds
+from polling import wait_until
+from programs import Program, Start
+
+from roverlink.__main__ import main
+from roverlink.runtime import Qos
+from roverlink.runtime.core import cdr
+from roverlink.runtime.interfaces import sensor_msgs
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
+
+cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
+np = pytest.importorskip("numpy", reason=NO_OPENCV)
+av = pytest.importorskip("av", reason=NO_AV)
+
+from roverlink.vision.ros.headers import stamp_of  # noqa: E402  # they need OpenCV
+from tests.vision.browsing import visiting  # noqa: E402
+from tests.vision.ros_images import image  # noqa: E402
+
+_SEND, _RECEIVE = ("video", "send"), ("video", "receive")
+_ALONE = ("--middleware", "none")
+
+
+@pytest.fixture
+def images(tmp_path: Path) -> Path:
+    """A folder with ten images of 321x241: each is a brighter grey than the one before."""
+    folder = tmp_path / "images"
+    folder.mkdir()
+    for number in range(10):
+        cv2.imwrite(str(folder / f"{number}.png"), np.full((241, 321, 3), 20 + 20 * number, np.uint8))
+    return folder
+
+
+@pytest.fixture
+def port() -> int:
+    """A free UDP port."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        return int(sock.getsockname()[1])
+
+
+def _states(program: Program) -> list[dict[str, Any]]:
+    return [json.loads(line)["streams"][0] for line in list(program.output)]
+
+
+def _when(program: Program, condition: Callable[[dict[str, Any]], object], what: str) -> dict[str, Any]:
+    """Wait until the program has printed a state with a condition, and return it."""
+    return wait_until(lambda: next(filter(condition, _states(program)), None), what) or {}
+
+
+def test_images_arrive_and_are_saved(start: Start, images: Path, port: int, tmp_path: Path) -> None:
+    """The receiver tells where they come from, and counts; the file can be played, and its images have even sides."""
+    receiver = start(*_RECEIVE, f"front={port}", "--json", "--save", tmp_path / "today", "--page", "0")
+    receiver.wait_for("page: http://127.0.0.1:")
+    sender = start(*_SEND, images, "--port", port, "--loop", "--overlay", "time", *_ALONE)
+    state = _when(receiver, lambda one: one["rate"] > 10, "images")
+    assert state | {"name": "front", "port": port, "size": [320, 240], "stale": False} == state
+    assert 0 <= state["latency"] < 60
+    receiver.wait_for("front: images come from 127.0.0.1:")
+    assert sender.interrupt() == 0
+    receiver.wait_for("front: no image for a second")
+    assert receiver.interrupt() == 0
+    with av.open(str(tmp_path / "today" / "front.mkv")) as container:
+        frames = list(container.decode(video=0))
+    assert len(frames) > 10
+    assert (frames[0].width, frames[0].height) == (320, 240)
+
+
+def test_a_recording_that_ends_ends_the_sender(images: Path, port: int) -> None:
+    """Without --loop."""
+    assert main([*_SEND, str(images), "--port", str(port), "--rate", "60", *_ALONE]) == 0
+
+
+def test_the_page_shows_all_streams(start: Start, images: Path, port: int) -> None:
+    """The newest image of each; a stream that has ended is marked as stale, and one that never came says its port."""
+    receiver = start(*_RECEIVE, f"front={port}", "arm=0", "--page", "0")
+    url = receiver.wait_for("page: ").rpartition("page: ")[2]
+    sender = start(*_SEND, images, "--port", port, "--loop", *_ALONE)
+    with visiting() as visitor:
+        visitor.open(url)
+        front, arm = (f'section[aria-label="{name}"]' for name in ("front", "arm"))
+        visitor.until(lambda: visitor.count(front) and "images/s" in visitor.text(front))
+        visitor.until(lambda: visitor.run(f"return document.querySelector('{front} img').naturalWidth") == 320)
+        assert not visitor.shown(f"{front} .age")
+        assert "no image yet on UDP port" in visitor.text(f"{arm} .age")
+        sender.interrupt()
+        visitor.until(lambda: visitor.shown(f"{front} .age") and "STALE: last image" in visitor.text(f"{front} .age"))
+        assert visitor.complaints() == []
+        receiver.interrupt()
+        visitor.until(lambda: "NO CONNECTION" in visitor.text("#connection"))
+
+
+def test_other_sites_do_not_see_the_images(start: Start, port: int) -> None:
+    """A page of another site may not embed them; and nobody gets a stream that does not exist."""
+    receiver = start(*_RECEIVE, f"front={port}", "--page", "0")
+    url = receiver.wait_for("page: ").rpartition("page: ")[2]
+    for path, headers, status in (
+        ("video/front", {"Sec-Fetch-Site": "cross-site"}, 403),
+        ("video/front", {"Host": "evil.example"}, 403),
+        ("video/arm", {}, 404),
+    ):
+        request = urllib.request.Request(url + path, headers=headers)
+        with pytest.raises(urllib.error.HTTPError) as caught:
+            urllib.request.urlopen(request, timeout=30)
+        assert caught.value.code == status
+
+
+@needs_dds
+def test_images_of_a_topic_come_out_of_a_topic(
+    start: Start, port: int, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A sender on one topic, a receiver on another; the stamps are those of the camera. The size may change."""
+    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.setenv(name, environment[name])
+    receiver = start(*_RECEIVE, f"front={port}", "--topic", "--middleware", "dds", "--no-page")
+    start(*_SEND, "topic:/camera", "--port", port, "--middleware", "dds")
+    arrived: list[sensor_msgs.CompressedImage] = []
+    with open_middleware("dds", NodeIdentity("camera")) as node:
+        node.subscribe(
+            "/video/front/compressed",
+            sensor_msgs.CompressedImage,
+            Qos(),
+            lambda messages: arrived.extend(cdr.decode(sensor_msgs.CompressedImage, one) for one in messages),
+        )
+        camera = node.publisher("/camera", sensor_msgs.Image, Qos())
+        stamp = 7_000_000_000
+        for grey, (width, height) in ((70, (64, 48)), (90, (96, 64))):
+            pixels = np.full((height, width, 3), grey, np.uint8)
+            arrived.clear()
+
+            def shown(shape: tuple[int, int] = (height, width), pixels: Any = pixels) -> Any:
+                nonlocal stamp
+                stamp += 40_000_000
+                camera.publish([cdr.encode(image(pixels, stamp=stamp))])
+                return next((one for one in list(arrived) if _pixels(one).shape[:2] == shape), None)
+
+            found = wait_until(shown, "the image on its topic")
+            assert 7_000_000_000 < stamp_of(found.header) <= stamp
+            assert stamp_of(found.header) % 40_000_000 == 0
+            assert found.header.frame_id == "front_optical_frame"
+            assert abs(int(_pixels(found)[5, 5, 0]) - grey) < 6
+    receiver.interrupt()
+
+
+def _pixels(message: sensor_msgs.CompressedImage) -> Any:
+    return cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR)
+
+
+_FILE = "host: 127.0.0.1\nstreams:\n  front: {source: images, port: 4500}\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["nothing.mp4"], "no file or folder 'nothing.mp4'"),
+        (["7"], "cannot open camera 7; check that it exists"),
+        (["images", "--host", "nowhere.invalid"], "the destination 'nowhere.invalid' does not resolve"),
+        (["images", "--size", "641x480"], "the size is 641x480; width and height must be even"),
+        (["images", "--overlay", "tim"], "unknown overlay 'tim'; did you mean 'time'?"),
+        (["images", "--overlay", "link"], "the overlays 'objects' and 'link' come from ROS 2"),
+        (["images", "--bitrate", "5"], "the bitrate is 5 and the least one 150 kbit/s; both must be from 10"),
+        (["images", "--pipeline", "x264enc $speed"], "the pipeline has a wrong placeholder ('speed'); known are $host"),
+        (
+            ["video.yaml", "--size", "64x48"],
+            "--size has no effect with a file of streams; write 'size' into video.yaml",
+        ),
+        (["images", "--ros-args", "-p", "video.bitrat:=1"], "unknown parameter 'video.bitrat'; did you mean"),
+        (
+            ["images", "--ros-args", "-p", "video.size:=big"],
+            "the parameter 'video.size' is wrong: 'big' is not an image",
+        ),
+        (["images", "--ros-args", "-p", "video.rate:=0"], "stream video: the rate is 0; it must be from 0.1 to 240"),
+    ],
+)
+def test_mistakes_are_told(
+    images: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], text: str
+) -> None:
+    """In one line, with exit code 2."""
+    monkeypatch.chdir(images.parent)
+    if "--pipeline" in words:
+        _needs_gstreamer()
+    Path("video.yaml").write_text(_FILE)
+    own, _, ros = " ".join(words).partition(" --ros-args") if "--ros-args" in words else ("", "", "")
+    given = [*own.split(), *_ALONE, "--ros-args", *ros.split()] if own else [*words, *_ALONE]
+    assert main([*_SEND, *given]) == 2
+    error = capsys.readouterr().err
+    assert text in error
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("streams: {}", "no streams found under the key 'streams'"),
+        ("streams: {front: {port: 1}}", "video.yaml:1:18: stream front has no source; add 'source: topic:/camera"),
+        ("streams: {front: {source: images}}", "stream front: there is no host; name the basestation's address"),
+        ("host: a\nstreams: {Front: {source: images}}", "the name 'Front' becomes a part of topics"),
+        ("host: a\nstreams: {f: {source: x, prt: 1}}", "stream f has an unknown key 'prt'; did you mean 'port'?"),
+        ("host: a\nstreams: {f: {source: x, port: x}}", "stream f: port is x; it must be a whole number"),
+        ("host: a\nstreams: {f: {source: x}, g: {source: y}}", "stream g and stream f have the same port 4500"),
+        ("host: a\nstreams: {f: {source: x, overlay: time}}", "stream f: overlay is time; it must be a list"),
+        ("host: a\nstreams: {f: {source: x, running: 3}}", "stream f: running is 3; it must be true or false"),
+        (
+            "host: a\nstreams: {f: {source: x, size: [1, 2, 3]}}",
+            "stream f: size is a list of 3; it must be a list of 2",
+        ),
+    ],
+)
+def test_mistakes_in_the_file_have_their_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], text: str, message: str
+) -> None:
+    """File, line and column."""
+    monkeypatch.chdir(tmp_path)
+    Path("video.yaml").write_text(text)
+    assert main([*_SEND, "video.yaml", *_ALONE]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.startswith("roverlink: video.yaml:")
+
+
+def test_the_receiver_tells_mistakes(port: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A port in use, streams with one name, a folder that cannot be, and options without effect."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("", port))
+        assert main([*_RECEIVE, str(port), "--no-page"]) == 2
+    (tmp_path / "file").write_text("")
+    assert main([*_RECEIVE, f"a={port}", f"b={port}"]) == 2
+    assert main([*_RECEIVE, str(port), "--no-page", "--save", str(tmp_path / "file")]) == 2
+    assert main([*_RECEIVE, str(port), "--mp4"]) == 2
+    assert main([*_RECEIVE, str(port), "--topic", *_ALONE]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.partition(": ")[2][:40] for line in lines] == [
+        text[:40]
+        for text in (
+            f"UDP port {port} on 0.0.0.0 is in use by another program; stop",
+            f"the streams a={port} and b={port} must have different names",
+            f"{tmp_path / 'file'}: cannot make the folder: File exists",
+            "--mp4 has no effect without --save FOLDER",
+            "--topic needs ROS 2; leave --middleware none out",
+        )
+    ]
+
+
+def test_a_camera_that_is_missing_does_not_stop_the_others(start: Start, images: Path, port: int) -> None:
+    """It is tried again and again; an address that the network refuses is told, too, and the rest goes on."""
+    streams = {
+        "front": {"source": "images", "port": port},
+        "arm": {"source": 7, "port": port},
+        "mast": {"source": "images", "host": "255.255.255.255"},
+    }
+    streams["arm"]["host"] = "127.0.0.2"
+    (images.parent / "video.yaml").write_text(json.dumps({"host": "127.0.0.1", "streams": streams}))
+    receiver = start(*_RECEIVE, f"front={port}", "--json", "--no-page")
+    sender = start(*_SEND, images.parent / "video.yaml", "--loop", *_ALONE)
+    sender.wait_for("arm: cannot open camera 7; check that it exists, and that no other program uses it; trying again")
+    sender.wait_for("mast: cannot send to 255.255.255.255:4500: Permission denied; check the address and the network")
+    _when(receiver, lambda one: one["rate"] > 10, "images")
+    assert sender.interrupt() == 0
+
+
+def _needs_gstreamer() -> None:
+    import shutil
+
+    if shutil.which("gst-launch-1.0") is None:
+        pytest.skip("need GStreamer (apt-get install gstreamer1.0-tools)")

@@ -1,0 +1,171 @@
+"""RTP, RTCP and H.264's NAL units: what is sent arrives, and what is missing or damaged is told."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from needs import NO_OPENCV
+
+pytest.importorskip("cv2", reason=NO_OPENCV)
+
+from roverlink.vision.video import h264, rtcp, rtp
+from roverlink.vision.video.reordering import WAIT_NS, Reordering
+
+_WORD, _SHORT = st.integers(0, 2**32 - 1), st.integers(0, 2**16 - 1)
+_NALS = st.lists(
+    st.builds(lambda kind, body: bytes([0x60 | kind]) + body + b"\x01", st.integers(1, 23), st.binary(max_size=300)),
+    min_size=1,
+    max_size=8,
+)
+
+
+@given(_NALS, _WORD, _WORD, st.booleans(), st.integers(0, 127))
+def test_a_packet_is_read_as_it_was_written(
+    nals: list[bytes], timestamp: int, ssrc: int, marker: bool, kind: int
+) -> None:
+    """All fields, and the payload."""
+    packet = rtp.RtpPacket(65_535, timestamp, ssrc, marker, nals[0], kind)
+    assert rtp.read_packet(packet.encode()) == packet
+
+
+def test_extensions_sources_and_padding_are_left_out() -> None:
+    """As RFC 3550 has them: two contributing sources, an extension of one word, three bytes of padding."""
+    packet = rtp.RtpPacket(7, 8, 9, True, b"payload").encode()
+    data = bytes([0x80 | 0x20 | 0x10 | 2]) + packet[1:12] + bytes(8) + b"\xbe\xde\x00\x01" + bytes(4) + b"payload\0\0\3"
+    found = rtp.read_packet(data)
+    assert found is not None
+    assert found.payload == b"payload"
+
+
+@given(st.binary(max_size=100))
+def test_any_bytes_can_be_read(data: bytes) -> None:
+    """A port is open to everybody."""
+    list(rtcp.read_reports(data))
+    h264.stamp_of([data])
+    if (packet := rtp.read_packet(data)) is not None:
+        list(rtp.Depacketizer().add(packet, 0))
+
+
+@given(_NALS, st.integers(20, 400))
+def test_an_access_unit_arrives_as_it_was_sent(nals: list[bytes], largest: int) -> None:
+    """However its NAL units are grouped or divided, and no packet is too long."""
+    parts = rtp.payloads(nals, largest)
+    assert max(map(len, parts)) <= largest
+    assert _received(parts) == [rtp.AccessUnit(nals, 3000, True)]
+
+
+@given(_NALS, st.integers(20, 100), st.data())
+def test_a_unit_with_a_missing_packet_is_not_complete(nals: list[bytes], largest: int, data: st.DataObject) -> None:
+    """Its NAL units are those that were sent, without those to which the packet belongs; the next unit is unhurt."""
+    parts = rtp.payloads(nals, largest)
+    lost = data.draw(st.integers(0, len(parts) - 1))
+    units, depacketizer = [], rtp.Depacketizer()
+    skipped = 0
+    for index, part in enumerate([*parts, b"\x41next", b"\x41last"]):
+        if index == lost:
+            skipped = 1
+            continue
+        timestamp = 3000 * (1 + max(index - len(parts) + 1, 0))
+        packet = rtp.RtpPacket(index, timestamp, 1, index >= len(parts) - 1, part)
+        units += depacketizer.add(packet, skipped)
+        skipped = 0
+    assert units[-1] == rtp.AccessUnit([b"\x41last"], 9000, True)
+    assert not all(unit.complete for unit in units)
+    assert all(nal in [*nals, b"\x41next", b"\x41last"] for unit in units for nal in unit.nals)
+
+
+def _received(parts: Sequence[bytes]) -> list[rtp.AccessUnit]:
+    depacketizer = rtp.Depacketizer()
+    packets = [rtp.RtpPacket(index, 3000, 1, index == len(parts) - 1, part) for index, part in enumerate(parts)]
+    return [unit for packet in packets for unit in depacketizer.add(packet, 0)]
+
+
+@given(_NALS)
+def test_a_byte_stream_is_divided_into_its_nal_units(nals: list[bytes]) -> None:
+    """Start codes have three or four bytes; NAL units never contain one."""
+    clean = [nal.replace(b"\x00\x00", b"\x00\x07") for nal in nals]
+    assert h264.nal_units(h264.byte_stream(clean)) == clean
+    assert h264.nal_units(b"".join(b"\x00\x00\x01" + nal for nal in clean)) == clean
+
+
+@given(st.integers(0, 2**64 - 1))
+def test_the_time_of_an_image_arrives(stamp: int) -> None:
+    """Any time, also one with bytes that look like a start code; it is before the slices."""
+    nals = h264.with_stamp([b"\x67sps", b"\x65slice"], stamp)
+    assert h264.stamp_of(nals) == stamp
+    assert [h264.nal_type(nal) for nal in nals] == [h264.NalType.SPS, h264.NalType.SEI, h264.NalType.KEY_SLICE]
+    assert h264.nal_units(h264.byte_stream(nals)) == nals
+    assert h264.stamp_of([b"\x65slice"]) is None
+
+
+@given(_WORD, _WORD, st.integers(0, 255), st.integers(-(2**23) + 1, 2**23 - 1), _WORD, _WORD)
+def test_reports_are_read_as_they_were_written(
+    ssrc: int, source: int, fraction: int, lost: int, one: int, other: int
+) -> None:
+    """Reports of senders and receivers, and requests for key frames, also in one datagram."""
+    reports = [
+        rtcp.SenderReport(ssrc, one << 32 | other, one, other, source),
+        rtcp.ReceiverReport(ssrc, source, fraction / 256, lost, one, other, one, other),
+        rtcp.PictureLoss(ssrc, source),
+    ]
+    data = b"".join(report.encode() for report in reports)
+    assert rtcp.is_rtcp(data)
+    assert list(rtcp.read_reports(data)) == reports
+
+
+@given(st.sets(st.integers(0, 400), min_size=1), _SHORT)
+def test_requests_name_exactly_the_missing_packets(numbers: set[int], first: int) -> None:
+    """Also where the sequence numbers begin again at 0."""
+    wanted = tuple((first + number) & 0xFFFF for number in sorted(numbers))
+    (report,) = rtcp.read_reports(rtcp.Missing(1, 2, wanted).encode())
+    assert report == rtcp.Missing(1, 2, wanted)
+
+
+def test_packets_are_no_reports() -> None:
+    """Of all payload types that video has."""
+    assert not any(rtcp.is_rtcp(rtp.RtpPacket(1, 2, 3, marker, b"x" * 8).encode()) for marker in (False, True))
+
+
+@given(st.permutations(range(12)), st.integers(0, 2**16 - 1), st.sets(st.integers(0, 11)))
+def test_packets_leave_in_their_order(order: list[int], first: int, twice: set[int]) -> None:
+    """Whatever the order of their arrival, and if some come twice; nothing counts as lost."""
+    reordering, out = Reordering(), []
+    start = _packet(first - 1)
+    out += reordering.add(start, 0)
+    for number in order:
+        for _ in range(1 + (number in twice)):
+            out += reordering.add(_packet(first + number), 0)
+    assert out == [(start, 0), *((_packet(first + number), 0) for number in range(12))]
+    assert reordering.arrivals.received == 13
+    assert reordering.arrivals.lost == 0
+
+
+def test_a_missing_packet_is_waited_for_and_requested() -> None:
+    """Three times, and at most for 50 ms; then the packets after it leave, and it is lost."""
+    reordering = Reordering()
+    list(reordering.add(_packet(65_534), 0))
+    assert list(reordering.add(_packet(1), 0)) == []
+    assert reordering.wanted(0) == [65_535, 0]
+    assert reordering.wanted(1_000_000) == []
+    assert list(reordering.add(_packet(0), 2_000_000)) == []
+    assert reordering.arrivals.repaired == 1
+    assert [bool(reordering.wanted(now)) for now in (16_000_000, 31_000_000, 46_000_000)] == [True, True, False]
+    assert list(reordering.due(WAIT_NS - 1)) == []
+    assert list(reordering.due(WAIT_NS)) == [(_packet(0), 1), (_packet(1), 0)]
+    assert reordering.arrivals.lost == 1
+    assert list(reordering.add(_packet(65_535), WAIT_NS)) == []
+
+
+def test_another_run_of_the_sender_begins_anew() -> None:
+    """It has another number, or its sequence numbers jump."""
+    reordering = Reordering()
+    for packet in (_packet(5), _packet(20_000), rtp.RtpPacket(7, 0, 2, False, b"x")):
+        assert list(reordering.add(packet, 0)) == [(packet, 0)]
+    assert reordering.arrivals.received == 1
+
+
+def _packet(number: int) -> rtp.RtpPacket:
+    return rtp.RtpPacket(number & 0xFFFF, 0, 1, False, b"x")

@@ -1,0 +1,295 @@
+"""Video from an encoder to a decoder over real sockets, with losses, restarts, and other sizes in mid-stream."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from needs import NO_AV, NO_OPENCV
+
+pytest.importorskip("cv2", reason=NO_OPENCV)
+np = pytest.importorskip("numpy", reason=NO_OPENCV)
+av = pytest.importorskip("av", reason=NO_AV)
+
+from bench.video.radio_link import RadioLink  # noqa: E402  # they need OpenCV and PyAV
+from roverlink.runtime.core.errors import SetupError  # noqa: E402
+from roverlink.vision.video import video_output  # noqa: E402
+from roverlink.vision.video.decoder import Decoder  # noqa: E402
+from roverlink.vision.video.encoder import Encoder, fitted  # noqa: E402
+from roverlink.vision.video.h264 import is_key_frame  # noqa: E402
+from roverlink.vision.video.packet_pacing import PacedLink  # noqa: E402
+from roverlink.vision.video.rate_control import Plan, RateControl  # noqa: E402
+from roverlink.vision.video.rtp_receiver import ReceivedUnit, RtpReceiver  # noqa: E402
+from roverlink.vision.video.stream_file import StreamFiles  # noqa: E402
+from roverlink.vision.video.stream_settings import StreamSettings  # noqa: E402
+from roverlink.vision.video.video_output import RtpOutput  # noqa: E402
+
+_HOST = "127.0.0.1"
+_BEGAN = 1_700_000_000_000_000_000
+_PERIOD = 33_333_333
+
+
+def _image(number: int, size: tuple[int, int] = (320, 240)) -> Any:
+    """An image with a bright bar that moves."""
+    image = np.full((size[1], size[0], 3), 60, np.uint8)
+    image[:, 4 * number % size[0] :][:, :40] = (40, 200, 120)
+    return image
+
+
+class _Receiving:
+    """Receiver on a thread, which keeps what arrives."""
+
+    def __init__(self, port: int = 0) -> None:
+        self.receiver = RtpReceiver(_HOST, port)
+        self.units: list[ReceivedUnit] = []
+        self._news = threading.Condition()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def wait_for(self, condition: Callable[[list[ReceivedUnit]], bool]) -> None:
+        """Wait until what has arrived fulfils a condition."""
+        with self._news:
+            assert self._news.wait_for(lambda: condition(self.units), 20)
+
+    def __enter__(self) -> _Receiving:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.receiver.close()
+        self._thread.join()
+        self.receiver.__exit__()
+
+    def _run(self) -> None:
+        for unit in self.receiver.units():
+            if unit is not None:
+                with self._news:
+                    self.units.append(unit)
+                    self._news.notify_all()
+
+
+@contextmanager
+def _sender(port: int, bitrate: float = 1000.0, link_rate: float = 1e8) -> Iterator[RtpOutput]:
+    settings = StreamSettings("front", "0", _HOST, port, bitrate=bitrate)
+    with PacedLink(link_rate) as link, RtpOutput(settings, (_HOST, port), link) as output:
+        yield output
+
+
+def _decoded(units: list[ReceivedUnit]) -> list[Any]:
+    decoder = Decoder()
+    return [image for unit in units if (image := decoder.decode(unit.nals)) is not None]
+
+
+def test_images_arrive_with_their_times() -> None:
+    """Each one at once, decoded nearly as it was, and with the time at which it was taken."""
+    with _Receiving() as receiving, _sender(receiving.receiver.port) as output:
+        for number in range(30):
+            output.put(_image(number), _BEGAN + number * _PERIOD)
+            receiving.wait_for(lambda units, wanted=number: len(units) > wanted)
+    units = receiving.units
+    assert [unit.stamp for unit in units] == [_BEGAN + number * _PERIOD for number in range(30)]
+    assert [unit.restarted for unit in units] == [True] + 29 * [False]
+    assert all(unit.intact for unit in units)
+    assert [round((unit.timestamp - units[0].timestamp) / 3000) for unit in units] == list(range(30))
+    images = _decoded(units)
+    assert len(images) == 30
+    for number, image in enumerate(images):
+        assert np.abs(image.astype(int) - _image(number)).mean() < 4
+    assert output.sent.images == 30
+
+
+def test_lost_packets_are_sent_again() -> None:
+    """A tenth of all packets is lost in both directions, and every image arrives intact."""
+    with ExitStack() as stack:
+        receiving = stack.enter_context(_Receiving())
+        link = stack.enter_context(RadioLink([receiving.receiver.port], loss=0.1))
+        output = stack.enter_context(_sender(link.ports[0]))
+        for number in range(60):
+            output.put(
+                np.random.default_rng(number).integers(0, 255, (240, 320, 3), np.uint8), _BEGAN + number * _PERIOD
+            )
+            receiving.wait_for(lambda units, wanted=number: len(units) >= wanted - 5)
+    intact = sum(unit.intact for unit in receiving.units)
+    assert intact >= 50
+    assert receiving.receiver.arrivals.repaired > 10
+
+
+def test_a_late_receiver_gets_a_key_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It asks for one, long before the next one would come by itself."""
+    monkeypatch.setattr(video_output, "KEY_S", 1e9)
+    with RtpReceiver(_HOST, 0) as receiver:
+        port = receiver.port
+    with _sender(port) as output:
+        for number in range(5):
+            output.put(_image(number), _BEGAN + number * _PERIOD)
+        with _Receiving(port) as receiving:
+            while not any(unit.key for unit in receiving.units):
+                number += 1
+                output.put(_image(number), _BEGAN + number * _PERIOD)
+                receiving.wait_for(
+                    lambda units, wanted=number: units[-1:] and units[-1].stamp >= _BEGAN + wanted * _PERIOD
+                )
+    assert not receiving.units[0].key
+    assert receiving.units[-1].intact
+
+
+def test_a_sender_that_starts_again_is_followed() -> None:
+    """Its images begin anew, with a key frame."""
+    with _Receiving() as receiving:
+        with _sender(receiving.receiver.port) as output:
+            for number in range(3):
+                output.put(_image(number), _BEGAN + number * _PERIOD)
+            receiving.wait_for(lambda units: len(units) == 3)
+        with _sender(receiving.receiver.port) as output:
+            number = 0
+            while len(receiving.units) < 8:  # a moment passes before another sender is taken
+                output.put(_image(number), _BEGAN + number * _PERIOD)
+                number += 1
+                threading.Event().wait(0.03)
+    assert [index for index, unit in enumerate(receiving.units) if unit.restarted] == [0, 3]
+    assert len(_decoded(receiving.units[3:])) >= 1
+
+
+def test_two_senders_on_one_port_do_not_alternate() -> None:
+    """The first one is shown as long as it sends."""
+    with _Receiving() as receiving, _sender(receiving.receiver.port) as one, _sender(receiving.receiver.port) as other:
+        for number in range(20):
+            one.put(_image(number), _BEGAN + number * _PERIOD)
+            receiving.wait_for(lambda units, wanted=number: len(units) > wanted)
+            other.put(_image(0), _BEGAN)
+    assert [unit.stamp for unit in receiving.units] == [_BEGAN + number * _PERIOD for number in range(20)]
+
+
+def test_the_size_may_change() -> None:
+    """The next image is a key frame of the new size."""
+    with _Receiving() as receiving, _sender(receiving.receiver.port) as output:
+        for number, size in enumerate([(320, 240), (320, 240), (160, 120), (160, 120)]):
+            output.put(_image(number, size), _BEGAN + number * _PERIOD)
+        receiving.wait_for(lambda units: len(units) == 4)
+    assert [image.shape[:2] for image in _decoded(receiving.units)] == [(240, 320)] * 2 + [(120, 160)] * 2
+    assert [unit.key for unit in receiving.units] == [True, False, True, False]
+
+
+@pytest.mark.parametrize("suffix", [".mkv", ".mp4"])
+def test_saved_files_have_the_encoded_images(tmp_path: Path, suffix: str) -> None:
+    """Another size begins another file, and a file that is there is not replaced; FFmpeg reads all."""
+    (tmp_path / f"front{suffix}").write_text("mine")
+    with _Receiving() as receiving, _sender(receiving.receiver.port) as output:
+        for number in range(20):
+            output.put(_image(number, (320, 240) if number < 12 else (160, 120)), _BEGAN + number * _PERIOD)
+            receiving.wait_for(lambda units, wanted=number: len(units) > wanted)
+    with StreamFiles(tmp_path, "front", suffix) as files:
+        for unit in receiving.units:
+            files.add(unit)
+    assert (tmp_path / f"front{suffix}").read_text() == "mine"
+    for name, count, size in (("front-2", 12, (320, 240)), ("front-3", 8, (160, 120))):
+        with av.open(str(tmp_path / f"{name}{suffix}")) as container:
+            frames = list(container.decode(video=0))
+            assert [(frame.width, frame.height) for frame in frames] == [size] * count
+            assert frames[-1].time == pytest.approx((count - 1) / 30, abs=0.002)
+
+
+def test_a_folder_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
+    """With its name and the reason."""
+    (tmp_path / "file").write_text("")
+    with pytest.raises(SetupError, match="file/videos: cannot make the folder: Not a directory"):
+        StreamFiles(tmp_path / "file" / "videos", "front", ".mkv")
+
+
+@pytest.mark.parametrize("bitrate", [200_000.0, 1_000_000.0])
+def test_the_bitrate_is_kept(bitrate: float) -> None:
+    """Also for images with noise, which need much more; a smaller one counts from the next image on."""
+    rng = np.random.default_rng(1)
+    images = [np.clip(_image(number, (640, 480)) + rng.normal(0, 10, (480, 640, 3)), 0, 255) for number in range(40)]
+    encoder = Encoder((640, 480), 30, bitrate)
+
+    def bits(start: int) -> float:
+        pairs = enumerate(images * 2, start)
+        return 8 * sum(
+            len(nal) for number, one in pairs for nal in encoder.encode(one.astype(np.uint8), number * 3000, key=False)
+        )
+
+    first = bits(0)
+    encoder.set_bitrate(bitrate / 2)
+    assert first < 1.3 * bitrate * 80 / 30
+    assert bits(80) < 0.7 * first
+
+
+def test_a_key_frame_comes_when_it_is_wanted() -> None:
+    """It has its parameter sets; other images have none."""
+    encoder = Encoder((64, 48), 30, 1e5)
+    units = [encoder.encode(_image(number, (64, 48)), 3000 * number, key=number in (0, 3)) for number in range(5)]
+    assert [is_key_frame(nals) for nals in units] == [True, False, False, True, False]
+    assert _decoded([ReceivedUnit(nals, 0, None, False, True, False) for nals in units[3:]])
+
+
+@given(st.integers(2, 41), st.integers(2, 41))
+def test_odd_sizes_are_cut_by_a_pixel(width: int, height: int) -> None:
+    """H.264 needs even ones; a wanted size is met exactly."""
+    image = np.zeros((height, width, 3), np.uint8)
+    assert fitted(image, None).shape == (height // 2 * 2, width // 2 * 2, 3)
+    assert fitted(image, (16, 32)).shape == (32, 16, 3)
+
+
+def test_congestion_halves_the_frame_rate_first() -> None:
+    """Then the images get fewer bits, down to the limit; they get them back before the frame rate."""
+    control = RateControl(100_000, 1_000_000)
+    assert control.plan == Plan(1_000_000, 1)
+    plans = [control.report(0.3, 0.01, now) for now in range(1, 20)]
+    assert plans[0] == Plan(500_000, 2)
+    assert plans[1] == Plan(375_000, 2)
+    assert plans[-1] == Plan(100_000, 2)
+    plans = [control.report(0.0, 0.01, now) for now in range(20, 80)]
+    assert [plan.bitrate for plan in plans] == sorted(plan.bitrate for plan in plans)
+    assert all(plan.divisor == 2 for plan in plans if plan.bitrate < 500_000)
+    assert plans[-1] == Plan(1_000_000, 1)
+
+
+def test_losses_of_a_radio_are_no_congestion() -> None:
+    """One packet of twenty is no reason to send less; a round trip that grows is."""
+    control = RateControl(100_000, 1_000_000)
+    for now in range(20):
+        assert control.report(0.05, 0.02, now) == Plan(1_000_000, 1)
+    assert control.report(0.0, 0.3, 21) == Plan(500_000, 2)
+
+
+def test_a_frame_rate_that_fails_is_tried_later_and_later() -> None:
+    """The link takes half of it only."""
+    control, changes = RateControl(100_000, 1_000_000), list[int]()
+    for now in range(300):
+        before = control.plan.divisor
+        plan = control.report(0.3 if before == 1 else 0.0, None, now)
+        if plan.divisor == 1 and before == 2:
+            changes.append(now)
+    pauses = [after - before for before, after in itertools.pairwise(changes)]
+    assert pauses == sorted(pauses)
+    assert pauses[-1] > 3 * pauses[0]
+
+
+def test_streams_take_turns_on_the_link() -> None:
+    """A key frame of one stream does not hold up the others; packets that are sent again come first."""
+    sent: list[bytes] = []
+    done = threading.Event()
+
+    def one(packet: bytes) -> None:
+        sent.append(packet)
+
+    def other(packet: bytes) -> None:
+        sent.append(packet)
+        if len(sent) == 8:
+            done.set()
+
+    link = PacedLink(1e7)
+    link.add(one, [b"1a", b"1b"])
+    link.add(other, [b"2a", b"2b", b"2c", b"2d", b"2e"])
+    link.add(one, [b"1-"], first=True)
+    with link:
+        assert done.wait(10)
+    assert sent == [b"1-", b"2a", b"1a", b"2b", b"1b", b"2c", b"2d", b"2e"]
+    assert link.delay == 0
