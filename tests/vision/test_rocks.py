@@ -166,8 +166,10 @@ def test_points_in_a_line_have_no_plane(count: int) -> None:
 )
 @settings(max_examples=12)
 def test_bare_ground_has_no_size(x1: int, y1: int, x2: int, y2: int) -> None:
-    """Wherever the line is."""
-    assert _refused(_BARE.depth, (x1, y1, x2, y2)) in (Unmeasurable.NO_ROCK, Unmeasurable.SHORT_LINE)
+    """Wherever the line is; around a line from edge to edge, there is no ground to be seen."""
+    reason = _refused(_BARE.depth, (x1, y1, x2, y2))
+    assert reason in (Unmeasurable.NO_ROCK, Unmeasurable.SHORT_LINE, Unmeasurable.NO_PLANE)
+    assert reason != Unmeasurable.NO_PLANE or abs(x2 - x1) > _WIDTH / 2
 
 
 @given(*[st.integers(0, 2**32 - 1) | st.integers(0, _WIDTH) for _ in range(4)])
