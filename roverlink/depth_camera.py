@@ -14,13 +14,13 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError, MiddlewareError, RoverlinkError, SetupError
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo
 from roverlink.runtime.interfaces.std_msgs import Header
+from roverlink.runtime.ros_time.headers import stamp_of
 from roverlink.vision import CameraParameters
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.frames import TopicSets
 from roverlink.vision.frames.live import STALLED_S
 from roverlink.vision.frames.topic_sets import LOOK_S, Arrived
 from roverlink.vision.ros.camera_info import camera_info_topic, camera_of, is_rectified
-from roverlink.vision.ros.headers import stamp_of
 from roverlink.vision.ros.image_messages import ImageMessage
 
 _ALIGNED = "aligned_depth_to_"  # of realsense2_camera

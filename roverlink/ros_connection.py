@@ -1,4 +1,4 @@
-"""Connection of a camera program to ROS 2."""
+"""Connection of a program to ROS 2: its node, clock and transforms."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 from roverlink.runtime.core.errors import MiddlewareError, SetupError
 from roverlink.runtime.middleware import Middleware, NodeParameters, open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments, is_topic
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
+from roverlink.runtime.ros_time.simulated_clock import SimulatedClock
 
 if TYPE_CHECKING:
-    from roverlink.vision.frames.clock import Clock
     from roverlink.vision.poses.transform_tree import TransformTree
 
 USE_SIM_TIME = "use_sim_time"
@@ -57,9 +58,6 @@ class RosConnection:
     @cached_property
     def clock(self) -> Clock:
         """Clock of the node: that of the simulation if the parameter ``use_sim_time`` is true."""
-        from roverlink.vision.frames.clock import SYSTEM_CLOCK
-        from roverlink.vision.ros.simulated_clock import SimulatedClock
-
         if not uses_simulated_time(self.arguments):
             return SYSTEM_CLOCK
         return self._stack.enter_context(SimulatedClock(self.middleware, self.topic("/clock"), self._say))

@@ -23,7 +23,7 @@ _SHARED_NAMES = {
     "send",  # the commands: of a datagram, and of video
     "measure",  # the commands: of rocks, and of detectors
 }
-LINKED = ("generator", "runtime", "vision")
+LINKED = ("generator", "runtime", "vision", "driving")
 """Folders of the repository that are imported as `roverlink.<folder>`."""
 
 

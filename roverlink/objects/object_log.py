@@ -8,8 +8,8 @@ import time
 from collections.abc import Sequence
 
 from roverlink.console import counted
+from roverlink.runtime.ros_time.clock import Clock
 from roverlink.vision.frames import Frame
-from roverlink.vision.frames.clock import Clock
 from roverlink.vision.objects.detected_objects import TrackedObject
 
 _EVERY_S = 10.0

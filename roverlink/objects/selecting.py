@@ -33,11 +33,11 @@ from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces import geometry_msgs, std_msgs, vision_msgs
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
+from roverlink.runtime.ros_time.headers import header_of, stamp_of
 from roverlink.vision.objects.location import Location
 from roverlink.vision.objects.selection import Scene, Selection, State
 from roverlink.vision.poses.pose import Pose
 from roverlink.vision.poses.transform_tree import TransformError
-from roverlink.vision.ros.headers import header_of, stamp_of
 from roverlink.vision.ros.object_messages import locations_of, pose_of
 from roverlink.vision.ros.outputs import Output, Outputs
 

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
 from roverlink.runtime.core.errors import MiddlewareError, SetupError
+from roverlink.runtime.ros_time.clock import Clock
 from roverlink.vision.frames import Frame, FrameSource, play
-from roverlink.vision.frames.clock import Clock
 from roverlink.vision.frames.interleaving import newest
 from roverlink.vision.markers.detection import Image
 from roverlink.vision.video.stream_settings import StreamSettings

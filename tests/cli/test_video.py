@@ -24,7 +24,7 @@ cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 av = pytest.importorskip("av", reason=NO_AV)
 
-from roverlink.vision.ros.headers import stamp_of  # noqa: E402  # they need OpenCV
+from roverlink.runtime.ros_time.headers import stamp_of  # noqa: E402  # they need OpenCV
 from tests.vision.browsing import visiting  # noqa: E402
 from tests.vision.ros_images import image  # noqa: E402
 

@@ -17,9 +17,9 @@ from roverlink.runtime.interfaces import builtin_interfaces
 from roverlink.runtime.interfaces.rosgraph_msgs import Clock
 from roverlink.runtime.interfaces.sensor_msgs import Image
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime.ros_time import simulated_clock
+from roverlink.runtime.ros_time.simulated_clock import SimulatedClock
 from roverlink.vision.frames import Frame, TopicSource, open_source, play
-from roverlink.vision.ros import simulated_clock
-from roverlink.vision.ros.simulated_clock import SimulatedClock
 from tests.vision.ros_images import image
 
 Tick = Callable[[float], object]

@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.camera.camera_settings import CameraSettings
-from roverlink.vision.frames.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.frames.frame import Frame, rate_of
 from roverlink.vision.opencv import cv2
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from urllib.parse import urlsplit, urlunsplit
 
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.camera.camera_settings import CameraSettings
-from roverlink.vision.frames.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.frames.frame import RATE, FrameSource
 from roverlink.vision.frames.live import Say, open_camera, open_pipeline, open_stream
 from roverlink.vision.frames.recorded import IMAGES, VIDEOS, ImageFiles, VideoFile

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from roverlink.vision.frames.clock import SYSTEM_CLOCK, Clock
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.frames.frame import Frame, FrameSource
 
 

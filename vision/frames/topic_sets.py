@@ -23,10 +23,10 @@ from roverlink.runtime.interfaces.sensor_msgs import CameraInfo
 from roverlink.runtime.interfaces.std_msgs import Header
 from roverlink.runtime.middleware import Middleware
 from roverlink.runtime.middleware.following import FollowingSubscription
-from roverlink.vision.frames.clock import SYSTEM_CLOCK, Clock
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
+from roverlink.runtime.ros_time.headers import stamp_of
 from roverlink.vision.frames.live import STALLED_S, Say
 from roverlink.vision.frames.synchronization import Synchronizer
-from roverlink.vision.ros.headers import stamp_of
 from roverlink.vision.ros.image_messages import IMAGES, ImageMessage, read_image
 
 TopicMessage = ImageMessage | CameraInfo

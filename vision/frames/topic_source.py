@@ -8,8 +8,8 @@ from typing import cast
 from roverlink.runtime.core.errors import ConversionError, SetupError
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo
 from roverlink.runtime.middleware import Middleware
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.camera.camera_model import CameraParameters
-from roverlink.vision.frames.clock import SYSTEM_CLOCK, Clock
 from roverlink.vision.frames.frame import RATE, Frame, size_of
 from roverlink.vision.frames.live import Say
 from roverlink.vision.frames.topic_sets import Arrived, BadMessages, TopicSets

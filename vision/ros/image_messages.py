@@ -19,9 +19,9 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError, SetupError, nearest
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import sensor_msgs
+from roverlink.runtime.ros_time.headers import header_of, stamp_of
 from roverlink.vision.markers.detection import Image
 from roverlink.vision.opencv import cv2
-from roverlink.vision.ros.headers import header_of, stamp_of
 
 IMAGES: tuple[type[Message], ...] = (sensor_msgs.Image, sensor_msgs.CompressedImage)
 """Message types of which a topic with images can be."""

@@ -12,9 +12,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from roverlink.runtime.interfaces import geometry_msgs, vision_msgs
+from roverlink.runtime.ros_time.headers import header_of
 from roverlink.vision.objects.detected_objects import Box, TrackedObject
 from roverlink.vision.objects.location import Location
-from roverlink.vision.ros.headers import header_of
 
 _UNKNOWN_ANGLE = math.pi**2 / 3
 """Variance of an angle that may have any value: that of the uniform distribution from -pi to pi."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
 from roverlink.runtime.interfaces.std_msgs import Header
+from roverlink.runtime.ros_time.headers import header_of
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
 from roverlink.vision.camera.parameters_file import model_name
 from roverlink.vision.field.localization import FieldPose
@@ -21,7 +22,6 @@ from roverlink.vision.markers.marker_set import TargetId
 from roverlink.vision.markers.tracker import Sighting
 from roverlink.vision.poses.pnp import Solution
 from roverlink.vision.poses.pose import Pose, quaternion_of
-from roverlink.vision.ros.headers import header_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Clocks from which frames get their stamps."""
+"""Clocks of a program: that of the computer, and what every clock has."""
 
 from __future__ import annotations
 
