@@ -12,7 +12,7 @@ from roverlink.runtime.core.handler import Deadman, Handler, Route
 class DriveMotorHandler(
     Handler[motor_msg_pb2.DrivingBoardMotorMessage, DrivingBoardMotorMessage]
 ):
-    """A drive command: how far to go, and along which arc.
+    """A drive command: how far to go, and along which arc. It replaces the one before, also in the middle of its arc.
 
     Number 9 of the envelope, from the topic drive_motor to the peer hardware.
     """

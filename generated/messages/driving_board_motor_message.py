@@ -12,7 +12,7 @@ from roverlink.runtime.core.messages import Float32, Message
 
 @dataclass(slots=True)
 class DrivingBoardMotorMessage(Message):
-    """A drive command: how far to go, and along which arc."""
+    """A drive command: how far to go, and along which arc. It replaces the one before, also in the middle of its arc."""
 
     __msgtype__: ClassVar[str] = "comms/msg/DrivingBoardMotorMessage"
     __typehash__: ClassVar[str] = (
@@ -20,4 +20,6 @@ class DrivingBoardMotorMessage(Message):
     )
 
     distance_to_go: Float32 = 0.0
+    """Along the arc of the origin of base_link; negative: backwards; 0: stop [m]."""
     turning_radius: Float32 = 0.0
+    """Positive: the centre of the arc is to the left (REP 103); 0: a straight line [m]."""

@@ -20,3 +20,4 @@ class DrivingBoardMotorPeriodicProgress(Message):
     )
 
     distance_left: Float32 = 0.0
+    """Along its arc; negative: backwards; 0: the rover stands [m]."""

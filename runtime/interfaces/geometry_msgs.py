@@ -105,3 +105,33 @@ class PoseWithCovarianceStamped(Message):
 
     header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
     pose: PoseWithCovariance = dataclasses.field(default_factory=PoseWithCovariance)
+
+
+@dataclass(slots=True)
+class Twist(Message):
+    """ROS 2 message geometry_msgs/msg/Twist."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Twist"
+
+    linear: Vector3 = dataclasses.field(default_factory=Vector3)
+    angular: Vector3 = dataclasses.field(default_factory=Vector3)
+
+
+@dataclass(slots=True)
+class TwistStamped(Message):
+    """ROS 2 message geometry_msgs/msg/TwistStamped."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/TwistStamped"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    twist: Twist = dataclasses.field(default_factory=Twist)
+
+
+@dataclass(slots=True)
+class TwistWithCovariance(Message):
+    """ROS 2 message geometry_msgs/msg/TwistWithCovariance."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/TwistWithCovariance"
+
+    twist: Twist = dataclasses.field(default_factory=Twist)
+    covariance: Annotated[list[Float64], Length(36)] = dataclasses.field(default_factory=lambda: [0.0] * 36)

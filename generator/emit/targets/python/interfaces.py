@@ -25,6 +25,8 @@ OF_THE_RUNTIME = frozenset(
         *(f"geometry_msgs/msg/{name}" for name in ("Point", "Pose", "PoseStamped", "PoseWithCovariance")),
         "geometry_msgs/msg/PoseWithCovarianceStamped",
         *(f"geometry_msgs/msg/{name}" for name in ("Quaternion", "Transform", "TransformStamped", "Vector3")),
+        *(f"geometry_msgs/msg/{name}" for name in ("Twist", "TwistStamped", "TwistWithCovariance")),
+        *(f"nav_msgs/msg/{name}" for name in ("Odometry", "Path")),
         *(f"sensor_msgs/msg/{name}" for name in ("CameraInfo", "CompressedImage", "Image", "RegionOfInterest")),
         *(f"std_msgs/msg/{name}" for name in ("Header", "String")),
         "tf2_msgs/msg/TFMessage",
