@@ -40,6 +40,7 @@ COMMANDS = (
     "rocks",
     "objects",
     "video",
+    "drive",
     "demo",
 )
 """Names of all commands, in the order in which ``roverlink --help`` lists them."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Protocol
 
 
@@ -23,15 +24,18 @@ class Clock(Protocol):
 class SystemClock:
     """Clock of the computer."""
 
-    def now(self) -> int:
-        """Return the time in nanoseconds since 1970."""
-        return time.time_ns()
+    def __init__(self, now: Callable[[], int]) -> None:
+        """Show the time that ``now`` returns, in nanoseconds."""
+        self.now = now
 
     def sleep_until(self, stamp: int, since: int) -> None:
-        """Wait as long as it takes now until the time `stamp` in nanoseconds since 1970."""
+        """Wait as long as it takes now until the time `stamp` in nanoseconds."""
         if self.now() < since:
             return
-        time.sleep(max(stamp - time.time_ns(), 0) / 1e9)
+        time.sleep(max(stamp - self.now(), 0) / 1e9)
 
 
-SYSTEM_CLOCK = SystemClock()
+SYSTEM_CLOCK = SystemClock(time.time_ns)
+"""Clock whose time is that since 1970. It jumps when somebody sets the time of the computer."""
+MONOTONIC_CLOCK = SystemClock(time.monotonic_ns)
+"""Clock for timeouts: it never jumps, and its time begins anywhere."""
