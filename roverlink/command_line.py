@@ -41,6 +41,7 @@ COMMANDS = (
     "objects",
     "video",
     "drive",
+    "mission",
     "demo",
 )
 """Names of all commands, in the order in which ``roverlink --help`` lists them."""

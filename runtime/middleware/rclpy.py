@@ -29,6 +29,7 @@ from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, NodeIdentity, NodeParameters
 
 if TYPE_CHECKING:
+    from roverlink.runtime.middleware.rclpy_actions import RclpyAction
     from roverlink.runtime.middleware.rclpy_receiving import Receiver
 
 # Names that the ROS 2 middlewares give to the node of an endpoint until they know it.
@@ -157,6 +158,12 @@ class RclpyMiddleware:
         """Return the topics of the ROS 2 graph that have publishers, each with its (first) message type."""
         known = self._node.get_topic_names_and_types()
         return {name: types[0] for name, types in known if self._node.count_publishers(name)}
+
+    def action(self, action_class: Any, name: str) -> RclpyAction:
+        """Create a client of an action, by the class that rosidl generated and the action's fully qualified name."""
+        from roverlink.runtime.middleware.rclpy_actions import RclpyAction
+
+        return RclpyAction(self._node, self._executor, action_class, name)
 
     def close(self) -> None:
         """Stop both threads and destroy the node, so that it leaves the ROS 2 graph."""
