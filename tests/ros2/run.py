@@ -28,7 +28,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent
 ENVIRONMENTS = ROOT / ".ros2"
-PACKAGES = (ROOT / "generated" / "ros" / "comms", HERE / "tf2_msgs", HERE / "vision_msgs")
+PACKAGES = (ROOT / "generated" / "ros" / "comms", HERE / "nav2_msgs", HERE / "tf2_msgs", HERE / "vision_msgs")
 DISTRIBUTIONS = ("jazzy", "kilted")
 
 
