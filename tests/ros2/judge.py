@@ -102,8 +102,8 @@ class Judge:
         self._context = rclpy.Context()
         rclpy.init(args=[], context=self._context, domain_id=domain)
         self.node = Node(name, context=self._context, use_global_arguments=False)
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self.node)
+        self.executor = SingleThreadedExecutor(context=self._context)
+        self.executor.add_node(self.node)
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
 
@@ -113,7 +113,7 @@ class Judge:
         self.node.create_subscription(
             interface(type_name), topic, lambda received: heard.values.append(values(received)), qos
         )
-        self._executor.wake()
+        self.executor.wake()
         return heard
 
     def nodes(self) -> list[str]:
@@ -128,7 +128,7 @@ class Judge:
     def call(self, service: str, type_name: str, request: Any) -> Any:
         """Call a service that is there, and return its response."""
         client = self.node.create_client(interface(type_name), service)
-        self._executor.wake()
+        self.executor.wake()
         wait_until(client.service_is_ready, f"the service {service}", _SERVICE_S)
         # A server that does not know this client's reader yet sends its response to nobody, so the request is repeated.
         calls = [client.call_async(request)]
@@ -145,14 +145,14 @@ class Judge:
 
     def close(self) -> None:
         """Leave the graph."""
-        self._executor.shutdown()
+        self.executor.shutdown()
         self._thread.join()
         self.node.destroy_node()
         rclpy.try_shutdown(context=self._context)
 
     def _spin(self) -> None:
         with suppress(ExternalShutdownException):
-            self._executor.spin()
+            self.executor.spin()
 
 
 class Bridge:
