@@ -9,7 +9,7 @@ ROS2 ?=
 SOAK_SECONDS ?= 600
 SOAK_FAULTS := $(addprefix --scenario ,reboot old-schema malformed padded lossy)
 FUZZ_SECONDS ?= 60
-HAND_WRITTEN := generator runtime vision driving roverlink bench tests docs
+HAND_WRITTEN := generator runtime vision driving navigation roverlink bench tests docs
 
 .PHONY: help demo test test-slow test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision bench-video pictures generate docs docs-reference clean
 
@@ -41,7 +41,7 @@ dist: $(VENV)/ready-dist  ## build the sdist, and from it the wheel, in dist/
 test-dist: dist  ## the wheel and the sdist in an empty environment and an empty folder: the three jobs of the README
 	$(BIN)/python tests/distribution/smoke.py dist/roverlink-*
 
-ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
+ros-package: $(VENV)/ready-dev  ## build generated/ros and navigation with colcon and rosidl, which have to be installed, and use them
 	$(BIN)/python tests/ros/build.py
 
 soak: $(VENV)/ready  ## five minutes of datagrams for the sample rover, and five with all of the table switched on: each accounted for, in flat memory

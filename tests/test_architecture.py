@@ -22,6 +22,7 @@ _SHARED_NAMES = {
     "track",  # the commands: of markers, and of objects
     "send",  # the commands: of a datagram, and of video
     "measure",  # the commands: of rocks, and of detectors
+    "run",  # the commands: of the bridge, and of a mission
 }
 LINKED = ("generator", "runtime", "vision", "driving")
 """Folders of the repository that are imported as `roverlink.<folder>`."""

@@ -26,7 +26,7 @@ from polling import PATIENCE_S, wait_until
 ROOT = Path(__file__).parents[2]
 _PROJECT = (
     *("mapping.yaml", "mapping.lock", ".gitignore", "proto", "generated", "docs"),
-    *("generator", "templates", "runtime", "vision", "cpp", "roverlink"),
+    *("generator", "templates", "runtime", "vision", "driving", "cpp", "roverlink"),
 )
 _READY = {"roverlink run": "UDP port", "roverlink listen": "UDP port", "roverlink aruco": "at a distance of"}
 """What a command shows as soon as it waits; `roverlink echo` shows nothing before a message comes."""

@@ -76,7 +76,7 @@ class _Rover:
 def test_a_mission_ends_and_says_how(
     goals: list[Goal], outcomes: list[Outcome], sights: list[bool], steps: int
 ) -> None:
-    """Each goal is reached or fails, once; a stop ends the mission where it must; the result agrees with the reports."""
+    """Each goal is reached or fails, once; a stop ends the mission where it must; the result is what was reported."""
     rover, reports = _Rover(outcomes, sights, steps), list[Report]()
     reached = MissionRun(Mission(tuple(goals)), rover, reports.append).run()
     ends = {report.goal: report.state for report in reports if report.state in (State.REACHED, State.FAILED)}

@@ -1,10 +1,11 @@
-"""Build generated/ros with ROS 2's own tools, as Debian packages them, and use what comes out: `make ros-package`.
+"""Build the ROS 2 packages with ROS 2's own tools, as Debian packages them, and use what comes out: `make ros-package`.
 
-A workspace in build/ros-package gets the interface package, two packages that stand in for what Debian does not have
-(`packages/`), the standard interfaces that it depends on, and a package that uses all of its messages in C and C++.
-`colcon build` builds it; then the user's program says what each message is made of, which must be what the generated
-Python says, and the bridge is started as `ros2 run` would. In a shell in which ROS 2 is sourced, all that is ROS 2's is
-taken from there; from Iron on, rosidl computes type hashes, which must be those of the generated Python, too.
+A workspace in build/ros-package gets the interface package and the package of launch files, two packages that stand in
+for what Debian does not have (`packages/`), the standard interfaces that the first one depends on, and a package that
+uses all of its messages in C and C++. `colcon build` builds it; then the user's program says what each message is made
+of, which must be what the generated Python says, and the programs are started as `ros2 run` would. In a shell in which
+ROS 2 is sourced, all that is ROS 2's is taken from there; from Iron on, rosidl computes type hashes, which must be
+those of the generated Python, too.
 
 Exit code 0: it builds, and all of that holds; 1: it does not; 2: a tool is missing.
 """
@@ -48,6 +49,7 @@ _DEBIAN = Path(__file__).with_name("debian-packages")
 _OF_ROS = ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "LD_LIBRARY_PATH", "PYTHONPATH", "ROS_DISTRO", "ROS_VERSION")
 _SOURCED = "AMENT_PREFIX_PATH" in os.environ
 _WITHOUT_ROS = frozenset({"ament_cmake", "launch", "launch_ros", "rosidl_default_generators", "rosidl_default_runtime"})
+_NAVIGATION = "rtt_slam"
 _TYPES = ["float32", "float64", "", "", "", "bool", "byte", "uint8", "int8", "uint16", "int16"]
 _TYPES += ["uint32", "int32", "uint64", "int64", "string", "", "message"]
 """rosidl_typesupport_introspection's numbers of types, from 1."""
@@ -68,6 +70,7 @@ def main() -> int:
         shutil.copytree(Path(__file__).parent / "packages", sources, dirs_exist_ok=True)
     package = ROOT / "generated" / "ros" / REGISTRY.package
     (sources / REGISTRY.package).symlink_to(package)
+    (sources / _NAVIGATION).symlink_to(ROOT / "navigation")
     messages = sorted(path.stem for path in (package / "msg").glob("*.msg"))
     _write_user(sources / "user", messages)
     if not _SOURCED:
@@ -76,6 +79,7 @@ def main() -> int:
         return 1
     environment = _sourced()
     faults = [*_differences(environment, messages), *_other_hashes(), *_does_not_run(environment)]
+    faults += _is_not_navigation(environment)
     if not _SOURCED:
         faults += workspace.differences(_WORKSPACE / "install" / "node" / "lib" / "node", environment)
     print("\n".join(faults) or f"{len(messages)} messages of {REGISTRY.package} build, and are what Python says")
@@ -328,6 +332,24 @@ def _does_not_run(environment: dict[str, str]) -> Iterator[str]:
         bridge.process.send_signal(signal.SIGINT)
         if code := bridge.process.wait(30):
             yield f"{found[0]} ended with {code}"
+
+
+def _is_not_navigation(environment: dict[str, str]) -> Iterator[str]:
+    """Look for the files of the package in navigation/, and start its programs, which are commands of roverlink."""
+    prefix = _WORKSPACE / "install" / _NAVIGATION
+    shared = prefix / "share" / _NAVIGATION
+    for path in (ROOT / "navigation").glob("*/*"):
+        name = path.relative_to(ROOT / "navigation")
+        if name.parts[0] != "scripts" and not (shared / name).is_file():
+            yield f"ros2 launch would not find {shared / name}"
+    programs = sorted((prefix / "lib" / _NAVIGATION).iterdir())
+    if not programs:
+        yield f"{_NAVIGATION} has no programs"
+    ours = {**environment, "PATH": f"{Path(sys.executable).parent}:{environment['PATH']}"}
+    for program in programs:
+        done = subprocess.run([program, "--help"], env=ours, cwd="/", capture_output=True, text=True)
+        if done.returncode or f"usage: roverlink {program.name.replace('_', ' ')} " not in done.stdout:
+            yield f"{program} is not that command of roverlink: {done.stdout[:80]}{done.stderr}"
 
 
 class _Started:
