@@ -1,0 +1,96 @@
+"""Following of paths with a rover that drives each arc exactly."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from roverlink.driving.arcs import Arc, PlanarPose
+from roverlink.driving.path_following import Ending, PathFollower, Point
+
+_LOOKAHEAD, _RADIUS, _TOLERANCE, _STEP = 0.8, 0.5, 0.1, 0.04
+
+
+def _follow(points: Sequence[Point], pose: PlanarPose) -> tuple[Ending, list[PlanarPose]]:
+    """The end of the way, and the poses on it; a way that is far too long fails."""
+    follower, poses = PathFollower(points), [pose]
+    longest = 20 + 3 * sum(map(math.dist, points, points[1:])) + 3 * math.dist((pose.x, pose.y), points[0])
+    while len(poses) * _STEP < longest:
+        steering = follower.steer(poses[-1], _LOOKAHEAD, _RADIUS, _TOLERANCE)
+        if steering.ending is not Ending.AHEAD:
+            return steering.ending, poses
+        curvature = min(max(steering.curvature, -1 / _RADIUS), 1 / _RADIUS)
+        poses.append(poses[-1] @ Arc(_STEP, curvature).end)
+    pytest.fail(f"the rover never arrives: {poses[-1]}")
+
+
+def _beside(pose: PlanarPose, points: Sequence[Point]) -> float:
+    """The distance of a pose to a path, in metres."""
+    distances = []
+    for (x, y), (to_x, to_y) in pairwise(points):
+        along_x, along_y = to_x - x, to_y - y
+        part = ((pose.x - x) * along_x + (pose.y - y) * along_y) / (along_x**2 + along_y**2)
+        part = min(max(part, 0), 1)
+        distances.append(math.hypot(x + part * along_x - pose.x, y + part * along_y - pose.y))
+    return min(distances)
+
+
+@st.composite
+def _bends(draw: st.DrawFn) -> list[Point]:
+    """A path with bends of at least 1.25 m radius after 3 m straight on, in points 20 cm apart."""
+    pose, points = PlanarPose(3.0), [(0.2 * step, 0.0) for step in range(16)]
+    for curvature, count in draw(st.lists(st.tuples(st.floats(-0.8, 0.8), st.integers(3, 12)), max_size=3)):
+        for _ in range(count):
+            pose = pose @ Arc(0.2, curvature).end
+            points.append((pose.x, pose.y))
+    return points
+
+
+@given(points=_bends(), aside=st.floats(-0.5, 0.5), yaw=st.floats(-0.7, 0.7))
+def test_a_path_with_bends_is_followed_to_its_end(points: list[Point], aside: float, yaw: float) -> None:
+    """Also from a start beside it. On its way the rover stays near, and does not take short cuts."""
+    ending, poses = _follow(points, PlanarPose(0, aside, yaw))
+    assert ending is Ending.REACHED
+    assert math.dist((poses[-1].x, poses[-1].y), points[-1]) <= _TOLERANCE
+    assert all(_beside(pose, points) < 0.15 + abs(aside) + 0.8 * abs(yaw) for pose in poses)
+
+
+def test_a_path_may_cross_itself_and_end_at_its_start() -> None:
+    """The end does not count before the way to it is driven, and neither does a part that is near by chance."""
+    eight = [(0.0, 0.0), (4.0, 4.0), (4.0, 0.0), (0.0, 4.0), (0.0, 0.0)]
+    ending, poses = _follow(eight, PlanarPose(yaw=math.pi / 4))
+    assert ending is Ending.REACHED
+    for corner in eight:
+        assert min(math.dist((pose.x, pose.y), corner) for pose in poses) < 0.5
+    assert len(poses) * _STEP > 15
+
+
+@pytest.mark.parametrize("goal", [(3.0, 1.0), (-5.0, 0.0), (0.0, -4.0), (-2.0, 2.0)])
+def test_a_goal_is_a_path(goal: Point) -> None:
+    """A single point is reached from any direction; the rover turns around if it is behind."""
+    ending, poses = _follow([goal], PlanarPose())
+    assert ending is Ending.REACHED
+    assert math.dist((poses[-1].x, poses[-1].y), goal) <= _TOLERANCE
+
+
+def test_a_goal_inside_of_the_smallest_turn_is_missed() -> None:
+    """The rover does not go around it forever."""
+    ending, _ = _follow([(0.1, 0.4)], PlanarPose())
+    assert ending is Ending.MISSED
+
+
+def test_points_that_repeat_do_not_matter() -> None:
+    """Planners may give a position twice."""
+    assert _follow([(0.0, 0.0), (0.0, 0.0), (2.0, 0.0), (2.0, 0.0)], PlanarPose())[0] is Ending.REACHED
+
+
+@pytest.mark.parametrize("points", [[], [(0.0, math.nan)], [(0.0, 0.0), (math.inf, 0.0)]])
+def test_what_is_no_path_is_refused(points: list[Point]) -> None:
+    """The error is for the user."""
+    with pytest.raises(ValueError, match="the path"):
+        PathFollower(points)
