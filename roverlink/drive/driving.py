@@ -16,7 +16,6 @@ import argparse
 import json
 import logging
 import threading
-import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
@@ -42,8 +41,6 @@ from roverlink.runtime.ros_time.clock import MONOTONIC_CLOCK, SYSTEM_CLOCK
 
 VELOCITY, PATH, POSE, STATE = "cmd_vel", "path", "odometry/global", "drive/state"
 """Names of the topics; those of the mode and of the commands are in the table."""
-_LOOK_S = 0.1
-"""Time in seconds between two looks for another type of messages with velocities."""
 _MODE_PRIORITY = 9
 """The mode is served before velocities, so that a flood of them does not keep a person from driving."""
 
@@ -92,9 +89,8 @@ class Driving:
         self._lock = threading.RLock()
         self._reported: Status | None = None
         self._ended = False
-        self._followed: FollowingSubscription | None = None
-        self._look_due = 0.0
         middleware, topic = connection.middleware, connection.topic
+        self._followed = FollowingSubscription(middleware, topic(VELOCITY), VELOCITIES, self._take_velocity, depth=1)
         route = rows.command.route
         self._commands = middleware.publisher(topic(route.topic), rows.command.message_type, route.qos)
         self._states = middleware.publisher(topic(STATE), String, Qos(depth=1, durability="transient_local"))
@@ -109,32 +105,28 @@ class Driving:
         middleware.subscribe(topic(PATH), Path, Qos(depth=1), self._take_path)
         # best effort, so that it matches every publisher
         middleware.subscribe(topic(POSE), Odometry, Qos("best_effort", depth=1), self._take_pose)
-        self._followed = FollowingSubscription(middleware, topic(VELOCITY), VELOCITIES, self._take_velocity, depth=1)
-        self._happen(lambda _: None)  # report the first state
+        self.tick()  # report the first state
 
     def run(self) -> None:
         """Send commands periodically, until a signal interrupts this."""
         while True:
-            self._look()
             now = self._clock.now()
             self._clock.sleep_until(now + round(self._parameters.meaning.period * 1e9), now)
-            self._happen(lambda _: None)
+            self.tick()
+
+    def tick(self) -> None:
+        """Send what is due, and receive velocities of the type that is published now."""
+        try:
+            self._followed.look()
+        except MiddlewareError as error:
+            self._tell(f"no velocities are received: {error}")
+        self._happen(lambda _: None)
 
     def end(self) -> None:
         """Stop the rover if it moves, and send nothing any more."""
         self._happen(lambda now: self._control.set_mode(False, now))
         with self._lock:
             self._ended = True
-
-    def _look(self) -> None:
-        """Subscribe to velocities of the type that is published now."""
-        if self._followed is None or time.monotonic() < self._look_due:
-            return
-        self._look_due = time.monotonic() + _LOOK_S
-        try:
-            self._followed.look()
-        except MiddlewareError as error:
-            self._tell(f"no velocities are received: {error}")
 
     def _happen(self, event: Event) -> None:
         """Let the control take an event and decide, and send what it decides."""

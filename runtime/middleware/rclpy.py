@@ -155,9 +155,14 @@ class RclpyMiddleware:
         return [Endpoint(_name(info), _qos(info), tuple(_strict(info.qos_profile))) for info in found]
 
     def topics(self) -> Mapping[str, str]:
-        """Return the topics of the ROS 2 graph that have publishers, each with its (first) message type."""
+        """Return the topics of the ROS 2 graph that have publishers, each with the message type of one of them."""
         known = self._node.get_topic_names_and_types()
-        return {name: types[0] for name, types in known if self._node.count_publishers(name)}
+        return {name: self._type(name, types) for name, types in known if self._node.count_publishers(name)}
+
+    def _type(self, topic: str, types: Sequence[str]) -> str:
+        """Return the type of a publisher; ``types`` are those of the topic's publishers and subscriptions."""
+        found = self._node.get_publishers_info_by_topic(topic) if len(types) > 1 else ()
+        return str(found[0].topic_type) if found else types[0]
 
     def action(self, action_class: Any, name: str) -> RclpyAction:
         """Create a client of an action, by the class that rosidl generated and the action's fully qualified name."""

@@ -31,6 +31,7 @@ from roverlink.runtime.middleware.protocol import Callback
 from roverlink.runtime.middleware.serving import ServedTopic, serve
 
 _EVENTS_NS = 1_000_000_000  # time between two looks for QoS events
+_DESTROYED_S = 1.0  # longest time for which the end of a subscription waits for a callback that is running
 
 
 class _WithoutExecutor(CallbackGroup):  # type: ignore[misc]  # rclpy has no types in Humble
@@ -78,7 +79,8 @@ class Receiver:
         self._group = _WithoutExecutor()
         self._woken = GuardCondition(callback=None, callback_group=None, context=self._context)
         self._subscribed: tuple[_Subscribed, ...] = ()
-        self._closed: list[Any] = []  # rclpy's subscriptions that the thread has to destroy
+        # rclpy's subscriptions that the thread has to destroy, and what it then sets
+        self._closed: list[tuple[Any, threading.Event]] = []
         self._stopped = False
         self._try_names()
         # Somebody else in the process may shut ROS 2 down; the program ends by its own signal handler.
@@ -105,8 +107,12 @@ class Receiver:
         def close() -> None:
             self._subscribed = tuple(one for one in self._subscribed if one is not subscribed)
             # The thread destroys it, because it may be about to wait for its messages.
-            self._closed.append(subscription)
+            destroyed = threading.Event()
+            self._closed.append((subscription, destroyed))
             self._woken.trigger()
+            # Until then, Fast DDS refuses another subscription of the topic with another message type.
+            if threading.current_thread() is not self._thread and self._thread.is_alive():
+                destroyed.wait(_DESTROYED_S)
 
         return close
 
@@ -129,7 +135,9 @@ class Receiver:
         try:
             while not self._stopped:
                 while self._closed:
-                    self._node.destroy_subscription(self._closed.pop())
+                    subscription, destroyed = self._closed.pop()
+                    self._node.destroy_subscription(subscription)
+                    destroyed.set()
                 self._serve(self._subscribed)
         except rclpy_implementation.RCLError:
             # rclpy's signal handler shuts contexts down without their callbacks; then no wait set can be made.
