@@ -1,0 +1,247 @@
+"""The model of a rover: it repeats what a seed gave, drives as its board may, and slips and measures as it says."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from roverlink.driving.arcs import Arc, PlanarPose
+from roverlink.driving.board_commands import STOP, BoardCommand
+from roverlink.driving.geodesy import Datum
+from roverlink.driving.rover_model import (
+    SLIP_LENGTH_M,
+    STEP_NS,
+    Measurement,
+    MotorReport,
+    ProgressReport,
+    RoverModel,
+    RoverSettings,
+)
+from roverlink.driving.rover_sensors import GpsFix, ImuReading
+
+_FIRM = RoverSettings(slip=0.0, side_slip=0.0, yaw_slip=0.0, steering_rate=math.inf)
+"""A rover whose wheels do not slip."""
+_distances = st.floats(0.05, 5) | st.floats(-5, -0.05)
+_radii = st.just(0.0) | st.floats(0.1, 20) | st.floats(-20, -0.1)
+_commands = st.lists(st.tuples(st.builds(BoardCommand, _distances, _radii), st.floats(0.1, 2)), min_size=1, max_size=4)
+
+
+def _left(measured: list[Measurement]) -> list[float]:
+    return [one.distance_left for one in measured if isinstance(one, ProgressReport)]
+
+
+# --- determinism --------------------------------------------------------------------------------------------------
+
+
+@given(st.integers(0, 2**32), _commands, st.integers(1, 7))
+@settings(max_examples=10)
+def test_a_seed_repeats_a_drive(seed: int, commands: list[tuple[BoardCommand, float]], pieces: int) -> None:
+    """The measurements are equal, into however many steps the caller divides the time."""
+
+    def drive(divisor: int) -> list[Measurement]:
+        model, measured = RoverModel(seed), list[Measurement]()
+        for command, duration in commands:
+            model.command(command)
+            steps = round(duration * 1e9 / STEP_NS)
+            while steps:
+                part = min(divisor, steps)
+                measured += model.advance(part * STEP_NS / 1e9)
+                steps -= part
+        return measured
+
+    assert drive(pieces) == drive(1000)
+
+
+def test_other_seeds_give_other_drives() -> None:
+    """Neither the ground nor the sensors repeat."""
+
+    def drive(seed: int) -> tuple[PlanarPose, Measurement]:
+        model = RoverModel(seed)
+        model.command(BoardCommand(2.0, 0.0))
+        return model.pose, model.advance(3)[0]
+
+    assert drive(1)[1] != drive(2)[1]
+
+
+# --- the driving board --------------------------------------------------------------------------------------------
+
+
+@given(_distances, _radii)
+@settings(max_examples=30)
+def test_a_rover_that_does_not_slip_ends_at_the_end_of_its_arc(distance: float, radius: float) -> None:
+    """A radius that is too small is limited to the smallest one."""
+    model = RoverModel(1, _FIRM)
+    model.command(BoardCommand(distance, radius))
+    model.advance(abs(distance) / _FIRM.speed + 3)
+    curvature = 0.0 if radius == 0 else math.copysign(min(1 / abs(radius), 2.0), radius)
+    assert model.pose.distance_to(Arc(distance, curvature).end) < 1e-6
+    assert model.pose.yaw == pytest.approx(distance * curvature, abs=1e-6)
+    assert model.speed == 0
+
+
+@given(_commands)
+@settings(max_examples=20)
+def test_the_board_keeps_its_limits(commands: list[tuple[BoardCommand, float]]) -> None:
+    """Speed, acceleration and curvature; and the distance left is what the wheels have not rolled yet."""
+    limits = RoverSettings()
+    model = RoverModel(1, limits)
+    for command, duration in commands:
+        model.command(command)
+        start, rolled, speed = command.distance_to_go, 0.0, model.speed
+        for _ in range(round(duration * 1e9 / STEP_NS)):
+            left = _left(model.advance(STEP_NS / 1e9))
+            rolled += model.speed * STEP_NS / 1e9
+            assert abs(model.speed) <= limits.speed + 1e-9
+            assert abs(model.speed - speed) <= limits.braking * STEP_NS / 1e9 + 1e-9
+            assert abs(model.yaw_rate) <= 0.7 * (2.0 + 6 * limits.yaw_slip)
+            assert all(one == pytest.approx(start - rolled, abs=1e-3) for one in left if one)
+            speed = model.speed
+
+
+def test_a_stop_ends_an_arc() -> None:
+    """Nothing is left at once, and the rover stands after its braking distance."""
+    model = RoverModel(1, _FIRM)
+    model.command(BoardCommand(5.0, 0.0))
+    model.advance(3)
+    before = model.pose.x
+    model.command(STOP)
+    assert set(_left(model.advance(1))) == {0.0}
+    assert model.speed == 0
+    assert model.pose.x - before == pytest.approx(_FIRM.speed**2 / 2 / _FIRM.braking, rel=0.1)
+
+
+def test_a_board_that_restarts_forgets_its_command() -> None:
+    """It is silent for a while, hears no command, and then has nothing left; the IMU goes on."""
+    model = RoverModel(1)
+    model.command(BoardCommand(5.0, 0.0))
+    model.advance(3)
+    model.restart_board()
+    silent = model.advance(RoverSettings().restart_time - STEP_NS / 1e9)
+    model.command(BoardCommand(1.0, 0.0))
+    assert {type(one) for one in silent} == {ImuReading, GpsFix}
+    assert set(_left(model.advance(1))) == {0.0}
+    assert model.speed == 0
+    model.command(BoardCommand(1.0, 0.0))
+    assert _left(model.advance(1))[-1] < 1
+
+
+def test_the_motors_turn_as_the_rover_drives() -> None:
+    """The outer wheels are faster, the steering turns into the arc, and a standing board is idle."""
+    model = RoverModel(1, _FIRM)
+    idle = [one for one in model.advance(1) if isinstance(one, MotorReport)][-1]
+    model.command(BoardCommand(-3.0, 2.0))
+    driving = [one for one in model.advance(2) if isinstance(one, MotorReport)][-1]
+    circumference = 2 * math.pi * _FIRM.wheel_radius
+    assert (idle.state.name, idle.left_rpm, driving.state.name) == ("IDLE", 0, "OPERATING")
+    assert driving.left_rpm * circumference / 60 == pytest.approx(-0.5 * (1 - 0.3 / 2))
+    assert driving.right_rpm * circumference / 60 == pytest.approx(-0.5 * (1 + 0.3 / 2))
+    assert driving.steering == pytest.approx(math.atan(0.4 / 2))
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_a_command_that_is_no_number_is_refused(value: float) -> None:
+    """The error names the command."""
+    with pytest.raises(ValueError, match="cannot execute"):
+        RoverModel(1).command(BoardCommand(value, 0.0))
+
+
+# --- slip and sensors ---------------------------------------------------------------------------------------------
+
+
+def test_slip_is_a_random_walk_over_the_distance() -> None:
+    """After 10 m, the distance and the yaw scatter as the module says: by 2 s^2 L a metre."""
+    limits, distance = RoverSettings(speed=2.0, acceleration=2.0, braking=8.0), 10.0
+    ends = []
+    for seed in range(100):
+        model = RoverModel(seed, limits)
+        model.command(BoardCommand(distance, 0.0))
+        model.advance(6.5)
+        assert model.rolled == pytest.approx(distance)
+        ends.append(model)
+    # The first metres add less: 2 s^2 L (d - L) for d far above L.
+    root = math.sqrt(2 * SLIP_LENGTH_M * (distance - SLIP_LENGTH_M))
+    assert statistics.pstdev(one.pose.yaw for one in ends) == pytest.approx(limits.yaw_slip * root, rel=0.25)
+    straight = replace(limits, yaw_slip=0.0)
+    along = []
+    for seed in range(100):
+        model = RoverModel(seed, straight)
+        model.command(BoardCommand(distance, 0.0))
+        model.advance(6.5)
+        along.append(model.pose.x)
+    assert statistics.pstdev(along) == pytest.approx(limits.slip * root, rel=0.25)
+    assert abs(statistics.fmean(along) - distance) < 4 * limits.slip * root / 10
+
+
+def test_the_imu_measures_the_motion() -> None:
+    """The mean of its readings while the rover stands and turns; gravity points up (REP 145)."""
+    model = RoverModel(3, _FIRM, PlanarPose(0, 0, math.pi / 2))
+    standing = [one for one in model.advance(20) if isinstance(one, ImuReading)]
+    model.command(BoardCommand(20.0, 1.0))
+    model.advance(3)
+    before = model.pose.yaw
+    turning = [one for one in model.advance(20) if isinstance(one, ImuReading)]
+    bias = statistics.fmean(one.angular_velocity[2] for one in standing)
+    assert 0 < abs(bias) < 0.02
+    rate = statistics.fmean(one.angular_velocity[2] for one in turning) - bias
+    assert rate == pytest.approx((model.pose.yaw - before) / 20, abs=5e-4)
+    noise = statistics.pstdev(one.angular_velocity[2] for one in standing)
+    assert noise == pytest.approx(_FIRM.imu.gyro_noise / math.sqrt(0.02), rel=0.15)
+    assert statistics.fmean(one.linear_acceleration[2] for one in standing) == pytest.approx(9.81, abs=0.25)
+    across = statistics.fmean(one.linear_acceleration[1] for one in turning)
+    still = statistics.fmean(one.linear_acceleration[1] for one in standing)
+    assert across - still == pytest.approx(0.25, abs=0.01)
+    # The rover heads north: the field is ahead.
+    assert statistics.fmean(one.magnetic_field[0] for one in standing) == pytest.approx(20e-6, rel=0.02)
+    assert abs(statistics.fmean(one.magnetic_field[1] for one in standing)) < 0.2e-6
+
+
+def test_the_gps_scatters_around_the_true_position() -> None:
+    """Latitude and longitude come back as metres on the map; the course is clockwise from north."""
+    model = RoverModel(5, _FIRM, PlanarPose(30, -20, 0.0))
+    fixes = [one for one in model.advance(100) if isinstance(one, GpsFix)]
+    datum, deviation = _FIRM.gps.datum, _FIRM.gps.deviation
+    places = [datum.planar(one.latitude, one.longitude) for one in fixes]
+    for axis, truth in ((0, 30), (1, -20)):
+        values = [place[axis] for place in places]
+        assert statistics.fmean(values) == pytest.approx(truth, abs=4 * deviation / math.sqrt(len(values)))
+        assert statistics.pstdev(values) == pytest.approx(deviation, rel=0.15)
+    assert fixes[0].heading == 90
+
+
+# --- geodesy ------------------------------------------------------------------------------------------------------
+
+
+def _earth_centred(latitude: float, longitude: float, altitude: float) -> tuple[float, float, float]:
+    """Earth-centred coordinates of a point, from the definition of the ellipsoid (WGS 84)."""
+    a, b = 6_378_137.0, 6_356_752.314245
+    phi, lam = math.radians(latitude), math.radians(longitude)
+    radius = a * a / math.hypot(a * math.cos(phi), b * math.sin(phi))
+    return (
+        (radius + altitude) * math.cos(phi) * math.cos(lam),
+        (radius + altitude) * math.cos(phi) * math.sin(lam),
+        (radius * b * b / a / a + altitude) * math.sin(phi),
+    )
+
+
+@given(st.floats(-60, 60), st.floats(-179, 179), st.floats(-100, 3000), st.floats(0, 1000), st.floats(-4, 4))
+def test_positions_on_the_plane_are_those_of_the_ellipsoid(
+    latitude: float, longitude: float, altitude: float, distance: float, direction: float
+) -> None:
+    """Distances in space are those on the plane, and east and north are where they belong."""
+    datum = Datum(latitude, longitude, altitude)
+    x, y = distance * math.cos(direction), distance * math.sin(direction)
+    there = datum.geodetic(x, y)
+    assert datum.planar(*there) == pytest.approx((x, y), abs=1e-6)
+    origin = _earth_centred(latitude, longitude, altitude)
+    point = _earth_centred(*there, altitude)
+    phi, lam = math.radians(latitude), math.radians(longitude)
+    change = [end - start for start, end in zip(origin, point)]
+    east = -math.sin(lam) * change[0] + math.cos(lam) * change[1]
+    north = math.cos(phi) * change[2] - math.sin(phi) * (math.cos(lam) * change[0] + math.sin(lam) * change[1])
+    assert east == pytest.approx(x, abs=0.2)
+    assert north == pytest.approx(y, abs=0.2)
