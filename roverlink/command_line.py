@@ -42,6 +42,7 @@ COMMANDS = (
     "video",
     "drive",
     "mission",
+    "odometry",
     "demo",
 )
 """Names of all commands, in the order in which ``roverlink --help`` lists them."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from roverlink.runtime.core.messages import Bool, Float64, Length, Message, UInt8, UInt32
-from roverlink.runtime.interfaces import std_msgs
+from roverlink.runtime.interfaces import geometry_msgs, std_msgs
 
 
 @dataclass(slots=True)
@@ -69,3 +69,22 @@ class CompressedImage(Message):
     header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
     format: str = ""
     data: bytes = b""
+
+
+@dataclass(slots=True)
+class Imu(Message):
+    """ROS 2 message sensor_msgs/msg/Imu."""
+
+    __msgtype__: ClassVar[str] = "sensor_msgs/msg/Imu"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    orientation: geometry_msgs.Quaternion = dataclasses.field(default_factory=geometry_msgs.Quaternion)
+    orientation_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(default_factory=lambda: [0.0] * 9)
+    angular_velocity: geometry_msgs.Vector3 = dataclasses.field(default_factory=geometry_msgs.Vector3)
+    angular_velocity_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(
+        default_factory=lambda: [0.0] * 9
+    )
+    linear_acceleration: geometry_msgs.Vector3 = dataclasses.field(default_factory=geometry_msgs.Vector3)
+    linear_acceleration_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(
+        default_factory=lambda: [0.0] * 9
+    )
