@@ -131,7 +131,10 @@ class Nav2Rover:
         self._until(lambda: False, seconds)
 
     def _execute(self, action: RclpyAction, goal: Any, timeout: float) -> Outcome:
-        """Send a goal to Nav2 and wait for its end; cancel it if it takes too long, or if the mission ends."""
+        """Send a goal to Nav2 and wait for its end; cancel it if it takes too long, or if the mission ends.
+
+        A goal whose server disappears has failed.
+        """
         if not action.has_server():
             return Outcome.REFUSED
         ends: list[GoalEnd] = []
@@ -141,17 +144,23 @@ class Nav2Rover:
                 ends.append(how)
                 self._news.notify_all()
 
+        def is_over() -> bool:
+            return bool(ends) or not action.has_server()
+
         sent = action.send(goal, self._take_feedback, end)
+        is_late = True
         try:
-            self._until(lambda: bool(ends), timeout)
+            is_late = not self._until(is_over, timeout)
         finally:
-            if is_late := not ends:
+            if not ends:
                 sent.cancel()
                 with self._news:
-                    self._news.wait_for(lambda: bool(ends), _ANSWER_S)
-        if ends == [GoalEnd.CANCELED] and not is_late:
+                    self._news.wait_for(is_over, _ANSWER_S)
+        if is_late and ends != [GoalEnd.SUCCEEDED]:
+            return Outcome.TIMED_OUT
+        if ends == [GoalEnd.CANCELED]:
             raise MissionStoppedError("another program has cancelled the goal")
-        return Outcome.TIMED_OUT if is_late and ends != [GoalEnd.SUCCEEDED] else _OUTCOMES[ends[0]]
+        return _OUTCOMES[ends[0]] if ends else Outcome.FAILED
 
     def _until(self, condition: Callable[[], bool], seconds: float) -> bool:
         """Wait until a condition is true; return false if it is not after a time in seconds.

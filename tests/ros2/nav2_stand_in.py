@@ -91,8 +91,11 @@ class Nav2StandIn:
 
     def close(self) -> None:
         """Stop serving, so that no later test finds these servers."""
+        if not self._servers:
+            return
         closed = self._executor.create_task(lambda: [server.destroy() for server in self._servers])
         wait_until(closed.done, "the end of the servers")
+        self._servers, self._running = [], []
 
     def _answer(self, request: Any) -> GoalResponse:
         if hasattr(request, "target"):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from judge import Judge  # skips this module where there is no rclpy
+from judge import Judge, interface  # skips this module where there is no rclpy
 from needs import NO_OPENCV
 from polling import wait_until
 from programs import Program, Start
@@ -192,6 +192,29 @@ def test_a_goal_that_takes_too_long_is_cancelled(serve: Serve, run: Callable[...
     assert program.end() == 0, str(program)
     assert nav2.ends == ["canceled", "succeed"]
     assert "it took too long; trying again (1)" in str(program)
+
+
+def test_a_goal_of_a_nav2_that_disappears_has_failed(serve: Serve, run: Callable[..., Program]) -> None:
+    """The program does not wait for the time of the goal to pass."""
+    nav2 = serve(lambda *_: HOLD)
+    program = run("{retries: 1, goals: [{position: [1, 0]}]}")
+    nav2.wait_for_goals(1)
+    nav2.close()
+    assert program.end() == 1, str(program)
+    assert "Nav2 could not reach it; trying again (1)" in str(program)
+    assert "Nav2 refused it" in str(program)
+
+
+def test_another_program_may_end_the_mission(judge: Judge, serve: Serve, run: Callable[..., Program]) -> None:
+    """A goal that somebody else has cancelled, such as RViz, is not sent again."""
+    nav2 = serve(lambda *_: HOLD)
+    program = run("{goals: [{position: [1, 0]}]}")
+    nav2.wait_for_goals(1)
+    every_goal = interface("action_msgs/srv/CancelGoal").Request()
+    judge.call("/navigate_to_pose/_action/cancel_goal", "action_msgs/srv/CancelGoal", every_goal)
+    assert program.end() == 1, str(program)
+    assert len(nav2.goals) == 1
+    assert "another program has cancelled the goal" in str(program)
 
 
 def test_a_rover_that_has_lost_its_position_stops(serve: Serve, run: Callable[..., Program]) -> None:
