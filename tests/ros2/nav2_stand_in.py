@@ -37,6 +37,16 @@ class Goal:
     back: float | None = None
 
 
+def transforms(pose: PlanarPose, clock: Any) -> Any:
+    """Make the message on /tf that says where the rover is now."""
+    one = interface("geometry_msgs/msg/TransformStamped")()
+    one.header.stamp = clock.now().to_msg()
+    one.header.frame_id, one.child_frame_id = "map", "base_link"
+    one.transform.translation.x, one.transform.translation.y = pose.x, pose.y
+    one.transform.rotation.z, one.transform.rotation.w = math.sin(pose.yaw / 2), math.cos(pose.yaw / 2)
+    return interface("tf2_msgs/msg/TFMessage")(transforms=[one])
+
+
 @dataclass
 class _Running:
     """A goal that was accepted."""
@@ -139,12 +149,6 @@ class Nav2StandIn:
             self._publish["/control_mode"](interface("comms/msg/BasestationControlMode")(mode=self.mode))
         if self.pose is None:
             return
-        transform = interface("geometry_msgs/msg/TransformStamped")()
-        transform.header.stamp = self._clock.now().to_msg()
-        transform.header.frame_id, transform.child_frame_id = "map", "base_link"
-        transform.transform.translation.x, transform.transform.translation.y = self.pose.x, self.pose.y
-        transform.transform.rotation.z = math.sin(self.pose.yaw / 2)
-        transform.transform.rotation.w = math.cos(self.pose.yaw / 2)
-        self._publish["/tf"](interface("tf2_msgs/msg/TFMessage")(transforms=[transform]))
+        self._publish["/tf"](transforms(self.pose, self._clock))
         seen = [interface("vision_msgs/msg/Detection3D")(id=name) for name in self.sees(self.pose)]
         self._publish["/aruco/detections"](interface("vision_msgs/msg/Detection3DArray")(detections=seen))
