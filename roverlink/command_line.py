@@ -41,8 +41,8 @@ COMMANDS = (
     "objects",
     "video",
     "drive",
-    "mission",
     "odometry",
+    "mission",
     "demo",
 )
 """Names of all commands, in the order in which ``roverlink --help`` lists them."""
