@@ -87,20 +87,24 @@ def open_source(
     size: tuple[int, int] | None = None,
     say: Callable[[str], None] = print_note,
     *,
+    rate: float | None = None,
     any_size: bool = False,
 ) -> FrameSource:
     """Open the source of frames that a text names.
 
-    If the settings have no image size, the camera is asked for images of ``size``. With ``any_size``, the images of a
-    ROS 2 topic may change their size. ``say`` is called with messages for
-    the user, also later, for instance if the camera is lost. Raises `SetupError` if the source cannot be opened.
+    If the settings have no image size, the camera is asked for images of ``size``; if they have no rate, a folder has
+    ``rate`` images a second. With ``any_size``, the images of a ROS 2 topic may change their size. ``say`` is called
+    with messages for the user, also later, for instance if the camera is lost. Raises `SetupError` if the source cannot
+    be opened.
     """
     from roverlink.vision import frames
 
     def open_topic(name: str) -> FrameSource:
         return frames.TopicSource(ros.middleware, full_topic(name, ros.arguments), say, ros.clock, any_size=any_size)
 
-    return frames.open_source(text, settings, size=size, say=say, clock=ros.clock, open_topic=open_topic)
+    return frames.open_source(
+        text, settings, size=size, rate=rate or frames.RATE, say=say, clock=ros.clock, open_topic=open_topic
+    )
 
 
 def _asked(say: Callable[[str], None]) -> str:

@@ -33,9 +33,11 @@ from roverlink.simulation.simulated_keys import make_throw_away_keys
 
 if TYPE_CHECKING:
     from roverlink.demo.camera_program import CameraProgram
+    from roverlink.demo.camera_stream import CameraStream
 
 _RATE_HZ = 20.0
 _TICK_S = 0.01
+_VIDEO_HZ = 10.0
 _REFRESH_HZ = 4
 _PLAIN_REPORT_S = 5.0
 _SHOWN_COUNTERS = ("received", "published", "sent", "forwarded", "dropped", "kernel_drops")
@@ -51,7 +53,8 @@ def add(commands: Subparsers) -> None:
         "Run the bridge with simulated boards, a simulated basestation and a ROS 2 node on this computer, to see what\n"
         "roverlink does without a rover. No message leaves this computer. If OpenCV is installed, a simulated camera\n"
         "computes the position of the rover from rendered images of markers. With ONNX Runtime, another one detects\n"
-        "the parts of a rendered panel.\n\n"
+        "the parts of a rendered panel. With PyAV, a page in the browser shows the video of the first camera, as it\n"
+        "arrives at the basestation.\n\n"
         "The live table has a row for each message of mapping.yaml: its number, its direction, messages a second,\n"
         "messages since the start, and the last value. The last lines say how many of these messages were bridged,\n"
         "and what the bridge counted. Exit code 0: each message of mapping.yaml was bridged at least once; 1: one or\n"
@@ -80,6 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
     console = Console()
     with contextlib.ExitStack() as stack:
         cameras = list(_cameras(console, project, arguments.middleware, stack))
+        stream = _stream(console, cameras[0], stack) if cameras else None
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="roverlink-demo-")))
         keys = make_throw_away_keys(registry, folder)
         peers = {peer.name: stack.enter_context(_on_loopback(peer.name, registry, keys)) for peer in registry.peers}
@@ -96,6 +100,8 @@ def run(arguments: argparse.Namespace) -> int:
         account = host.stop()  # at once: the commanding topics are silent from now on, and the watchdogs would fire
         for camera in cameras:
             console.print(camera.stop(), soft_wrap=True)
+        if stream is not None:
+            console.print(stream.stop(), soft_wrap=True)
     missing = [crossing.handler.route.name for crossing in rig.crossings if not crossing.count]
     crossed = sum(crossing.count for crossing in rig.crossings)
     console.print(
@@ -123,6 +129,21 @@ def _cameras(console: Console, project: Path, middleware: str, stack: contextlib
         yield stack.enter_context(ObjectCamera(project, middleware))
     except SetupError as error:
         console.print(f"running without a camera: {error}", soft_wrap=True, markup=False)
+
+
+def _stream(console: Console, camera: CameraProgram, stack: contextlib.ExitStack) -> CameraStream | None:
+    """Start the video of a camera and the page that shows it; without PyAV, the user is told what is missing."""
+    try:
+        from roverlink.demo.camera_stream import CameraStream
+        from roverlink.demo.demo_page import DemoHandler
+        from roverlink.video.video_page import StreamsServer
+    except SetupError as error:
+        console.print(f"running without video: {error}", soft_wrap=True, markup=False)
+        return None
+    stream = stack.enter_context(CameraStream(camera.frames, _VIDEO_HZ))
+    page = stack.enter_context(StreamsServer("127.0.0.1", 0, {stream.received.name: stream.received}, DemoHandler))
+    console.print(f"page with the video of the camera: {page.url}", soft_wrap=True)
+    return stream
 
 
 def _on_loopback(peer: str, registry: Registry, keys: Mapping[str, Path]) -> BlockingPeer:

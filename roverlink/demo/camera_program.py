@@ -38,7 +38,8 @@ class CameraProgram(ABC):
         this process. With any other middleware, the child process publishes its results itself.
         """
         self._folder = TemporaryDirectory(prefix="roverlink-camera-")
-        frames = Path(self._folder.name) / "frames"
+        self.frames = frames = Path(self._folder.name) / "frames"
+        """Folder with the images that the camera sees."""
         frames.mkdir()
         for number, image in enumerate(self._images()):
             cv2.imwrite(str(frames / f"{number}.png"), image)

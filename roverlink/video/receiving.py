@@ -20,7 +20,7 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.interfaces import sensor_msgs
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.video.received_stream import ReceivedStream, TakeImage, TakeUnit
-from roverlink.video.video_page import VideoServer
+from roverlink.video.video_page import StreamsServer
 from roverlink.vision.markers.detection import Image
 from roverlink.vision.ros.image_messages import compressed_of
 from roverlink.vision.ros.outputs import LATEST, Outputs
@@ -48,7 +48,7 @@ def receive(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Lo
         ]
         if arguments.page:
             host, number = arguments.page
-            server = stack.enter_context(VideoServer(host, number, {one.name: one for one in streams}))
+            server = stack.enter_context(StreamsServer(host, number, {one.name: one for one in streams}))
             logger.info("page: %s", server.url)
         for stream in streams:
             stack.enter_context(stream)

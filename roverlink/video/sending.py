@@ -134,9 +134,16 @@ class _Sending:
         return self._streams
 
     def _source(self, settings: StreamSettings) -> FrameSource:
-        # Only a camera can be asked for a size and a rate; the images of other sources are scaled and left out.
+        # A camera is asked for the size, and a folder is played with the rate. The images of other sources are scaled,
+        # and those above the rate are left out.
         return open_source(
-            settings.source, settings.camera, self._ros, settings.size, self._logger.warning, any_size=True
+            settings.source,
+            settings.camera,
+            self._ros,
+            settings.size,
+            self._logger.warning,
+            rate=settings.rate,
+            any_size=True,
         )
 
     def _prepared(self, frame: Frame, settings: StreamSettings) -> Image:

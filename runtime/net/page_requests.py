@@ -82,7 +82,7 @@ def not_found(why: str = "not found") -> Answer:
     return Answer(HTTPStatus.NOT_FOUND, body=f"{why}\n".encode())
 
 
-def _file_answer(file: Path) -> Answer:
+def file_answer(file: Path) -> Answer:
     """Return the answer with a file of a page (HTML, CSS or JavaScript) that loads nothing from other sites."""
     return Answer(HTTPStatus.OK, _TYPES[file.suffix], file.read_bytes(), {"Content-Security-Policy": _PAGE_POLICY})
 
@@ -111,7 +111,7 @@ class PageHandler(BaseHTTPRequestHandler):
         if not is_this_computer(self.headers["Host"]):
             return self.send_answer(refusal("this is not the page's address"))
         if name := _FILES.get(address.path):
-            return self.send_answer(_file_answer(self.folder / name))
+            return self.send_answer(file_answer(self.folder / name))
         answer = self.get(address.path, parse_qs(address.query))
         return None if answer is None else self.send_answer(answer)
 

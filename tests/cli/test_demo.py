@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from needs import needs_dds
+from needs import NO_AV, needs_dds
 from rich.console import Console
 
 from generated.registry import REGISTRY
@@ -67,10 +67,32 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
             assert int(objects[2]) >= 70
         else:
             assert "pip install 'onnxruntime>=1.17'" in output
+        if importlib.util.find_spec("av"):
+            assert re.search(r"the video of the simulated camera arrived with [1-9]\d* images/s, \d+ ms after", output)
+        else:
+            assert "pip install 'av>=12'" in output
     else:
         assert "pip install 'opencv-contrib-python-headless>=4.8'" in output
     for handler in REGISTRY.handlers:
         assert re.search(rf"{handler.route.number} . {handler.route.name} ", output)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not importlib.util.find_spec("av"), reason=NO_AV)
+def test_the_page_shows_the_video_of_the_camera(start: Start) -> None:
+    """As it arrives; the page marks it as old when the demo has ended."""
+    from tests.vision.browsing import visiting  # it needs OpenCV
+
+    demo = start("demo", "--seconds", 60, "--middleware", "memory")
+    url = demo.wait_for("page with the video of the camera: http", demo.output).rpartition(": ")[2]
+    with visiting() as visitor:
+        visitor.open(url)
+        camera = 'section[aria-label="camera"]'
+        visitor.until(lambda: visitor.count(camera) and "images/s" in visitor.text(camera))
+        visitor.until(lambda: visitor.run(f"return document.querySelector('{camera} img').naturalWidth") == 640)
+        assert visitor.complaints() == []
+        demo.interrupt()
+        visitor.until(lambda: "NO CONNECTION" in visitor.text("#connection"))
 
 
 @pytest.mark.slow

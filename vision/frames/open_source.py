@@ -31,6 +31,7 @@ def open_source(
     settings: CameraSettings = CameraSettings(),  # noqa: B008  # it is frozen
     *,
     size: tuple[int, int] | None = None,
+    rate: float = RATE,
     say: Say = lambda _: None,
     clock: Clock = SYSTEM_CLOCK,
     open_topic: Callable[[str], FrameSource] | None = None,
@@ -40,9 +41,9 @@ def open_source(
     Examples of the text: ``0``, ``/dev/video2``, ``drive.mp4``, ``rtsp://192.168.0.7/live``, ``192.168.0.7:8080``,
     ``topic:/camera/image_raw``, ``gstreamer:v4l2src ! ...``. `open_topic` is called with the name of a topic.
     `settings` are those of a camera; a folder has a rate and a stream a latency. If they name no size, `size` (width,
-    height) is requested. `say` is called with messages about a live source that stalls, ends or works again, and
-    `clock` gives the stamps of its frames. Raises `SetupError` if the source cannot be opened, or if it does not have a
-    setting.
+    height) is requested; if they name no rate, a folder has `rate` images a second. `say` is called with messages about
+    a live source that stalls, ends or works again, and `clock` gives the stamps of its frames. Raises `SetupError` if
+    the source cannot be opened, or if it does not have a setting.
     """
     text = text.strip()
     if text.startswith(TOPIC) and open_topic is not None:
@@ -61,7 +62,7 @@ def open_source(
     if text and path.exists():
         if path.is_dir() or path.suffix.lower() in IMAGES:
             settings.check(text, "rate")
-            return ImageFiles(path, settings.rate or RATE, say)
+            return ImageFiles(path, settings.rate or rate, say)
         settings.check(text)
         return VideoFile(path)
     if _HOST.fullmatch(text) and path.suffix.lower() not in IMAGES | VIDEOS:

@@ -13,10 +13,20 @@ from http import HTTPStatus
 from pathlib import Path
 
 from roverlink.runtime.net.http_server import HttpServer
-from roverlink.runtime.net.page_requests import EVENT_STREAM, IMAGE_STREAM, Answer, PageHandler, not_found, refusal
+from roverlink.runtime.net.page_requests import (
+    EVENT_STREAM,
+    IMAGE_STREAM,
+    Answer,
+    PageHandler,
+    file_answer,
+    not_found,
+    refusal,
+)
 from roverlink.video.received_stream import ReceivedStream
 
-IMAGES = "/video/"
+_FOLDER = Path(__file__).parent
+_FILES = ("/streams.js", "/streams.css")
+_IMAGES = "/video/"
 """Start of the path of a stream's images; its name follows."""
 _STATE_S = 0.5
 _WAIT_S = 1.0
@@ -25,26 +35,30 @@ _SILENT_S = 10.0
 _OWN_SITES = ("same-origin", "none", None)
 
 
-class VideoServer(HttpServer):
-    """HTTP server of the page. A context manager."""
+class StreamsHandler(PageHandler):
+    """Handler of a page with streams.
 
-    def __init__(self, address: str, port: int, streams: Mapping[str, ReceivedStream]) -> None:
-        """Bind the port; for port 0, the system selects a free port. Raises `SetupError` if it is not available."""
-        super().__init__(address, port, "page", type("Handler", (_Handler,), {"streams": streams}))
+    A page shows them if it loads streams.js and streams.css, and has elements with the ids streams and connection.
+    """
 
-
-class _Handler(PageHandler):
-    folder = Path(__file__).parent
+    folder = _FOLDER
     streams: Mapping[str, ReceivedStream]
 
     def get(self, path: str, query: Mapping[str, list[str]]) -> Answer | None:  # noqa: ARG002  # as the base class
+        """Answer a request for the script, the style, the states or the images of the streams."""
+        if path in _FILES:
+            return file_answer(_FOLDER / path[1:])
         # Another site may link to the page, but not show its images.
         if self.headers["Sec-Fetch-Site"] not in _OWN_SITES:
             return refusal("only the page itself may show the video")
+        stream = self.streams.get(path.removeprefix(_IMAGES)) if path.startswith(_IMAGES) else None
         if path == "/events":
             self._send_states()
-            return None
-        return send_images(self, self.streams, path)
+        elif stream is not None:
+            self._send_images(stream)
+        else:
+            return not_found()
+        return None
 
     def _send_states(self) -> None:
         """Send the state of all streams as server-sent events until the browser leaves."""
@@ -55,22 +69,31 @@ class _Handler(PageHandler):
             self.wfile.write(b"data: " + json.dumps(states).encode() + b"\n\n")
             time.sleep(_STATE_S)
 
+    def _send_images(self, stream: ReceivedStream) -> None:
+        """Send the images of a stream until the browser leaves."""
+        self.close_connection = True
+        self.send_head(Answer(HTTPStatus.OK, IMAGE_STREAM))
+        number, jpeg, sent = 0, b"", time.monotonic()
+        while not stream.ended:
+            newest = stream.next_jpeg(number, _WAIT_S)
+            if newest is not None:
+                number, jpeg = newest
+            elif not jpeg or time.monotonic() - sent < _SILENT_S:
+                continue
+            sent = time.monotonic()
+            head = f"--image\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
+            self.wfile.write(head.encode() + jpeg + b"\r\n")
 
-def send_images(handler: PageHandler, streams: Mapping[str, ReceivedStream], path: str) -> Answer | None:
-    """Send the images of the stream that a path names, until the browser leaves; return the answer if there is none."""
-    stream = streams.get(path.removeprefix(IMAGES)) if path.startswith(IMAGES) else None
-    if stream is None:
-        return not_found()
-    handler.close_connection = True
-    handler.send_head(Answer(HTTPStatus.OK, IMAGE_STREAM))
-    number, jpeg, sent = 0, b"", time.monotonic()
-    while not stream.ended:
-        newest = stream.next_jpeg(number, _WAIT_S)
-        if newest is not None:
-            number, jpeg = newest
-        elif not jpeg or time.monotonic() - sent < _SILENT_S:
-            continue
-        sent = time.monotonic()
-        head = f"--image\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
-        handler.wfile.write(head.encode() + jpeg + b"\r\n")
-    return None
+
+class StreamsServer(HttpServer):
+    """HTTP server of a page with streams. A context manager."""
+
+    def __init__(
+        self,
+        address: str,
+        port: int,
+        streams: Mapping[str, ReceivedStream],
+        handler: type[StreamsHandler] = StreamsHandler,
+    ) -> None:
+        """Bind the port; for port 0, the system selects a free port. Raises `SetupError` if it is not available."""
+        super().__init__(address, port, "page", type("Handler", (handler,), {"streams": streams}))

@@ -1,0 +1,62 @@
+"""Video stream of the demo's camera: ``roverlink video send`` sends it, and the demo receives it for its page."""
+
+from __future__ import annotations
+
+import roverlink.vision  # noqa: F401  # first: it explains how to install numpy and OpenCV
+
+# isort: split
+
+import signal
+import subprocess
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+
+from roverlink.console import NO_MIDDLEWARE
+from roverlink.video.received_stream import ReceivedStream
+from roverlink.vision.video.rtp_receiver import RtpReceiver
+
+_HOST = "127.0.0.1"
+_TIMEOUT_S = 20.0
+
+
+class CameraStream:
+    """Stream of a folder of images. A context manager: the images are sent, decoded and counted inside the block."""
+
+    def __init__(self, frames: Path, rate: float) -> None:
+        """Prepare to send the images of a folder again and again, `rate` images a second."""
+        self._receiver = RtpReceiver(_HOST, 0)
+        self.received = ReceivedStream("camera", self._receiver, lambda _: None, lambda *_: None)
+        """Stream as it arrives."""
+        self._command = [sys.executable, "-m", "roverlink", "video", "send", str(frames), "--loop", "--overlay", "time"]
+        self._command += ["--rate", str(rate), "--port", str(self._receiver.port), "--middleware", NO_MIDDLEWARE]
+        self._command += ["--ros-args", "--log-level", "warn"]
+
+    def stop(self) -> str:
+        """End the sender, and return a text for the user about the stream."""
+        state = self.received.state()
+        self._sender.send_signal(signal.SIGINT)
+        self._sender.wait(_TIMEOUT_S)
+        if state["latency"] is None:
+            return "no video of the simulated camera arrived"
+        return (
+            f"the video of the simulated camera arrived with {state['rate']:.0f} images/s, "
+            f"{1e3 * state['latency']:.0f} ms after the images were taken"
+        )
+
+    def __enter__(self) -> CameraStream:
+        with ExitStack() as stack:
+            stack.enter_context(self._receiver)
+            stack.enter_context(self.received)
+            self._sender = subprocess.Popen(self._command)  # noqa: S603  # our own program
+            stack.callback(self._kill)
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def _kill(self) -> None:
+        if self._sender.poll() is None:
+            self._sender.kill()
+            self._sender.wait()
