@@ -144,7 +144,7 @@ def test_packets_leave_in_their_order(order: list[int], first: int, twice: set[i
 
 
 def test_a_missing_packet_is_waited_for_and_requested() -> None:
-    """Three times, and at most for 50 ms; then the packets after it leave, and it is lost."""
+    """Every 15 ms, and at most for 50 ms; then the packets after it leave, and it is lost."""
     reordering = Reordering()
     list(reordering.add(_packet(65_534), 0))
     assert list(reordering.add(_packet(1), 0)) == []
@@ -152,11 +152,25 @@ def test_a_missing_packet_is_waited_for_and_requested() -> None:
     assert reordering.wanted(1_000_000) == []
     assert list(reordering.add(_packet(0), 2_000_000)) == []
     assert reordering.arrivals.repaired == 1
-    assert [bool(reordering.wanted(now)) for now in (16_000_000, 31_000_000, 46_000_000)] == [True, True, False]
+    assert reordering.next_due() == 15_000_000
+    requests = [bool(reordering.wanted(now)) for now in (14_000_000, 15_000_000, 20_000_000, 31_000_000, 46_000_000)]
+    assert requests == [False, True, False, True, True]
+    assert reordering.next_due() == WAIT_NS
     assert list(reordering.due(WAIT_NS - 1)) == []
     assert list(reordering.due(WAIT_NS)) == [(_packet(0), 1), (_packet(1), 0)]
     assert reordering.arrivals.lost == 1
     assert list(reordering.add(_packet(65_535), WAIT_NS)) == []
+
+
+def test_a_long_gap_is_not_requested() -> None:
+    """A key frame costs less than so many packets."""
+    reordering = Reordering()
+    for number in (0, 66):
+        list(reordering.add(_packet(number), 0))
+    assert reordering.wanted(0) == []
+    assert reordering.next_due() == WAIT_NS
+    assert list(reordering.due(WAIT_NS)) == [(_packet(66), 65)]
+    assert reordering.next_due() is None
 
 
 def test_another_run_of_the_sender_begins_anew() -> None:

@@ -27,9 +27,10 @@ class Encoder:
     def __init__(self, size: tuple[int, int], rate: float, bitrate: float) -> None:
         """Open the encoder for images of (width, height), both even, a rate in Hz and a bitrate in bits a second.
 
+        An image gets the bits of its share of a second: if the images come at half the rate, half the bits are used.
         Raises `SetupError` if this PyAV has no encoder, or if it refuses the size.
         """
-        self.size = size
+        self.size, self.rate = size, rate
         if _ENCODER not in av.codecs_available:
             raise SetupError(
                 "this PyAV has no encoder for H.264 (libx264); install PyAV from PyPI with `pip install av`, or let "

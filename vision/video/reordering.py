@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -11,7 +12,6 @@ WAIT_NS = 50_000_000
 """Longest time for which a missing packet is waited for, in nanoseconds: that of the basestation's pipelines."""
 _AGAIN_NS = 15_000_000
 """Time after which a missing packet is requested again; most radio links answer faster."""
-_REQUESTS = 3
 _MOST_REQUESTED = 64  # packets; what misses more needs a key frame
 _JUMP = 3000  # MAX_DROPOUT of RFC 3550, A.1: a larger step is a restart
 _SEQUENCES = 1 << 16
@@ -38,8 +38,8 @@ class _Gap:
     """Missing packet."""
 
     since: int
-    asked: int = 0
-    asked_at: int = 0
+    asked_at: int | None = None
+    """Time of the last request; None if there was none."""
 
 
 class Reordering:
@@ -63,8 +63,7 @@ class Reordering:
         if number is None:
             return
         if number in self._gaps:
-            gap = self._gaps.pop(number)
-            self.arrivals.repaired += gap.asked > 0
+            self.arrivals.repaired += self._gaps.pop(number).asked_at is not None
         for missing in range(max(self.arrivals.highest + 1, self._next), number):
             self._gaps[missing] = _Gap(now)
         self.arrivals.highest = max(self.arrivals.highest, number)
@@ -92,25 +91,20 @@ class Reordering:
 
     def wanted(self, now: int) -> list[int]:
         """Return the sequence numbers that should be requested from the sender now."""
-        wanted = [
-            number
-            for number, gap in self._gaps.items()
-            if gap.asked < _REQUESTS and (not gap.asked or now - gap.asked_at >= _AGAIN_NS)
-        ]
-        if len(self._gaps) > _MOST_REQUESTED:
-            return []
+        wanted = [number for number, gap in self._gaps.items() if self._next_request(gap) <= now]
         for number in wanted:
-            self._gaps[number].asked += 1
             self._gaps[number].asked_at = now
         return [number % _SEQUENCES for number in wanted]
 
-    def next_due(self) -> int | None:
+    def next_due(self) -> float | None:
         """Return the time at which `due` or `wanted` should be called again; None if nothing is missing."""
-        times = [
-            min(gap.since + WAIT_NS, gap.asked_at + _AGAIN_NS if gap.asked < _REQUESTS else gap.since + WAIT_NS)
-            for gap in self._gaps.values()
-        ]
-        return min(times, default=None)
+        return min((min(gap.since + WAIT_NS, self._next_request(gap)) for gap in self._gaps.values()), default=None)
+
+    def _next_request(self, gap: _Gap) -> float:
+        """Return the time at which a missing packet should be requested."""
+        if len(self._gaps) > _MOST_REQUESTED:
+            return math.inf
+        return gap.since if gap.asked_at is None else gap.asked_at + _AGAIN_NS
 
     def _extended(self, packet: RtpPacket) -> int | None:
         """Return the packet's number beyond 16 bits; None for a repetition, or if it is too late."""

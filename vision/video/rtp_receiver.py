@@ -27,7 +27,7 @@ from roverlink.vision.video.rtp import AccessUnit, Depacketizer, RtpPacket, read
 _BUFFER = 1 << 20
 _REPORT_S = 0.5
 _KEY_AGAIN_S = 0.3
-_SILENT_S = 0.5
+SILENT_S = 0.5
 """Time in seconds without a packet after which a sender counts as gone, and another one may take its place."""
 _WAKE_S = 0.1
 _LARGEST = 65_536
@@ -60,7 +60,7 @@ class RtpReceiver:
         self.port: int = self._socket.getsockname()[1]
         self._ssrc = secrets.randbits(32)
         self._source: SocketAddress | None = None
-        self._heard = -_SILENT_S
+        self._heard = -SILENT_S
         self._closed = False
         self._begin()
 
@@ -128,7 +128,7 @@ class RtpReceiver:
             return
         if self._order.ssrc not in (None, packet.ssrc):
             # The images of two senders on one port would replace each other all the time.
-            if now - self._heard < _SILENT_S:
+            if now - self._heard < SILENT_S:
                 return
             self._begin()
         self._heard, self._source = now, address
@@ -160,10 +160,12 @@ class RtpReceiver:
             return
         if wanted := self._order.wanted(time.monotonic_ns()):
             self._send(Missing(self._ssrc, ssrc, tuple(wanted)).encode())
-        if now - self._last_report >= _REPORT_S and now - self._heard < _SILENT_S:
+        if now - self._last_report >= _REPORT_S and now - self._heard < SILENT_S:
             self._last_report = now
             self._send(self._receiver_report(ssrc, now).encode())
-        if not self._intact and now - self._key_asked >= _KEY_AGAIN_S and now - self._heard < _SILENT_S:
+        # Before the first image is complete, nobody knows if it is a key frame.
+        broken = not self._intact and not self._restarted
+        if broken and now - self._key_asked >= _KEY_AGAIN_S and now - self._heard < SILENT_S:
             self._key_asked = now
             self._send(PictureLoss(self._ssrc, ssrc).encode())
 

@@ -12,6 +12,7 @@ from roverlink.runtime.net.hosts import SocketAddress
 from roverlink.vision.frames.frame import size_of
 from roverlink.vision.markers.detection import Image
 from roverlink.vision.video.encoder import Encoder
+from roverlink.vision.video.image_rate import ImageRate
 from roverlink.vision.video.packet_pacing import PacedLink
 from roverlink.vision.video.rate_control import RateControl
 from roverlink.vision.video.rtp import CLOCK_HZ
@@ -24,6 +25,8 @@ _KEY_AGAIN_S = 0.25
 """Least time between two key frames, however often receivers ask for them."""
 _FULL_S = 0.1
 """Time that packets wait for the link, from which images are left out: an older image is of no use."""
+_OTHER_RATE = 1.15
+"""Factor by which the rate of the images must differ from that of the encoder before it is opened again."""
 _QUIET_S = 3.0
 """Time without a report of the receiver after which what the link measures counts."""
 
@@ -75,7 +78,9 @@ class RtpOutput:
         """Send to an address through a link."""
         self.sent = Sent()
         self._settings, self._link = settings, link
-        self._control = RateControl(1e3 * settings.min_bitrate, 1e3 * settings.bitrate)
+        self._highest = 1e3 * settings.bitrate
+        self._control = RateControl(1e3 * settings.min_bitrate, self._highest)
+        self._rate = ImageRate(settings.rate)
         # Other threads append what arrives, and `put` takes it.
         self._reports: deque[tuple[float, float | None]] = deque(maxlen=8)
         self._reported_at = -math.inf
@@ -92,30 +97,38 @@ class RtpOutput:
     def put(self, image: Image, stamp: int) -> None:
         """Encode and send an image, or leave it out if the link is full. Raises `SetupError` if the encoder fails."""
         self._take_reports()
+        plan = self._control.plan
+        self._rate.add(stamp, plan.divisor)
         if self._link.delay > _FULL_S:
             self.sent.skipped += 1
             return
-        size, bitrate = size_of(image), self._control.plan.bitrate
-        if self._encoder is None or self._encoder.size != size:
-            self._encoder = Encoder(size, self._settings.rate, bitrate)
-            self._start, self._last, self._key_at = stamp, -1, -KEY_S
-        self._encoder.set_bitrate(bitrate)
         now = time.monotonic()
         wait = _KEY_AGAIN_S if self._sender.key_wanted else KEY_S
         # Half an image earlier, so that key frames are not one image too late again and again.
-        key = now - self._key_at >= wait - 0.5 / self._settings.rate
+        key = now - self._key_at >= wait - 0.5 / self._rate.hz
+        encoder = self._encoder
+        if encoder is None or encoder.size != size_of(image) or (key and not self._has_rate(encoder)):
+            encoder = self._encoder = Encoder(size_of(image), self._rate.hz, self._highest)
+            self._start, self._last, key = stamp, -1, True
         if key:
             self._key_at = now
             self._sender.key_wanted = False
+        # The encoder reckons with the rate of the source. If half of the images are left out, each keeps its bits.
+        encoder.set_bitrate(plan.bitrate * plan.divisor)
         timestamp = max((stamp - self._start) * CLOCK_HZ // 10**9, self._last + 1)
         self._last = timestamp
-        nals = self._encoder.encode(image, timestamp, key=key)
+        nals = encoder.encode(image, timestamp, key=key)
         self.sent.images += 1
         self.sent.octets += self._sender.send(nals, stamp)
 
+    def _has_rate(self, encoder: Encoder) -> bool:
+        """Return true if the images come at about the rate of an encoder."""
+        return 1 / _OTHER_RATE < self._rate.hz / encoder.rate < _OTHER_RATE
+
     def limit(self, lowest: float, highest: float) -> None:
         """Keep the bitrate between two others, in kbit/s, from the next image on."""
-        self._control = RateControl(1e3 * lowest, 1e3 * highest)
+        self._highest = 1e3 * highest
+        self._control = RateControl(1e3 * lowest, self._highest)
         self._encoder = None  # its own limit is that of the begin
 
     def link_measured(self, lost: float, round_trip: float | None) -> None:
