@@ -9,7 +9,7 @@ import roverlink.vision  # noqa: F401  # first: it explains how to install numpy
 import argparse
 import logging
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +24,7 @@ from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.video.link_quality import LinkQualities, LinkQuality
 from roverlink.video.overlay import OBJECTS, SeenObjects, link_text, time_text
 from roverlink.video.sent_stream import SentStream
+from roverlink.video.stream_control import StreamControl
 from roverlink.video.stream_parameters import StreamParameters, Streams
 from roverlink.vision.frames import Frame, FrameSource
 from roverlink.vision.images.drawing import write_above
@@ -55,7 +56,7 @@ def send(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logge
         streams = sending.open(link)
         for stream in streams:
             stack.enter_context(stream)
-        _follow(streams, logger)
+        _follow(streams, sending.answer_requests, logger)
     return OK
 
 
@@ -92,11 +93,13 @@ class _Sending:
         self._ros = RosConnection(ros, arguments.middleware or "auto", stack, logger.warning, self._parameters)
         self._qualities: LinkQualities | None = None
         self._objects: SeenObjects | None = None
+        self._control: StreamControl | None = None
         if arguments.middleware:
             middleware = self._ros.middleware
             stack.enter_context(publish_log(logger, middleware, ros))
             self._qualities = LinkQualities(middleware, self._link_measured, logger.warning)
             self._objects = SeenObjects(middleware, ros.topic(OBJECTS), logger.warning)
+            self._control = StreamControl(middleware, ros, self._parameters)
         elif any(set(one.overlay) - {"time"} for one in self._parameters.meaning):
             raise SetupError("the overlays 'objects' and 'link' come from ROS 2; leave --middleware none out")
 
@@ -165,6 +168,13 @@ class _Sending:
         for stream, settings in zip(self._streams, streams):
             if stream.settings != settings:
                 stream.change(settings)
+        if self._control:
+            self._control.publish()
+
+    def answer_requests(self) -> None:
+        """Answer the requests of ``roverlink video set``."""
+        if self._control:
+            self._control.answer()
 
     def _link_measured(self) -> None:
         """Tell the streams what the bridge measures, about once a second."""
@@ -173,11 +183,12 @@ class _Sending:
                 stream.link_measured(quality.loss, quality.round_trip)
 
 
-def _follow(streams: Sequence[SentStream], logger: logging.Logger) -> None:
-    """Log the rates of the streams now and then, until all sources have ended."""
+def _follow(streams: Sequence[SentStream], answer_requests: Callable[[], None], logger: logging.Logger) -> None:
+    """Answer requests, and log the rates of the streams now and then, until all sources have ended."""
     before, at = [Sent()] * len(streams), time.monotonic()
     while not all(stream.finished.is_set() for stream in streams):
         time.sleep(_LOOK_S)
+        answer_requests()
         now = time.monotonic()
         if now - at >= _LOG_S:
             after = [replace(stream.sent) for stream in streams]

@@ -29,6 +29,11 @@ _DESCRIPTIONS = {
     "overlay": (ParameterValue.STRING, f"what is drawn into the images, with commas: {', '.join(OVERLAYS)}"),
     "pipeline": (ParameterValue.STRING, "pipeline of GStreamer, or the name of one; empty for the own encoder"),
 }
+_READ: Mapping[int, Callable[[str], Any]] = {
+    ParameterValue.BOOL: {"true": True, "false": False}.__getitem__,
+    ParameterValue.INTEGER: int,
+    ParameterValue.DOUBLE: float,
+}
 
 
 class StreamParameters(DeclaredParameters[Streams]):
@@ -60,6 +65,23 @@ class StreamParameters(DeclaredParameters[Streams]):
         """Change parameters, and with them the streams. Raises `SetupError` if that is not possible."""
         super().change(changes)
         self._changed(self.meaning)
+
+    def parsed(self, texts: Mapping[str, str]) -> dict[str, Any]:
+        """Return the values of parameters that a user has written. Raises `SetupError` for a wrong name or value."""
+        values = {}
+        for name, text in texts.items():
+            declared = self.descriptors.get(name)
+            read = _READ.get(declared.type) if declared else None
+            try:
+                values[name] = read(text) if read else text
+            except (KeyError, ValueError):
+                values[name] = text  # which `_checked` refuses
+        return self._checked(values)
+
+    def by_stream(self) -> dict[str, dict[str, Any]]:
+        """Return the values of the parameters, by the stream and by the key."""
+        values = self.values
+        return {stream.name: {key: values[f"{stream.name}.{key}"] for key in _DESCRIPTIONS} for stream in self.meaning}
 
 
 def _value(stream: StreamSettings, key: str) -> Any:

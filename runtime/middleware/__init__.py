@@ -47,7 +47,7 @@ def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | 
     if name == "memory":
         from roverlink.runtime.middleware.memory import MemoryMiddleware
 
-        return MemoryMiddleware()
+        return MemoryMiddleware(parameters=parameters)
     if name == "rclpy":
         return _open_rclpy(node, parameters)
     if name == "dds":

@@ -131,9 +131,12 @@ class DdsMiddleware:
         self._serving = threading.RLock()  # held while readers are taken from, so that none is deleted meanwhile
         self._conditions: list[ReadCondition] = []
         self._services: DdsServices | None = None
+        self._parameters: NodeParameters | ParameterServices | None = parameters
         # A Fast DDS client would see the services, but wait forever for a response (module `dds_services`).
         if parameters is not None and os.environ.get("RMW_IMPLEMENTATION") == "rmw_cyclonedds_cpp":
-            self._services = self._parameter_services(node, parameters)
+            self._parameters = ParameterServices(parameters, self._parameter_events(node))
+            services = self._parameters.services()
+            self._services = DdsServices(self._participant, self._announcer, node.full_name, services)
         self._open = True
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
         self._thread.start()
@@ -190,6 +193,11 @@ class DdsMiddleware:
         """Return the topics with publishers that DDS has found so far, each with its message type."""
         return self._graph.topics()
 
+    def set_parameters(self, changes: Mapping[str, Any]) -> None:
+        """Change parameters of the own node."""
+        if self._parameters is not None:
+            self._parameters.change(changes)
+
     def close(self) -> None:
         """Leave the ROS 2 graph. First wait up to 0.3 s for subscribers to acknowledge the last messages."""
         if not self._open:
@@ -212,15 +220,15 @@ class DdsMiddleware:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _parameter_services(self, node: NodeIdentity, parameters: NodeParameters) -> DdsServices:
+    def _parameter_events(self, node: NodeIdentity) -> Callable[[Sequence[Parameter]], None]:
+        """Return a function that publishes changed parameters of the node, as every ROS 2 node does."""
         events = self.publisher("/parameter_events", ParameterEvent, _PARAMETER_EVENTS)
 
         def publish(changed: Sequence[Parameter]) -> None:
             stamp = Time.since_1970(time.time_ns())
             events.publish([cdr.encode(ParameterEvent(stamp, node.full_name, changed_parameters=list(changed)))])
 
-        services = ParameterServices(parameters, publish).services()
-        return DdsServices(self._participant, self._announcer, node.full_name, services)
+        return publish
 
     @cached_property
     def _graph(self) -> DdsGraph:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.middleware.protocol import Callback, Endpoint
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, NodeParameters
 
 Callbacks = list[Callback]
 
@@ -61,8 +62,9 @@ class MemorySubscription:
 class MemoryMiddleware:
     """Middleware for the topics of a `Graph`."""
 
-    def __init__(self, graph: Graph | None = None) -> None:
+    def __init__(self, graph: Graph | None = None, parameters: NodeParameters | None = None) -> None:
         self._graph = graph if graph is not None else Graph()
+        self._parameters = parameters
         self._own: list[tuple[Callbacks, Callback]] = []
         self._published: list[str] = []
 
@@ -105,6 +107,11 @@ class MemoryMiddleware:
     def topics(self) -> Mapping[str, str]:
         """Return the topics of the graph that have publishers, each with its message type."""
         return {topic: self._graph.types[topic] for topic, count in self._graph.publishers.items() if count > 0}
+
+    def set_parameters(self, changes: Mapping[str, Any]) -> None:
+        """Change parameters of the own node."""
+        if self._parameters is not None:
+            self._parameters.change(changes)
 
     def close(self) -> None:
         """Remove the subscriptions and publishers of this middleware from the graph."""

@@ -41,8 +41,13 @@ class ParameterServices:
     """Answers to the requests for the parameters of one node."""
 
     def __init__(self, parameters: NodeParameters, publish: Callable[[Sequence[rcl.Parameter]], None]) -> None:
-        """Answer from ``parameters``; ``publish`` is called with the parameters that a request has changed."""
+        """Answer from ``parameters``; ``publish`` is called with parameters that have changed."""
         self._parameters, self._publish = parameters, publish
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Change all parameters together, or none of them. Raises `SetupError` with the reason for none."""
+        self._parameters.change(changes)
+        self._publish([rcl.Parameter(name, _to_message(value)) for name, value in changes.items()])
 
     def services(self) -> tuple[Service, ...]:
         """Return the services that every ROS 2 node has for its parameters."""
@@ -88,10 +93,9 @@ class ParameterServices:
     def _change(self, parameters: Sequence[rcl.Parameter]) -> rcl.SetParametersResult:
         """Change all parameters together, or none of them."""
         try:
-            self._parameters.change({parameter.name: _from_message(parameter.value) for parameter in parameters})
+            self.change({parameter.name: _from_message(parameter.value) for parameter in parameters})
         except SetupError as error:
             return rcl.SetParametersResult(successful=False, reason=str(error))
-        self._publish(parameters)
         return rcl.SetParametersResult(successful=True)
 
 

@@ -134,6 +134,12 @@ class Middleware(Protocol):
         ``publishing`` selects: true for publishers, false for subscriptions. Must be called by one thread at a time.
         """
 
+    def set_parameters(self, changes: Mapping[str, Any]) -> None:
+        """Change parameters of the own node, as `ros2 param set` does; the node must have parameters.
+
+        Raises `SetupError` with the reason if one of them cannot change; then none has changed.
+        """
+
     def close(self) -> None:
         """Make the node leave the ROS 2 graph. A second call does nothing."""
 

@@ -170,6 +170,12 @@ class RclpyMiddleware:
 
         return RclpyAction(self._node, self._executor, action_class, name)
 
+    def set_parameters(self, changes: Mapping[str, Any]) -> None:
+        """Change parameters of the own node: those of rclpy, which asks the function of `_declare`."""
+        result = self._node.set_parameters_atomically([Parameter(name, value=value) for name, value in changes.items()])
+        if not result.successful:
+            raise SetupError(result.reason)
+
     def close(self) -> None:
         """Stop both threads and destroy the node, so that it leaves the ROS 2 graph."""
         if not self._open:

@@ -6,7 +6,7 @@ The bridge uses the wrapper like any other middleware.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
@@ -69,6 +69,10 @@ class TappedMiddleware:
     def topics(self) -> Mapping[str, str]:
         """Return the topics with publishers that the wrapped middleware knows, each with its message type."""
         return self._middleware.topics()
+
+    def set_parameters(self, changes: Mapping[str, Any]) -> None:
+        """Let the wrapped middleware change parameters of the own node."""
+        self._middleware.set_parameters(changes)
 
     def close(self) -> None:
         """Close the wrapped middleware, so that the node leaves the ROS 2 graph."""

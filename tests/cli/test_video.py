@@ -25,6 +25,7 @@ np = pytest.importorskip("numpy", reason=NO_OPENCV)
 av = pytest.importorskip("av", reason=NO_AV)
 
 from roverlink.runtime.ros_time.headers import stamp_of  # noqa: E402  # they need OpenCV
+from roverlink.video import setting  # noqa: E402  # they need OpenCV
 from tests.vision.browsing import visiting  # noqa: E402
 from tests.vision.ros_images import image  # noqa: E402
 
@@ -45,18 +46,28 @@ def images(tmp_path: Path) -> Path:
 @pytest.fixture
 def port() -> int:
     """A free UDP port."""
+    return _free_port()
+
+
+def _free_port() -> int:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.bind(("127.0.0.1", 0))
         return int(sock.getsockname()[1])
 
 
-def _states(program: Program) -> list[dict[str, Any]]:
-    return [json.loads(line)["streams"][0] for line in list(program.output)]
+def _when(
+    program: Program, condition: Callable[[dict[str, Any]], object], what: str, stream: int = 0, *, after: int = 0
+) -> dict[str, Any]:
+    """Wait until the receiver has printed a state of a stream with a condition, and return it.
 
+    The first lines, of the number `after`, do not count.
+    """
 
-def _when(program: Program, condition: Callable[[dict[str, Any]], object], what: str) -> dict[str, Any]:
-    """Wait until the program has printed a state with a condition, and return it."""
-    return wait_until(lambda: next(filter(condition, _states(program)), None), what) or {}
+    def found() -> dict[str, Any] | None:
+        states = [json.loads(line)["streams"][stream] for line in program.output[after:]]
+        return next(filter(condition, states), None)
+
+    return wait_until(found, what) or {}
 
 
 def test_images_arrive_and_are_saved(start: Start, images: Path, port: int, tmp_path: Path) -> None:
@@ -151,6 +162,81 @@ def test_images_of_a_topic_come_out_of_a_topic(
             assert found.header.frame_id == "front_optical_frame"
             assert abs(int(_pixels(found)[5, 5, 0]) - grey) < 6
     receiver.interrupt()
+
+
+@needs_dds
+def test_running_streams_are_changed(start: Start, done: Start, images: Path, port: int) -> None:
+    """Stopped, started, and given another size and another camera, by the name of the stream."""
+    other = images.parent / "other"
+    other.mkdir()
+    cv2.imwrite(str(other / "0.png"), np.full((64, 96, 3), 90, np.uint8))
+    arm = _free_port()
+    streams = {"front": {"source": "images", "port": port}, "arm": {"source": "images", "port": arm, "running": False}}
+    (images.parent / "video.yaml").write_text(json.dumps({"host": "127.0.0.1", "streams": streams}))
+    receiver = start(*_RECEIVE, f"front={port}", f"arm={arm}", "--json", "--no-page")
+    start(*_SEND, images.parent / "video.yaml", "--loop", "--middleware", "dds")
+
+    def changed(*words: str) -> list[str]:
+        code, output, errors = done("video", "set", *words, "--middleware", "dds")  # type: ignore[misc]
+        assert (code, errors) == (0, "")
+        return str(output).splitlines()
+
+    _when(receiver, lambda one: one["rate"] > 10, "images")
+    assert changed("arm.running=true", "front.size=160x120") == ["arm.running: true", 'front.size: "160x120"']
+    _when(receiver, lambda one: one["size"] == [160, 120], "the other size")
+    _when(receiver, lambda one: one["rate"] > 10, "the other stream", 1)
+    changed("arm.running=false", "front.size=", f"front.source={other}")
+    _when(receiver, lambda one: one["size"] == [96, 64], "the other camera")
+    _when(receiver, lambda one: one["stale"], "the end of the other stream", 1, after=len(receiver.output))
+    assert json.loads(*changed("--json"))["arm"] == {
+        "running": False,
+        "source": str(images),
+        "host": "127.0.0.1",
+        "port": arm,
+        "size": "",
+        "rate": 30.0,
+        "bitrate": 1000.0,
+        "min_bitrate": 150.0,
+        "overlay": "",
+        "pipeline": "",
+    }
+    assert "front.rate: 30.0" in changed()
+
+
+@needs_dds
+def test_a_change_that_is_not_possible_is_told(
+    start: Start,
+    images: Path,
+    port: int,
+    environment: dict[str, str],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """In one line, with exit code 2; the streams stay as they are."""
+    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.setenv(name, environment[name])
+    sender = start(*_SEND, images, "--port", port, "--loop", "--middleware", "dds")
+    for change, problem in (
+        ("video.bitrate=5", "stream video: the bitrate is 5 and the least one 150 kbit/s; both must be from 10"),
+        ("video.size=big", "the parameter 'video.size' is wrong: 'big' is not an image size"),
+        ("video.running=no", "the parameter 'video.running' is 'no'; it must be true or false"),
+        ("video.bitrat=5", "unknown parameter 'video.bitrat'; did you mean 'video.bitrate'?"),
+        ("vidoe.rate=5", "no sender has a stream 'vidoe'; did you mean 'video'?"),
+    ):
+        assert main(["video", "set", change, "--middleware", "dds"]) == 2
+        said = capsys.readouterr()
+        assert said.out == ""
+        assert said.err.startswith(f"roverlink: {problem}")
+        assert said.err.count("\n") == 1
+    assert sender.interrupt() == 0
+    assert not any("is now" in line for line in sender.errors)
+
+
+def test_without_a_sender_nothing_is_set(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """The user learns where it was looked for."""
+    monkeypatch.setattr(setting, "FIND_S", 0.1)
+    assert main(["video", "set", "front.rate=5", "--middleware", "memory", "--ros-args", "-r", "__ns:=/rover"]) == 2
+    assert "no sender of video was found on /rover/video/streams; start" in capsys.readouterr().err
 
 
 def _pixels(message: sensor_msgs.CompressedImage) -> Any:

@@ -6,7 +6,7 @@ import importlib
 
 from roverlink.console import Subparsers, command
 
-_MODULES = ("send", "receive")
+_MODULES = ("send", "receive", "set")
 
 
 def add(commands: Subparsers) -> None:
