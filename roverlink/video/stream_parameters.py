@@ -13,6 +13,8 @@ from roverlink.declared_parameters import DeclaredParameters
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.interfaces.rcl_interfaces import ParameterValue
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
+from roverlink.vision.camera.camera_settings import CameraSettings
+from roverlink.vision.frames.open_source import camera_number
 from roverlink.vision.video.stream_settings import OVERLAYS, StreamSettings
 
 Streams = tuple[StreamSettings, ...]
@@ -101,7 +103,10 @@ def _read(stream: StreamSettings, values: Mapping[str, Any]) -> StreamSettings:
     except argparse.ArgumentTypeError as error:
         raise SetupError(f"the parameter '{stream.name}.size' is wrong: {error}") from error
     overlay = tuple(one.strip() for one in given["overlay"].split(",") if one.strip())
+    # The settings of a camera fit another camera, but not a topic or a file.
+    fits = given["source"] == stream.source or camera_number(given["source"]) is not None
+    camera = stream.camera if fits else CameraSettings()
     try:
-        return replace(stream, **{**given, "size": size, "overlay": overlay})
+        return replace(stream, **{**given, "size": size, "overlay": overlay, "camera": camera})
     except SetupError as error:
         raise SetupError(f"stream {stream.name}: {error}") from error

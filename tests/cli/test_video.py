@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import socket
 import urllib.request
 from collections.abc import Callable
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from needs import NO_AV, NO_OPENCV, needs_dds
 from polling import wait_until
 from programs import Program, Start
@@ -30,6 +32,7 @@ from tests.vision.browsing import visiting  # noqa: E402
 from tests.vision.ros_images import image  # noqa: E402
 
 _SEND, _RECEIVE = ("video", "send"), ("video", "receive")
+_NAVIGATION = Path(__file__).parents[2] / "navigation"
 _ALONE = ("--middleware", "none")
 
 
@@ -162,6 +165,33 @@ def test_images_of_a_topic_come_out_of_a_topic(
             assert found.header.frame_id == "front_optical_frame"
             assert abs(int(_pixels(found)[5, 5, 0]) - grey) < 6
     receiver.interrupt()
+
+
+def test_the_launch_file_starts_three_streams(start: Start, images: Path) -> None:
+    """Those of its file, with the cameras and bitrates of its arguments; an argument that is empty changes nothing."""
+    *arguments, group = yaml.safe_load((_NAVIGATION / "launch" / "video_launch.yaml").read_text())["launch"]
+    values = {one["arg"]["name"]: one["arg"]["default"] for one in arguments}
+    values |= {f"{name}_source": str(images) for name in ("front", "arm", "mast")} | {"mast_bitrate": "300"}
+
+    def said(text: str) -> str:
+        text = re.sub(r"\$\(var (\w+)\)", lambda found: values[found[1]], text)
+        return text.replace("$(dirname)", str(_NAVIGATION / "launch"))
+
+    *parameters, node = (next(iter(action.items())) for action in group["group"][1:])
+    assert (node[0], node[1]["exec"]) == ("node", "video_send")
+    ros, ports = [], {name: _free_port() for name in ("front", "arm", "mast")}
+    for kind, one in parameters:
+        assert kind == "set_parameter"
+        if "if" not in one or said(one["if"]) != "$(eval \"'' != ''\")":
+            ros += ["-p", f"{one['name']}:={yaml.safe_load(said(one['value']))}"]  # as launch_ros does
+    ros += [word for name, port in ports.items() for word in ("-p", f"{name}.port:={port}")]
+    receiver = start(*_RECEIVE, *(f"{name}={port}" for name, port in ports.items()), "--json", "--no-page")
+    sender = start(*_SEND, *said(node[1]["args"]).split(), "--loop", *_ALONE, "--ros-args", *ros)
+    for stream in range(3):
+        _when(receiver, lambda one: one["rate"] > 3 and one["size"] == [640, 480], "images", stream)
+    assert [word for word in ros if "bitrate" in word] == ["mast.bitrate:=300"]
+    assert sender.interrupt() == 0
+    assert [line for line in sender.errors if "[WARN]" in line] == []
 
 
 @needs_dds

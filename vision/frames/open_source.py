@@ -51,12 +51,12 @@ def open_source(
         return open_topic(text.removeprefix(TOPIC))
     if text.startswith(PIPELINE):
         return open_pipeline(text.removeprefix(PIPELINE), settings, say, clock)
-    path = Path(text).expanduser()
-    device = _DEVICE.fullmatch(str(path.resolve())) if text.startswith("/dev/") else None
-    if device or text.isdecimal():
+    camera = camera_number(text)
+    if camera is not None:
         if settings.size is None:
             settings = replace(settings, size=size)
-        return open_camera(int(device[1] if device else text), settings, say, clock)
+        return open_camera(camera, settings, say, clock)
+    path = Path(text).expanduser()
     if "://" in text:
         return open_stream(_urls(text), settings, say, clock)
     if text and path.exists():
@@ -71,6 +71,13 @@ def open_source(
         f"no file or folder {text!r}; a source can also be the number of a camera, a URL ({', '.join(SCHEMES)}), "
         f"{TOPIC}NAME, or {PIPELINE}PIPELINE"
     )
+
+
+def camera_number(text: str) -> int | None:
+    """Return the number of the camera that a text names by its number or device; None if it names another source."""
+    device = _DEVICE.fullmatch(str(Path(text).resolve())) if text.startswith("/dev/") else None
+    number = device[1] if device else text
+    return int(number) if number.isdecimal() else None
 
 
 def _urls(text: str) -> tuple[str, ...]:
