@@ -30,6 +30,7 @@ from roverlink.runtime.ros_time.headers import stamp_of  # noqa: E402  # they ne
 from roverlink.video import setting  # noqa: E402  # they need OpenCV
 from tests.vision.browsing import visiting  # noqa: E402
 from tests.vision.ros_images import image  # noqa: E402
+from tests.vision.webcam import Webcam  # noqa: E402
 
 _SEND, _RECEIVE = ("video", "send"), ("video", "receive")
 _NAVIGATION = Path(__file__).parents[2] / "navigation"
@@ -134,11 +135,14 @@ def test_other_sites_do_not_see_the_images(start: Start, port: int) -> None:
 def test_images_of_a_topic_come_out_of_a_topic(
     start: Start, port: int, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A sender on one topic, a receiver on another; the stamps are those of the camera. The size may change."""
+    """A sender on one topic, a receiver on another; the stamps are those of the camera.
+
+    The size may change. Images with an unknown encoding are told once, and left out.
+    """
     for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
         monkeypatch.setenv(name, environment[name])
     receiver = start(*_RECEIVE, f"front={port}", "--topic", "--middleware", "dds", "--no-page")
-    start(*_SEND, "topic:/camera", "--port", port, "--middleware", "dds")
+    sender = start(*_SEND, "topic:/camera", "--port", port, "--middleware", "dds")
     arrived: list[sensor_msgs.CompressedImage] = []
     with open_middleware("dds", NodeIdentity("camera")) as node:
         node.subscribe(
@@ -148,6 +152,13 @@ def test_images_of_a_topic_come_out_of_a_topic(
             lambda messages: arrived.extend(cdr.decode(sensor_msgs.CompressedImage, one) for one in messages),
         )
         camera = node.publisher("/camera", sensor_msgs.Image, Qos())
+        strange = cdr.encode(image(np.full((48, 64, 3), 70, np.uint8), "yuv999"))
+
+        def told() -> list[str]:
+            camera.publish([strange])
+            return [line for line in list(sender.errors) if "yuv999" in line]
+
+        wait_until(told, "the warning")
         stamp = 7_000_000_000
         for grey, (width, height) in ((70, (64, 48)), (90, (96, 64))):
             pixels = np.full((height, width, 3), grey, np.uint8)
@@ -164,7 +175,37 @@ def test_images_of_a_topic_come_out_of_a_topic(
             assert stamp_of(found.header) % 40_000_000 == 0
             assert found.header.frame_id == "front_optical_frame"
             assert abs(int(_pixels(found)[5, 5, 0]) - grey) < 6
-    receiver.interrupt()
+    assert receiver.interrupt() == 0
+    assert sender.interrupt() == 0
+    assert len([line for line in sender.errors if "yuv999" in line]) == 1
+
+
+def test_a_camera_that_disappears_comes_back(start: Start, port: int) -> None:
+    """The receiver marks its stream as old meanwhile."""
+    jpeg = cv2.imencode(".jpg", np.full((48, 64, 3), 90, np.uint8))[1].tobytes()
+    webcam = Webcam([jpeg], pause_s=0.03)
+    receiver = start(*_RECEIVE, f"front={port}", "--json", "--no-page")
+    sender = start(*_SEND, f"http://{webcam.address}/video", "--port", port, *_ALONE)
+    _when(receiver, lambda one: one["rate"] > 5, "images")
+    webcam.close()
+    sender.wait_for("has ended; opening it again")
+    _when(receiver, lambda one: one["stale"], "the end of the images", after=len(receiver.output))
+    webcam = Webcam([jpeg], pause_s=0.03, port=webcam.port)
+    sender.wait_for("is back after")
+    _when(receiver, lambda one: one["rate"] > 5, "images", after=len(receiver.output))
+    assert sender.interrupt() == 0
+    webcam.close()
+
+
+def test_without_an_encoder_nothing_is_sent(
+    images: Path, port: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Some builds of PyAV have none; the user learns which one has."""
+    monkeypatch.setattr(av, "codecs_available", set())
+    assert main([*_SEND, str(images), "--port", str(port), *_ALONE]) == 2
+    error = capsys.readouterr().err
+    assert "this PyAV has no encoder for H.264 (libx264); install PyAV from PyPI" in error
+    assert error.count("\n") == 1
 
 
 def test_the_launch_file_starts_three_streams(start: Start, images: Path) -> None:

@@ -263,10 +263,12 @@ def test_a_key_frame_comes_when_it_is_wanted() -> None:
 
 @given(st.integers(2, 41), st.integers(2, 41))
 def test_odd_sizes_are_cut_by_a_pixel(width: int, height: int) -> None:
-    """H.264 needs even ones; a wanted size is met exactly."""
+    """H.264 needs even ones; a wanted size is met exactly, and an image of which nothing would be left is refused."""
     image = np.zeros((height, width, 3), np.uint8)
     assert fitted(image, None).shape == (height // 2 * 2, width // 2 * 2, 3)
     assert fitted(image, (16, 32)).shape == (32, 16, 3)
+    with pytest.raises(SetupError, match=f"the images have {width}x1 pixels"):
+        fitted(image[:1], None)
 
 
 def test_congestion_halves_the_frame_rate_first() -> None:

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from needs import NO_OPENCV
 
 ROOT = Path(__file__).parents[2]
 
@@ -60,12 +61,35 @@ def test_commands_say_what_they_need(command: str, missing: str, tmp_path: Path)
     assert "usage: roverlink aruco" in helped.stdout
 
 
+@pytest.mark.parametrize("command", ["send 0", "receive"])
+def test_video_says_what_it_needs(command: str, tmp_path: Path) -> None:
+    """PyAV, with exit code 2; the help is there all the same."""
+    pytest.importorskip("cv2", reason=NO_OPENCV)
+    told = _main(["video", *command.split()], "av", tmp_path)
+    assert told.returncode == 2
+    assert len(told.stderr.splitlines()) == 1
+    assert "video needs PyAV" in told.stderr
+    assert "pip install 'av>=12'" in told.stderr
+    helped = _main(["video", command.split()[0], "--help"], "av", tmp_path)
+    assert (helped.returncode, helped.stderr) == (0, "")
+
+
 def _main(words: list[str], missing: str, folder: Path) -> subprocess.CompletedProcess[str]:
     """Run the command line in a Python that lacks a package."""
     program = (
         f"import sys; sys.modules[{missing!r}] = None\nfrom roverlink.__main__ import main\nsys.exit(main({words}))\n"
     )
     return subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.slow
+def test_the_demo_does_without_video() -> None:
+    """It shows the rest, and says how to get the page."""
+    pytest.importorskip("cv2", reason=NO_OPENCV)
+    done = _main(["demo", "--seconds", "1", "--middleware", "memory"], "av", ROOT)
+    assert done.returncode == 0, done.stderr
+    assert "running without video: video needs PyAV" in done.stdout
+    assert "21 of 21 messages were bridged" in done.stdout
 
 
 @pytest.mark.parametrize("missing", ["cv2", "numpy"])

@@ -13,8 +13,10 @@ from itertools import cycle, islice
 class Webcam:
     """A page at /, and at /video a stream of JPEGs: so many, over and over, with a pause after each."""
 
-    def __init__(self, pictures: Sequence[bytes], frames: int | None = None, pause_s: float = 0.01) -> None:
-        """Without a number of `frames` the stream has no end."""
+    def __init__(
+        self, pictures: Sequence[bytes], frames: int | None = None, pause_s: float = 0.01, port: int = 0
+    ) -> None:
+        """Without a number of `frames` the stream has no end; without a port, the system selects one."""
         self.frames, self.hang, self.visits, self.sent = frames, False, 0, 0
         self._pictures, self._pause_s = pictures, pause_s
         self._released = threading.Event()
@@ -28,8 +30,9 @@ class Webcam:
                 with suppress(OSError):  # whoever looked has gone
                     webcam.answer(self)
 
-        self._server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-        self.address = f"127.0.0.1:{self._server.server_port}"
+        self._server = ThreadingHTTPServer(("127.0.0.1", port), Handler)
+        self.port = self._server.server_port
+        self.address = f"127.0.0.1:{self.port}"
         threading.Thread(target=self._server.serve_forever, args=(0.02,), daemon=True).start()
 
     def answer(self, to: BaseHTTPRequestHandler) -> None:

@@ -21,6 +21,15 @@ _BUFFER_S = 0.25
 _THREADS = 2
 
 
+def check_encoder() -> None:
+    """Raise `SetupError` if this PyAV has no encoder."""
+    if _ENCODER not in av.codecs_available:
+        raise SetupError(
+            "this PyAV has no encoder for H.264 (libx264); install PyAV from PyPI with `pip install av`, or let "
+            "GStreamer encode with --pipeline"
+        )
+
+
 class Encoder:
     """Encoder of a stream. An image is encoded at once (zero latency): no image waits for the next one."""
 
@@ -28,14 +37,9 @@ class Encoder:
         """Open the encoder for images of (width, height), both even, a rate in Hz and a bitrate in bits a second.
 
         An image gets the bits of its share of a second: if the images come at half the rate, half the bits are used.
-        Raises `SetupError` if this PyAV has no encoder, or if it refuses the size.
+        Raises `SetupError` if the encoder refuses the size.
         """
         self.size, self.rate = size, rate
-        if _ENCODER not in av.codecs_available:
-            raise SetupError(
-                "this PyAV has no encoder for H.264 (libx264); install PyAV from PyPI with `pip install av`, or let "
-                "GStreamer encode with --pipeline"
-            )
         context: Any = av.CodecContext.create(_ENCODER, "w")
         context.width, context.height = size
         context.pix_fmt = "yuv420p"
@@ -80,10 +84,12 @@ class Encoder:
 def fitted(image: Image, size: tuple[int, int] | None) -> Image:
     """Return an image (H, W[, 3]) scaled to (width, height); without a size, cut by a pixel if a side is odd.
 
-    H.264 halves the resolution of colours, so both sides must be even.
+    H.264 halves the resolution of colours, so both sides must be even. Raises `SetupError` if nothing would be left.
     """
     width, height = size_of(image)
     if size is None:
+        if min(width, height) < 2:
+            raise SetupError(f"the images have {width}x{height} pixels; the encoder needs at least 2x2")
         return image[: height // 2 * 2, : width // 2 * 2]
     if (width, height) == size:
         return image

@@ -11,7 +11,7 @@ from typing import Protocol
 from roverlink.runtime.net.hosts import SocketAddress
 from roverlink.vision.frames.frame import size_of
 from roverlink.vision.markers.detection import Image
-from roverlink.vision.video.encoder import Encoder
+from roverlink.vision.video.encoder import Encoder, check_encoder
 from roverlink.vision.video.image_rate import ImageRate
 from roverlink.vision.video.packet_pacing import PacedLink
 from roverlink.vision.video.rate_control import RateControl
@@ -75,7 +75,8 @@ class RtpOutput:
     """Output that encodes images with x264, and sends them as RTP packets."""
 
     def __init__(self, settings: StreamSettings, address: SocketAddress, link: PacedLink) -> None:
-        """Send to an address through a link."""
+        """Send to an address through a link. Raises `SetupError` if there is no encoder."""
+        check_encoder()
         self.sent = Sent()
         self._settings, self._link = settings, link
         self._highest = 1e3 * settings.bitrate
