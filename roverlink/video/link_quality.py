@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from roverlink.heard_bridges import HeardBridges
 from roverlink.runtime.core.errors import MiddlewareError
@@ -45,11 +45,16 @@ class LinkQualities:
             page = self._bridges.take(message)
             if page is None:
                 continue
-            losses = {link["name"]: link for link in page["links"] if "loss_out" in link}
+            links = {_end_of(link): link for link in page["links"] if "loss_out" in link}
             for end in page["ends"]:
-                if (link := losses.get(end["name"])) is None:
+                if (link := links.get(_end_of(end))) is None:
                     continue
                 for address in str(end.get("address", "")).split(", "):
                     host = address.rpartition(":")[0].strip("[]")
                     self._by_address[host] = LinkQuality(link["loss_out"], link.get("round_trip"))
         self._heard()
+
+
+def _end_of(status: Mapping[str, Any]) -> tuple[str, str]:
+    """Return the peer and the board of a status; the board is empty for a peer without boards."""
+    return status["peer"], status.get("board", "")
