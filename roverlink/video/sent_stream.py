@@ -56,7 +56,7 @@ class SentStream:
         self._output: VideoOutput | None = None
         self._said = 0.0
         self.finished = threading.Event()
-        """Set when the source has ended."""
+        """Set while the source has ended, and no other one is wanted."""
         self._thread = threading.Thread(target=self._run, name=f"video-{settings.name}", daemon=True)
 
     @property
@@ -120,7 +120,6 @@ class SentStream:
                     self._send(self._source, self._output, settings)
                     if self._is_current(settings) and not self._ending:
                         self.finished.set()
-                        return
             except (SetupError, MiddlewareError) as error:
                 if self.sent.images >= _WORKED:
                     pause, last = FIRST_PAUSE_S, ""
@@ -133,8 +132,9 @@ class SentStream:
                 with self._news:
                     self._source = None
                 self._opened.close()
-            if not settings.running:
+            if self.finished.is_set() or not settings.running:
                 self._wait(None, settings)
+                self.finished.clear()
 
     def _wait(self, timeout: float | None, settings: StreamSettings) -> None:
         """Wait for other settings, or for the end."""

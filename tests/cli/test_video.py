@@ -275,6 +275,28 @@ def test_running_streams_are_changed(start: Start, done: Start, images: Path, po
 
 
 @needs_dds
+def test_a_stream_whose_recording_has_ended_gets_another_source(
+    start: Start, done: Start, images: Path, port: int
+) -> None:
+    """As long as another stream keeps the sender running."""
+    webcam = Webcam([cv2.imencode(".jpg", np.full((48, 64, 3), 90, np.uint8))[1].tobytes()], pause_s=0.03)
+    streams = {
+        "front": {"source": "images", "port": port},
+        "arm": {"source": f"http://{webcam.address}/video", "port": _free_port()},
+    }
+    (images.parent / "video.yaml").write_text(json.dumps({"host": "127.0.0.1", "streams": streams}))
+    receiver = start(*_RECEIVE, f"front={port}", "--json", "--no-page")
+    sender = start(*_SEND, images.parent / "video.yaml", "--middleware", "dds")
+    _when(receiver, lambda one: one["age"], "images")
+    _when(receiver, lambda one: one["stale"], "the end of the recording", after=len(receiver.output))
+    words = ("video", "set", f"front.source=http://{webcam.address}/video", "--middleware", "dds")
+    assert done(*words)[0] == 0  # type: ignore[index]
+    _when(receiver, lambda one: one["size"] == [64, 48], "the other camera")
+    assert sender.interrupt() == 0
+    webcam.close()
+
+
+@needs_dds
 def test_a_change_that_is_not_possible_is_told(
     start: Start,
     images: Path,
