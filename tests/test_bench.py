@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from needs import NO_AV, NO_OPENCV
 
 ROOT = Path(__file__).parents[1]
 SECTIONS = {"bridging", "watching", "conversion", "signing", "generation", "linting", "history"}
@@ -47,3 +48,18 @@ def test_the_bench_measures_every_section_without_compilers(tmp_path: Path) -> N
 def test_the_bench_measures_every_section_with_compilers(tmp_path: Path) -> None:
     """The bridge in C++ takes part too."""
     assert {("full", "cpp"), ("outbound", "cpp")} <= _contestants(tmp_path, os.environ["PATH"])
+
+
+@pytest.mark.slow
+def test_three_streams_need_no_more_memory_over_time(tmp_path: Path) -> None:
+    """And the latency does not grow; `make bench-video` looks at it for ten minutes."""
+    pytest.importorskip("cv2", reason=NO_OPENCV)
+    pytest.importorskip("av", reason=NO_AV)
+    result = tmp_path / "result.json"
+    options = ("--only", "long", "--long", "60", "--json", str(result))
+    done = subprocess.run([sys.executable, "-m", "bench.video", *options], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    medians = json.loads(result.read_text())["sections"]["long"]["medians_of_second_and_last_quarter"]
+    for name, (early, late) in medians.items():
+        # a busy computer has no steady latency
+        assert late - early < (500 if name.endswith("ms") else 8), name

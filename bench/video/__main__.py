@@ -7,7 +7,6 @@ import itertools
 import json
 import os
 import shutil
-import signal
 import socket
 import statistics
 import subprocess
@@ -91,54 +90,65 @@ def result(sent: dict[str, Any], received: dict[str, Any], seconds: float) -> Ru
 
 def latency(seconds: float, say: Callable[[str], None]) -> SectionResult:
     """Measure the latency and the CPU of all pairs of senders and receivers."""
-    groups = []
+    groups, data = [], []
     for size in _SIZES:
         rows = []
         for sender, receiver in (("gstreamer",) * 2, ("roverlink",) * 2, _KINDS, _KINDS[::-1]):
             say(f"latency: {sender} to {receiver}, {size[0]}x{size[1]}")
             one = run(sender, receiver, seconds, size=size)
-            times = (f"{_part(one.latencies, 0.5):.1f}", f"{_part(one.latencies, 0.95):.1f}")
-            rows.append((f"{sender} to {receiver}", *times, f"{one.sender:.1f}", f"{one.receiver:.1f}"))
+            numbers = _part(one.latencies, 0.5), _part(one.latencies, 0.95), one.sender, one.receiver
+            rows.append((f"{sender} to {receiver}", *(f"{number:.1f}" for number in numbers)))
+            data.append(
+                {"sender": sender, "receiver": receiver, "size": size}
+                | dict(zip(("median_ms", "p95_ms", "sender_percent", "receiver_percent"), numbers))
+            )
         groups.append(Group("{}x{} at 30 Hz, 2 Mbit/s".format(*size), rows))
     columns = ("from encoder to decoder", "median\nms", "p95\nms", "sender\n% of a core", "receiver\n% of a core")
     notes = ["Goals: at most 1.5 times the latency of GStreamer to GStreamer, and 1.3 times the CPU of its sender."]
-    return SectionResult([Table("Latency on loopback", columns, groups, notes)])
+    return SectionResult([Table("Latency on loopback", columns, groups, notes)], (), {"pairs": data})
 
 
 def losses(seconds: float, say: Callable[[str], None]) -> SectionResult:
     """Measure what remains if a link loses packets, in both directions."""
-    groups = []
+    groups, data = [], []
     for loss in (0.01, 0.05):
         rows = []
         for sender, receiver in (("roverlink",) * 2, _KINDS, _KINDS[::-1], ("gstreamer",) * 2):
             say(f"losses: {sender} to {receiver}, {loss:.0%}")
             with RadioLink([4600], loss=loss) as link:
                 one = run(sender, receiver, seconds, link=link, bitrate=1000)
-            intact = "–" if one.intact is None else f"{100 * one.intact / one.sent:.0f}"
-            rows.append((f"{sender} to {receiver}", f"{100 * one.shown / one.sent:.0f}", intact, f"{one.gap:.0f}"))
+            shown = 100 * one.shown / one.sent
+            intact = None if one.intact is None else 100 * one.intact / one.sent
+            texts = f"{shown:.0f}", "–" if intact is None else f"{intact:.0f}", f"{one.gap:.0f}"
+            rows.append((f"{sender} to {receiver}", *texts))
+            data.append(
+                {"sender": sender, "receiver": receiver, "loss": loss}
+                | {"shown_percent": shown, "intact_percent": intact, "longest_pause_ms": one.gap}
+            )
         groups.append(Group(f"{loss:.0%} of the packets lost", rows))
     columns = ("", "shown %", "intact %", "longest pause\nms")
     notes = [
         "Goals: 85 % and 50 % intact, no pause above 1000 ms.",
         "Images whose number is damaged count as not shown.",
     ]
-    return SectionResult([Table("Losses, 640x480 at 30 Hz, 1 Mbit/s", columns, groups, notes)])
+    return SectionResult([Table("Losses, 640x480 at 30 Hz, 1 Mbit/s", columns, groups, notes)], (), {"pairs": data})
 
 
 def joining(seconds: float, say: Callable[[str], None]) -> SectionResult:
     """Measure how long receivers wait for a picture that join late, and after a restart of the sender."""
-    rows = []
+    waits = {}
     for receiver in _KINDS:
         say(f"joining: {receiver}")
-        waits = [_joined(receiver, pause) for pause in (0.0, 0.35, 0.7)]
-        rows.append((f"roverlink to {receiver}, joins late", f"{max(waits):.2f}"))
+        waits[f"roverlink to {receiver}, joins late"] = max(_joined(receiver, pause) for pause in (0.0, 0.35, 0.7))
     say("joining: restart of the sender")
-    rows.append(("roverlink to roverlink, sender starts again", f"{_restarted(seconds):.2f}"))
+    waits["roverlink to roverlink, sender starts again"] = _restarted(seconds)
+    rows = [(title, f"{wait:.2f}") for title, wait in waits.items()]
     notes = [
         "Goals: 1 s after joining (of three), 2 s after a restart, both until the decoded picture.",
         "After a restart, the time begins with the first image that the sender encodes.",
     ]
-    return SectionResult([Table("First picture", ("", "longest wait\ns"), [Group("640x480 at 30 Hz", rows)], notes)])
+    table = Table("First picture", ("", "longest wait\ns"), [Group("640x480 at 30 Hz", rows)], notes)
+    return SectionResult([table], (), {"longest_waits_s": waits})
 
 
 def _joined(receiver: str, pause: float) -> float:
@@ -165,7 +175,7 @@ def _restarted(seconds: float) -> float:
 
 def commands(seconds: float, say: Callable[[str], None]) -> SectionResult:
     """Measure commands on a link of 4 Mbit/s, beside three streams of 1 Mbit/s."""
-    rows = []
+    rows, data = [], []
     for name, kind, options in (
         ("no video", "", {}),
         ("three streams of roverlink, link_rate 3600", "roverlink", {"link_rate": 1200}),
@@ -175,10 +185,13 @@ def commands(seconds: float, say: Callable[[str], None]) -> SectionResult:
         times, runs = _commanded(kind, seconds, **options)
         video = max((_part(one.latencies, 0.95) for one in runs), default=0.0)
         shown = f"{video:.0f}" if runs else "–"
-        rows.append((name, f"{_part(times, 0.5):.1f}", f"{_part(times, 0.99):.1f}", f"{times[-1]:.1f}", shown))
+        numbers = _part(times, 0.5), _part(times, 0.99), times[-1]
+        rows.append((name, *(f"{number:.1f}" for number in numbers), shown))
+        data.append({"video": name} | dict(zip(("median_ms", "p99_ms", "longest_ms"), numbers)))
     columns = ("", "median\nms", "p99\nms", "longest\nms", "video, p95\nms")
     notes = ["Goal: p99 at most 5 ms above that without video. The link has one queue for all, without priorities."]
-    return SectionResult([Table("Commands on a link of 4 Mbit/s", columns, [Group("50 Hz", rows)], notes)])
+    table = Table("Commands on a link of 4 Mbit/s", columns, [Group("50 Hz", rows)], notes)
+    return SectionResult([table], (), {"commands": data})
 
 
 def _commanded(kind: str, seconds: float, **options: Any) -> tuple[list[float], list[Run]]:
@@ -244,13 +257,14 @@ def long(seconds: float, say: Callable[[str], None]) -> SectionResult:
         quarter = len(samples) // 4
         parts = samples[quarter : 2 * quarter], samples[-quarter:]
         names = "sender, MiB", "receiver, MiB", "latency of the slowest stream, ms"
-        rows = [
-            (title, *(f"{statistics.median(one[index] for one in part):.1f}" for part in parts))
-            for index, title in enumerate(names)
-        ]
+        medians = {
+            name: [statistics.median(one[index] for one in part) for part in parts] for index, name in enumerate(names)
+        }
+    rows = [(name, *(f"{value:.1f}" for value in values)) for name, values in medians.items()]
     columns = ("median", "second\nquarter", "last\nquarter")
     groups = [Group(f"{len(samples)} s, 640x480 at 30 Hz", rows)]
-    return SectionResult([Table("Three streams for a long time", columns, groups)])
+    table = Table("Three streams for a long time", columns, groups)
+    return SectionResult([table], (), {"seconds": len(samples), "medians_of_second_and_last_quarter": medians})
 
 
 @contextmanager
@@ -259,7 +273,7 @@ def _program(words: Sequence[str]) -> Iterator[subprocess.Popen[str]]:
         try:
             yield process
         finally:
-            process.send_signal(signal.SIGINT)
+            process.terminate()  # not SIGINT, which a shell's background jobs ignore
 
 
 def _memory(process: subprocess.Popen[str]) -> float:
@@ -300,13 +314,12 @@ def main(words: Sequence[str]) -> int:
     )
     parser.add_argument("--seconds", type=float, default=20.0, help="seconds for each measurement (default: 20)")
     parser.add_argument("--long", type=float, default=600.0, metavar="S", help="seconds of `long` (default: 600)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the tables to FILE")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the numbers to FILE")
     options = parser.parse_args(words)
     progress = Console(stderr=True, highlight=False, markup=False)
-    for program in ("gst-launch-1.0",):
-        if shutil.which(program) is None:
-            print(f"{program} is missing; docs/video.md has the command that installs GStreamer", file=sys.stderr)
-            return 2
+    if set(options.only) != {"long"} and shutil.which("gst-launch-1.0") is None:
+        print("gst-launch-1.0 is missing; docs/video.md has the command that installs GStreamer", file=sys.stderr)
+        return 2
     measures = {"latency": latency, "losses": losses, "joining": joining, "commands": commands, "long": long}
     results = {}
     try:
