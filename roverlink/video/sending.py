@@ -72,7 +72,7 @@ def _described(arguments: argparse.Namespace) -> StreamsFile:
     given = {name: getattr(arguments, name) for name in _IN_THE_FILE if name != "link_rate"}
     known = {name: value for name, value in given.items() if value is not None}
     stream = StreamSettings(STREAM, text, arguments.host or "127.0.0.1", **known)
-    return StreamsFile((stream,), arguments.link_rate or LINK_RATE)
+    return StreamsFile((stream,), LINK_RATE if arguments.link_rate is None else arguments.link_rate)
 
 
 class _Sending:
@@ -86,7 +86,7 @@ class _Sending:
         logger: logging.Logger,
         stack: ExitStack,
     ) -> None:
-        self._arguments, self._logger, self._stack = arguments, logger, stack
+        self._arguments, self._logger = arguments, logger
         self._streams: tuple[SentStream, ...] = ()
         self._addresses: dict[str, str] = {}
         self._parameters = StreamParameters(streams, ros, self._change, logger)

@@ -349,6 +349,7 @@ _FILE = "host: 127.0.0.1\nstreams:\n  front: {source: images, port: 4500}\n"
         (["images", "--overlay", "tim"], "unknown overlay 'tim'; did you mean 'time'?"),
         (["images", "--overlay", "link"], "the overlays 'objects' and 'link' come from ROS 2"),
         (["images", "--bitrate", "5"], "the bitrate is 5 and the least one 150 kbit/s; both must be from 10"),
+        (["images", "--link-rate", "0"], "the link rate is 0 kbit/s; it must be from 10 to 10000000"),
         (["images", "--pipeline", "x264enc $speed"], "the pipeline has a wrong placeholder ('speed'); known are $host"),
         (
             ["video.yaml", "--size", "64x48"],
@@ -388,6 +389,7 @@ def test_mistakes_are_told(
         ("host: a\nstreams: {f: {source: x, prt: 1}}", "stream f has an unknown key 'prt'; did you mean 'port'?"),
         ("host: a\nstreams: {f: {source: x, port: x}}", "stream f: port is x; it must be a whole number"),
         ("host: a\nstreams: {f: {source: x}, g: {source: y}}", "stream g and stream f have the same port 4500"),
+        ("host: a\nlink_rate: 0\nstreams: {f: {source: x}}", "video.yaml:2:12: the link rate is 0 kbit/s; it must be"),
         ("host: a\nstreams: {f: {source: x, overlay: time}}", "stream f: overlay is time; it must be a list"),
         ("host: a\nstreams: {f: {source: x, running: 3}}", "stream f: running is 3; it must be true or false"),
         (

@@ -50,6 +50,11 @@ class StreamsFile:
     link_rate: float
     """Rate in kbit/s at which all packets together leave."""
 
+    def __post_init__(self) -> None:
+        """Raise `SetupError` if the rate is not possible."""
+        if not 10 <= self.link_rate <= 1e7:
+            raise SetupError(f"the link rate is {self.link_rate:g} kbit/s; it must be from 10 to 10000000")
+
 
 def read_streams(path: Path, host: str = "") -> StreamsFile:
     """Read a file of streams; `host` takes the place of the file's. Raises `SetupError`, with line and column."""
@@ -65,7 +70,10 @@ def read_streams(path: Path, host: str = "") -> StreamsFile:
         other = taken.setdefault((stream.host, stream.port), stream.name)
         if other != stream.name:
             raise item.error(f"{item.name} and stream {other} have the same port {stream.port}; give each its own")
-    return StreamsFile(streams, _number(top["link_rate"]) if "link_rate" in top else LINK_RATE)
+    try:
+        return StreamsFile(streams, _number(top["link_rate"]) if "link_rate" in top else LINK_RATE)
+    except SetupError as error:
+        raise top["link_rate"].error(str(error)) from error
 
 
 def _stream(folder: Path, name: object, item: Item, host: str) -> StreamSettings:
