@@ -124,9 +124,12 @@ class Driving:
 
     def end(self) -> None:
         """Stop the rover if it moves, and send nothing any more."""
-        self._happen(lambda now: self._control.set_mode(False, now))
         with self._lock:
             self._ended = True
+            now = self._clock.now()
+            self._control.set_mode(False, now)
+            if command := self._control.step(now):
+                self._send(command)
 
     def _happen(self, event: Event) -> None:
         """Let the control take an event and decide, and send what it decides."""

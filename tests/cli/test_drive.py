@@ -22,7 +22,7 @@ from repeating import repeated
 from generated.messages import BasestationControlMode, DrivingBoardMotorMessage
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.drive.drive_parameters import PARAMETERS, DriveParameters
+from roverlink.drive.drive_parameters import DriveParameters
 from roverlink.drive.drive_rows import MODE, DriveRows
 from roverlink.drive.driving import Driving
 from roverlink.ros_connection import RosConnection
@@ -428,11 +428,3 @@ def test_a_folder_without_a_project_is_refused(tmp_path: FilePath, capsys: pytes
     """The exit code is 2."""
     assert main(["drive", "--middleware", "memory", "--project", str(tmp_path)]) == 2
     assert "generated" in capsys.readouterr().err
-
-
-def test_the_page_lists_the_parameters() -> None:
-    """Each with its first value."""
-    page = (FilePath(__file__).parents[2] / "docs" / "driving.md").read_text(encoding="utf-8")
-    for name, (first, _, _) in PARAMETERS.items():
-        shown = str(first).lower() if isinstance(first, bool) else first if isinstance(first, str) else f"{first:g}"
-        assert f"| `{name}` | {shown} |" in page

@@ -3,8 +3,9 @@
 - ``proto``: a file to create; its first line, a comment, names it.
 - ``diff``: an edit of the file that ``---`` names; the lines of a hunk say where, since a page counts no lines.
 - ``console``: commands after ``$``, each with the output that the page shows. A ``...`` in it stands for any text.
-  Commands that wait for others (``roverlink run``, ``echo``, ``listen``, ``aruco track --loop``) stay in their terminal
-  until the next heading; what they show is compared there, and what has no end is stopped by what Ctrl-C sends.
+  Commands that wait for others (``roverlink run``, ``echo``, ``listen``, ``drive``, ``aruco track --loop``) stay in
+  their terminal until the next heading; what they show is compared there, and what has no end is stopped by what Ctrl-C
+  sends.
 """
 
 from __future__ import annotations
@@ -28,9 +29,14 @@ _PROJECT = (
     *("mapping.yaml", "mapping.lock", ".gitignore", "proto", "generated", "docs"),
     *("generator", "templates", "runtime", "vision", "driving", "cpp", "roverlink"),
 )
-_READY = {"roverlink run": "UDP port", "roverlink listen": "UDP port", "roverlink aruco": "at a distance of"}
+_READY = {
+    "roverlink run": "UDP port",
+    "roverlink listen": "UDP port",
+    "roverlink aruco": "at a distance of",
+    "roverlink drive": "is AUTO",
+}
 """What a command shows as soon as it waits; `roverlink echo` shows nothing before a message comes."""
-_ENDLESS = ("roverlink run", "roverlink aruco")
+_ENDLESS = ("roverlink run", "roverlink aruco", "roverlink drive")
 """What goes on until it is stopped."""
 _FENCE = re.compile(r"^```(?P<language>\w*)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE)
 _HEADING = re.compile(r"^#+ .*$", re.MULTILINE)
@@ -42,7 +48,7 @@ command=$1; shift
 case $command in
 run) set -- --middleware dds "$@" --ros-args -p listen_port:={listen} -p dst_a_port:={basestation} \\
     -p dst_b_port:={hardware} ;;
-echo | pub) set -- --middleware dds "$@" ;;
+echo | pub | drive) set -- --middleware dds "$@" ;;
 send) set -- --to 127.0.0.1:{listen} "$@" ;;
 listen)
     case "$*" in
@@ -236,7 +242,10 @@ class Reader:
 
 def _waits(command: str) -> bool:
     """Whether a command stays in its terminal; the camera's program does where its recording is played in a loop."""
-    return command.startswith(("roverlink run", "roverlink echo", "roverlink listen")) or "--loop" in command
+    return (
+        command.startswith(("roverlink run", "roverlink echo", "roverlink listen", "roverlink drive"))
+        or "--loop" in command
+    )
 
 
 def _copy(source: Path, target: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import random
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -187,6 +188,22 @@ def test_a_silent_basestation_is_manual() -> None:
     rover.automatic = True
     assert rover.tick() is None
     assert rover.state() is State.IDLE
+
+
+def test_lost_datagrams_stop_nothing_but_a_cut_link_does() -> None:
+    """With 5 % of the messages of mode and velocity lost, the rover drives for an hour, and stops within a second."""
+    rover, rng = _Rover(), random.Random(1)  # noqa: S311  # repeatable, not secret
+    for _ in range(72_000):
+        rover.automatic = rng.random() > 0.05
+        if rng.random() > 0.05:
+            rover.control.drive(0.5, 0.0, rover.now)
+        command = rover.tick()
+        assert command is not None
+        assert command.distance_to_go > 0
+    rover.automatic, cut = False, rover.now
+    assert rover.drive_on(0.5, 0, 21)[-2:].count(STOP) == 1
+    assert rover.now - cut == 1.05e9
+    assert rover.state() is State.MANUAL
 
 
 def test_a_limit_of_zero_lets_the_mode_live_forever() -> None:

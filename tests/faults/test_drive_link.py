@@ -1,0 +1,107 @@
+"""``roverlink drive`` with a bridge whose links to the basestation and to the board lose datagrams, and are cut."""
+
+from __future__ import annotations
+
+import json
+import socket
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+from needs import needs_dds
+from polling import wait_until
+from programs import Start
+from relay import Relay
+from repeating import repeated
+
+from generated.registry import REGISTRY
+from roverlink.runtime import Qos
+from roverlink.runtime.core import cdr
+from roverlink.runtime.interfaces.geometry_msgs import Twist, Vector3
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
+
+_LOSS = 0.05
+_MODES = 400
+
+
+def _socket() -> socket.socket:
+    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sock.bind(("127.0.0.1", 0))
+    return sock
+
+
+class _Board:
+    """The socket of the driving board."""
+
+    def __init__(self, sock: socket.socket) -> None:
+        self._socket = sock
+        self._socket.setblocking(False)
+
+    def distances(self) -> Iterator[float]:
+        """The distances of the commands that have arrived since the last call."""
+        try:
+            while True:
+                envelope: Any = REGISTRY.envelope.FromString(self._socket.recv(65_536))
+                if envelope.WhichOneof("payload") == "drive_motor":
+                    yield envelope.drive_motor.distance_to_go
+        except BlockingIOError:
+            return
+
+
+@pytest.mark.slow
+@needs_dds
+def test_losses_stop_nothing_and_the_operator_and_a_cut_link_do(
+    start: Start, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """5 % of the datagrams are lost in both directions. After MANUAL and after the cut, no command moves the rover."""
+    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.setenv(name, environment[name])
+    with ExitStack() as held:
+        sock = held.enter_context(_socket())
+        to_board = held.enter_context(Relay(_socket(), sock.getsockname(), 1, _LOSS, 0.0, 0.005))
+        board = _Board(sock)
+        ros = ("listen_port:=0", "listen_address:='127.0.0.1'", f"dst_b_port:={to_board.address[1]}")
+        bridge = start("run", "--middleware", "dds", "--ros-args", *(word for one in ros for word in ("-p", one)))
+        port = int(bridge.wait_for("on UDP port ").rpartition(" ")[2])
+        to_bridge = held.enter_context(Relay(_socket(), ("127.0.0.1", port), 2, _LOSS, 0.0, 0.005))
+        # Long enough for a machine that is busy with other things; the bench measures the times.
+        given = ("mode_timeout:=4.0", "timeout:=4.0", "horizon:=4.0")
+        drive = start(
+            "drive", "--middleware", "dds", "--json", "--ros-args", *(w for one in given for w in ("-p", one))
+        )
+        drive.wait_for("while /control_mode is AUTO")
+        node = held.enter_context(open_middleware("dds", NodeIdentity("controller")))
+        velocities = node.publisher("/cmd_vel", Twist, Qos())
+        held.enter_context(repeated(lambda _: velocities.publish([cdr.encode(Twist(Vector3(0.3)))]), 0.05))
+        basestation = held.enter_context(_socket())
+        mode: int | None = 1
+
+        def tell(_: int) -> None:
+            if mode is not None:
+                datagram = REGISTRY.envelope(control_mode={"mode": mode}).SerializeToString()
+                basestation.sendto(datagram, to_bridge.address)
+
+        held.enter_context(repeated(tell, 0.02))
+        wait_until(lambda: any(board.distances()), "a command")
+        told = to_bridge.taken + _MODES
+        wait_until(lambda: to_bridge.taken > told, "many modes")
+        arrived = list(board.distances())
+        assert len(arrived) > 20
+        assert 0 not in arrived
+
+        mode = 0
+        drive.wait_for("manual: control_mode is MANUAL")
+        # The deadman of the bridge now sends stops: the topic is silent.
+        wait_until(lambda: 0 in list(board.distances()), "a stop")
+        wait_until(lambda: 0 in (found := list(board.distances())) and not any(found), "nothing but stops")
+
+        mode = 1
+        wait_until(lambda: any(board.distances()), "a command")
+        mode = None
+        drive.wait_for("manual: no control_mode for ")
+        wait_until(lambda: 0 in list(board.distances()), "a stop")
+        wait_until(lambda: 0 in (found := list(board.distances())) and not any(found), "nothing but stops")
+        assert drive.interrupt() == 0
+    states = [one["state"] for one in map(json.loads, drive.output) if "state" in one]
+    assert states == ["manual", "idle", "driving", "manual", "idle", "driving", "manual"]
