@@ -148,19 +148,17 @@ class DriveControl:
             return
         if self._path is not None:
             self._end(Status(State.IDLE, "a velocity has ended the path"))
-            self._say("the path is abandoned, because a velocity came")
+            self.tell("the path is abandoned, because a velocity came", now)
         self._velocity_at = now
         try:
             self._velocity = self._motion(linear, angular, now)
         except ValueError as error:
-            self._velocity = None
-            self.tell(f"the velocity is refused: {error}", now)
-            self.status = Status(State.REFUSED, str(error))
+            self._refuse_velocity(error, now)
 
     def follow(self, points: Sequence[Point], frame: str, now: int) -> None:
         """Take a path of points in a frame; it ends the velocity. A path without points ends the one before."""
         if not self._automatic:
-            self._say("the path is ignored, because the mode is manual")
+            self.tell("the path is ignored, because the mode is manual", now)
             return
         if not points:
             self._end(Status(State.IDLE, "an empty path has ended the path"))
@@ -171,12 +169,12 @@ class DriveControl:
             self.tell(f"the path is refused: {error}", now)
             return
         self._velocity, self._path = None, path
-        self._check_frame()
+        self._check_frame(now)
 
-    def localize(self, localization: Localization) -> None:
+    def localize(self, localization: Localization, now: int) -> None:
         """Take the pose of the rover."""
         self._localization = localization
-        self._check_frame()
+        self._check_frame(now)
 
     def tell(self, message: str, now: int) -> None:
         """Say a message to the user, but only once while its cause goes on."""
@@ -195,12 +193,20 @@ class DriveControl:
         self._now = now
         motion = self._wanted(now)
         if motion is None:
-            self._speed = self._lag = 0.0
-            stops, self._moves = self._moves, False
-            return STOP if stops else None
-        command = self._command(motion, seconds)
+            return self._stop()
+        try:
+            command = self._command(motion, seconds)
+        except BoardLimitError as error:  # a parameter has changed since the velocity came
+            self._refuse_velocity(error, now)
+            return self._stop()
         self._moves = command.distance_to_go != 0
         return command
+
+    def _stop(self) -> BoardCommand | None:
+        """Return the stop if the last command moves the rover, else None."""
+        self._speed = self._lag = 0.0
+        stops, self._moves = self._moves, False
+        return STOP if stops else None
 
     def _wanted(self, now: int) -> _Motion | None:
         """Return the motion that is wanted now, and set the status; None if the rover must stand."""
@@ -240,9 +246,11 @@ class DriveControl:
         if not (math.isfinite(linear) and math.isfinite(angular)):
             raise ValueError("it is not a number")
         if linear == 0 and angular != 0:
-            raise ValueError("the message of the driving board has no turn on the spot")
-        curvature = arc_of_twist(linear, angular, 1.0).curvature
+            raise ValueError("the message of the driving board has no turn on the spot; drive an arc")
         settings = self._settings()
+        if linear < 0 and not settings.board.reverses:
+            raise ValueError("the driving board does not drive backwards; if it does, set the parameter reverse")
+        curvature = arc_of_twist(linear, angular, 1.0).curvature
         speed = math.copysign(min(abs(linear), settings.speed), linear)
         settings.board.command(Arc(speed, curvature))  # raises an error if it cannot drive this
         if abs(linear) > settings.speed:
@@ -257,7 +265,10 @@ class DriveControl:
         return limited
 
     def _command(self, motion: _Motion, seconds: float) -> BoardCommand:
-        """Return the command for a motion, after the time since the last command."""
+        """Return the command for a motion, after the time since the last command.
+
+        Raises `BoardLimitError` if the board cannot drive it.
+        """
         settings = self._settings()
         wanted, curvature = motion.speed, motion.curvature
         if wanted * self._speed < 0 or wanted == 0:  # it brakes on its arc, before it drives in the other direction
@@ -268,10 +279,7 @@ class DriveControl:
         distance = _travel(self._speed, wanted, settings.acceleration, settings.horizon)
         corrected = max(abs(distance) + self._feedback(settings, abs(distance), seconds), 0.0)
         distance = math.copysign(min(corrected, motion.left), distance)
-        try:
-            return settings.board.command(Arc(distance, curvature))
-        except BoardLimitError:  # the parameter has changed since the velocity came
-            return STOP
+        return settings.board.command(Arc(distance, curvature))
 
     def _feedback(self, settings: DriveSettings, distance: float, seconds: float) -> float:
         """Return the metres to add to the distance of a command, so that the measured speed becomes the wanted one.
@@ -287,13 +295,17 @@ class DriveControl:
             self._lag = min(max(self._lag + _FEEDBACK * slower * seconds, -2 * distance), distance)
         return self._lag
 
-    def _check_frame(self) -> None:
+    def _check_frame(self, now: int) -> None:
         """End the path if the rover's pose is in another frame."""
         if self._path is None or self._localization is None or self._path.frame == self._localization.frame:
             return
         message = f"the path is in the frame {self._path.frame!r}, but the pose is in {self._localization.frame!r}"
-        self._say(f"the path is refused: {message}")
+        self.tell(f"the path is refused: {message}", now)
         self._end(Status(State.IDLE, message))
+
+    def _refuse_velocity(self, error: ValueError, now: int) -> None:
+        self.tell(f"the velocity is refused: {error}", now)
+        self._end(Status(State.REFUSED, str(error)))
 
     def _end(self, status: Status) -> None:
         """Forget the velocity and the path."""

@@ -19,6 +19,7 @@ import threading
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
+from functools import partial
 
 from roverlink.console import project_folder
 from roverlink.drive.drive_inputs import VELOCITIES, path_of, pose_of, velocity_of
@@ -144,12 +145,13 @@ class Driving:
             self._report(self._control.status)
 
     def _take_mode(self, messages: Sequence[bytes]) -> None:
-        try:
-            automatic = self._rows.is_automatic(messages[-1])
-        except ConversionError as error:
-            self._tell(f"ignoring a control_mode: {error}")
-            return
-        self._happen(lambda now: self._control.set_mode(automatic, now))
+        for data in messages:  # each of them: a short MANUAL ends the path
+            try:
+                automatic = self._rows.is_automatic(data)
+            except ConversionError as error:
+                self._tell(f"ignoring a control_mode: {error}")
+                continue
+            self._happen(partial(self._control.set_mode, automatic))
 
     def _take_velocity(self, kind: type[Message], messages: Sequence[bytes]) -> None:
         settings = self._parameters.meaning
@@ -178,8 +180,9 @@ class Driving:
             self._tell(f"ignoring a pose: {error}")
             return
         with self._lock:  # the next command is sent when it is due: poses come more often
-            at = self._clock.now() - place.age
-            self._control.localize(Localization(place.pose, place.frame, at, place.deviation, place.speed))
+            now = self._clock.now()
+            localization = Localization(place.pose, place.frame, now - place.age, place.deviation, place.speed)
+            self._control.localize(localization, now)
 
     def _tell(self, message: str) -> None:
         with self._lock:

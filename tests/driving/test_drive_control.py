@@ -41,7 +41,7 @@ class _Rover:
             self.control.set_mode(True, self.now)
         if self.localized:
             pose, frame, deviation = self.localized
-            self.control.localize(Localization(pose, frame, self.now, deviation, self.speed))
+            self.control.localize(Localization(pose, frame, self.now, deviation, self.speed), self.now)
         return self.control.step(self.now)
 
     def drive(self, linear: float, angular: float = 0.0) -> BoardCommand | None:
@@ -243,8 +243,8 @@ def test_a_zero_velocity_brakes_on_the_arc() -> None:
 @pytest.mark.parametrize(
     ("linear", "angular", "reason"),
     [
-        (0.0, 0.5, "the message of the driving board has no turn on the spot"),
-        (-0.2, 0.0, "the driving board does not drive backwards"),
+        (0.0, 0.5, "the message of the driving board has no turn on the spot; drive an arc"),
+        (-0.2, 0.0, "the driving board does not drive backwards; if it does, set the parameter reverse"),
         (math.nan, 0.0, "it is not a number"),
         (0.2, math.inf, "it is not a number"),
         (5e-324, 1.0, "5e-324 m with the curvature inf/m is no arc"),
@@ -260,6 +260,15 @@ def test_a_velocity_that_cannot_be_driven_stops_the_rover(linear: float, angular
     assert rover.control.status == Status(State.REFUSED, reason)
     assert rover.drive(0.5) is not None
     assert rover.state() is State.DRIVING
+
+
+def test_a_board_that_loses_its_reverse_gear_stops() -> None:
+    """A parameter has changed while the rover drives backwards."""
+    rover = _Rover()
+    rover.drive_on(-0.5, 0, 5)
+    rover.settings = replace(_SETTINGS, board=DrivingBoard(smallest_radius=0.5, reverses=False))
+    assert rover.tick() == STOP
+    assert rover.control.status == Status(State.REFUSED, "the driving board does not drive backwards")
 
 
 def test_limits_are_told_once_in_an_episode() -> None:
@@ -427,7 +436,7 @@ class _AnyCourse(RuleBasedStateMachine):
     def localize(self, x: float, y: float, yaw: float, speed: float | None) -> None:
         """A pose comes."""
         self.pose_at = self.now
-        self.control.localize(Localization(PlanarPose(x, y, yaw), "map", self.now, 0.1, speed))
+        self.control.localize(Localization(PlanarPose(x, y, yaw), "map", self.now, 0.1, speed), self.now)
 
     @rule(seconds=st.floats(0, 1.5))
     def wait(self, seconds: float) -> None:
