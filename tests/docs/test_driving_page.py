@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from pathlib import Path
 
 import pytest
@@ -9,7 +11,8 @@ from needs import needs_dds
 from page import ROOT, Reader, blocks
 
 from roverlink.drive.drive_parameters import PARAMETERS
-from roverlink.driving.drive_control import State
+from roverlink.driving.arcs import PlanarPose
+from roverlink.driving.drive_control import DriveControl, DriveSettings, Localization, State
 
 _PAGE = ROOT / "docs" / "driving.md"
 
@@ -36,3 +39,38 @@ def test_the_page_lists_parameters_and_states() -> None:
         assert f"| `{name}` | {shown} |" in page
     for state in State:
         assert f"| `{state.value}` |" in page
+
+
+def _mean_speed(velocity: float, *, measured: bool) -> float:
+    """The mean speed of a board that drives as fast as it can still stop at the end, with 0.5 m/s^2."""
+    settings = DriveSettings()
+    control = DriveControl(lambda: settings, lambda _: None)
+    step, speed, left, now, driven = 0.01, 0.0, 0.0, 10**12, 0.0
+    for tick in range(400):
+        now += 50_000_000
+        control.set_mode(True, now)
+        control.drive(velocity, 0.0, now)
+        if measured:
+            control.localize(Localization(PlanarPose(), "odom", now, 0.0, speed), now)
+        command = control.step(now)
+        assert command is not None
+        left = command.distance_to_go
+        for _ in range(5):
+            speed += min(max(min(0.5, math.sqrt(2 * 0.5 * left)) - speed, -2 * step), 0.5 * step)
+            left = max(left - speed * step, 0.0)
+            driven += speed * step if tick >= 200 else 0.0
+    return driven / (200 * 0.05)
+
+
+def test_the_speeds_of_a_simulated_board_are_those_of_the_table() -> None:
+    """The measured speed makes the difference."""
+    page = _PAGE.read_text(encoding="utf-8")
+    rows = {
+        name: [float(cell.split()[0]) for cell in cells.split("|")]
+        for name, cells in re.findall(
+            r"^\| (velocity|without the measured speed|with it) \| (.*) \|$", page, re.MULTILINE
+        )
+    }
+    for name, measured in (("without the measured speed", False), ("with it", True)):
+        speeds = [_mean_speed(velocity, measured=measured) for velocity in rows["velocity"]]
+        assert speeds == pytest.approx(rows[name], abs=0.003)
