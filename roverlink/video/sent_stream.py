@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 
 from roverlink.runtime.core.errors import MiddlewareError, SetupError
 from roverlink.runtime.ros_time.clock import Clock
@@ -169,7 +170,10 @@ class SentStream:
         if source.live:
             yield from source
             return
-        for _, frame in newest([play(source, loop=self._loop, clock=self._clock)]):
+        playing = play(source, loop=self._loop, clock=self._clock)
+        # A file that is read too slowly is played slowly, and its images are as new as those of a camera.
+        shown = (replace(frame, stamp=self._clock.now()) for frame in playing)
+        for _, frame in newest([shown]):
             yield frame
 
     def _tell(self, output: VideoOutput, settings: StreamSettings) -> None:
