@@ -46,14 +46,14 @@ class StreamFiles:
     def add(self, unit: ReceivedUnit) -> None:
         """Append an encoded image. Raises `SetupError` if it cannot be written."""
         parameters = [nal for nal in unit.nals if nal_type(nal) in (NalType.SPS, NalType.PPS)]
-        begins = unit.key and parameters and (unit.restarted or parameters != self._parameters)
         try:
-            if begins or (unit.restarted and self._container is not None):
+            if unit.restarted or (parameters and parameters != self._parameters and self._has_other_size(unit)):
                 self._close()
+            self._parameters = parameters or self._parameters
             if self._container is None:
                 if not (unit.key and parameters):
                     return
-                self._open(unit, parameters)
+                self._open(unit)
             if not 0 <= unit.timestamp + self._offset - self._last <= _LARGEST_STEP:
                 self._offset = self._last + _STEP - unit.timestamp
             self._last = max(unit.timestamp + self._offset, self._last + 1)
@@ -71,14 +71,21 @@ class StreamFiles:
     def __exit__(self, *_: object) -> None:
         self._close()
 
-    def _open(self, unit: ReceivedUnit, parameters: list[bytes]) -> None:
-        self._parameters = parameters
+    def _has_other_size(self, unit: ReceivedUnit) -> bool:
+        """Return true if the images of the file have another size. Encoders change other parameters, too."""
+        if self._container is None:
+            return False
+        with _opened(unit) as one:
+            new, old = one.streams.video[0].codec_context, self._stream.codec_context
+            return bool((new.width, new.height) != (old.width, old.height))
+
+    def _open(self, unit: ReceivedUnit) -> None:
         number, path = 1, self._folder / f"{self._name}{self._suffix}"
         while path.exists():
             number += 1
             path = self._folder / f"{self._name}-{number}{self._suffix}"
         # FFmpeg reads the size and the codec's data from the first image.
-        with av.open(io.BytesIO(byte_stream(unit.nals)), format="h264") as first:
+        with _opened(unit) as first:
             self._container = av.open(str(path), "w", options=_OPTIONS[self._suffix])
             self._stream = self._container.add_stream_from_template(first.streams.video[0])
         self._stream.time_base = Fraction(1, CLOCK_HZ)
@@ -88,3 +95,8 @@ class StreamFiles:
         if self._container is not None:
             self._container.close()
             self._container = None
+
+
+def _opened(unit: ReceivedUnit) -> Any:
+    """Return a key frame as an open container of FFmpeg."""
+    return av.open(io.BytesIO(byte_stream(unit.nals)), format="h264")
