@@ -6,7 +6,6 @@ It is a process of its own, as on a rover, so its computations do not delay the 
 from __future__ import annotations
 
 import json
-import signal
 import subprocess
 import sys
 import threading
@@ -73,7 +72,7 @@ class CameraProgram(ABC):
 
     def stop(self) -> str:
         """End the child process, and return `result`."""
-        self._child.send_signal(signal.SIGINT)
+        self._child.terminate()  # not SIGINT, which a shell's background jobs ignore
         self._child.wait(_TIMEOUT_S)
         self._thread.join()
         return self.result

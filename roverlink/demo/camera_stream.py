@@ -6,7 +6,6 @@ import roverlink.vision  # noqa: F401  # first: it explains how to install numpy
 
 # isort: split
 
-import signal
 import subprocess
 import sys
 from contextlib import ExitStack
@@ -35,7 +34,7 @@ class CameraStream:
     def stop(self) -> str:
         """End the sender, and return a text for the user about the stream."""
         state = self.received.state()
-        self._sender.send_signal(signal.SIGINT)
+        self._sender.terminate()  # not SIGINT, which a shell's background jobs ignore
         self._sender.wait(_TIMEOUT_S)
         if state["latency"] is None:
             return "no video of the simulated camera arrived"
