@@ -1,1 +1,1 @@
-"""Simulated camera of ``roverlink demo``, and the rendered scene that this camera sees."""
+"""Simulated cameras of ``roverlink demo``, the rendered scene that one of them sees, and the page with its video."""

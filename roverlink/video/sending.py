@@ -132,6 +132,9 @@ class _Sending:
                 stream.open()
             except SetupError as error:  # its thread tries again, and tells it
                 errors.append(error)
+                continue
+            if (to := stream.settings).running:
+                self._logger.info("%s: images go to %s:%d", to.name, to.host, to.port)
         if len(errors) == len(self._streams):
             raise errors[0]
         return self._streams

@@ -309,6 +309,7 @@ def test_a_change_that_is_not_possible_is_told(
     for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
         monkeypatch.setenv(name, environment[name])
     sender = start(*_SEND, images, "--port", port, "--loop", "--middleware", "dds")
+    sender.wait_for("video: images go to 127.0.0.1:")
     for change, problem in (
         ("video.bitrate=5", "stream video: the bitrate is 5 and the least one 150 kbit/s; both must be from 10"),
         ("video.size=big", "the parameter 'video.size' is wrong: 'big' is not an image size"),

@@ -39,6 +39,7 @@ def test_streams_are_changed_through_either_middleware(
 ) -> None:
     """`roverlink video set` reaches a sender with another middleware; rclpy knows the new value, and sets others."""
     sender = start("video", "send", images, "--loop", "--middleware", middleware)
+    sender.wait_for("video: images go to 127.0.0.1:4500")
     words = ("video", "set", "--middleware", setter)
     code, output, _ = done(*words, "video.bitrate=500", "video.size=32x24")  # type: ignore[misc]
     assert (code, output.splitlines()) == (0, ['video.size: "32x24"', "video.bitrate: 500.0"])

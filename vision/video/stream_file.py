@@ -46,12 +46,14 @@ class StreamFiles:
     def add(self, unit: ReceivedUnit) -> None:
         """Append an encoded image. Raises `SetupError` if it cannot be written."""
         parameters = [nal for nal in unit.nals if nal_type(nal) in (NalType.SPS, NalType.PPS)]
+        begins = unit.key and unit.intact and bool(parameters)
         try:
-            if unit.restarted or (parameters and parameters != self._parameters and self._has_other_size(unit)):
+            if unit.restarted or (begins and parameters != self._parameters and self._has_other_size(unit)):
                 self._close()
-            self._parameters = parameters or self._parameters
+            if begins:
+                self._parameters = parameters
             if self._container is None:
-                if not (unit.key and parameters):
+                if not begins:
                     return
                 self._open(unit)
             if not 0 <= unit.timestamp + self._offset - self._last <= _LARGEST_STEP:
