@@ -29,17 +29,20 @@ SIDE = 0.15
 """Side of the markers in metres."""
 SURVEY = 0.002
 """Standard deviation of the landmarks' measured positions in metres. For their rotations, the default is used."""
-_HEIGHT_M = 0.6  # of the camera on the rover
+HEIGHT_M = 0.6
+"""Height of the camera on the rover in metres."""
 _SIZE = (640, 480)
-_LENS = Lens(
+LENS = Lens(
     np.array([[600.0, 0, 322.5], [0, 602.0, 236.0], [0, 0, 1]]),
     (0.100096, -0.256227, 0.00111085, 0.000269882, 0),
     _SIZE,
 )
+"""Lens of the simulated camera."""
 _FACING_US = np.array(
     [[0.0, 0, -1], [-1, 0, 0], [0, 1, 0]]
 )  # the print's axes in the field: right is -y, up is z, towards the viewer is -x
-_AHEAD = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # a camera that looks along x
+AHEAD = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])
+"""Rotation (camera to rover) of a camera that looks along x."""
 _LANDMARKS = {7: (3.0, 0.9, 0.9), 8: (3.4, 0.2, 1.2), 9: (2.6, -0.5, 0.5), 10: (3.2, -1.0, 1.0)}
 
 
@@ -63,7 +66,7 @@ def landmarks() -> Landmarks:
 
 def parameters() -> CameraParameters:
     """Return the camera matrix, the distortion and the image size of the simulated camera."""
-    return CameraParameters(_LENS.matrix, np.array(_LENS.distortion), _SIZE)
+    return CameraParameters(LENS.matrix, np.array(LENS.distortion), _SIZE)
 
 
 def write_field(folder: Path) -> None:
@@ -83,7 +86,7 @@ def write_cameras(folder: Path, source: str = "frames") -> None:
         "source": source,
         **({} if Path(source).suffix else {"rate": RATE_HZ}),
         "parameters": "camera.yml",
-        "mount": {"position": [0, 0, _HEIGHT_M], "rpy": [0, 0, 0]},
+        "mount": {"position": [0, 0, HEIGHT_M], "rpy": [0, 0, 0]},
     }
     text = yaml.safe_dump({"cameras": {"front": keys}}, sort_keys=False, default_flow_style=None)
     (folder / "cameras.yaml").write_text(text, encoding="utf-8")
@@ -91,7 +94,7 @@ def write_cameras(folder: Path, source: str = "frames") -> None:
 
 def rover_position(camera: Pose) -> Floats:
     """Return the position (3,) in metres of the rover, given the pose of its camera (camera to field)."""
-    position: Floats = camera.translation - np.array([0, 0, _HEIGHT_M])
+    position: Floats = camera.translation - np.array([0, 0, HEIGHT_M])
     return position
 
 
@@ -103,7 +106,7 @@ def render_film(frames: int = FRAMES) -> Film:
     rng = np.random.default_rng(1)
     scene = texture(_SIZE, rng)
     truth = tuple(_place(2 * np.pi * index / FRAMES) for index in range(frames))
-    drawn = [render(_LENS, scene, [_print(number, place) for number in _LANDMARKS], rng) for place in truth]
+    drawn = [render(LENS, scene, [_print(number, place) for number in _LANDMARKS], rng) for place in truth]
     return Film(tuple(np.repeat(image[:, :, None], 3, axis=2) for image in drawn), truth)
 
 
@@ -113,7 +116,7 @@ def _on_field(number: int) -> Pose:
 
 def _place(angle: float) -> Pose:
     """Return the pose of the camera (camera to field) when the rover is at ``angle``, in radians, on its circle."""
-    return Pose(_AHEAD, np.array([0.3 * np.sin(angle), 0.3 * np.cos(angle), _HEIGHT_M]))
+    return Pose(AHEAD, np.array([0.3 * np.sin(angle), 0.3 * np.cos(angle), HEIGHT_M]))
 
 
 def _print(number: int, camera: Pose) -> tuple[Print, PrintPose]:
