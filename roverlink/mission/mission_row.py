@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from roverlink.mission.mission_rules import Report
+from roverlink.mission.mission_rules import Report, State
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import SetupError
@@ -28,14 +28,15 @@ def progress_publisher(
         return lambda _: None
     row = registry.row(ROW, _FIELDS, inbound=False)
     route, message_type = row.route, row.message_type
+    values = {state: getattr(message_type, _VALUE.format(state.name), None) for state in State}
+    if missing := [_VALUE.format(state.name) for state, value in values.items() if value is None]:
+        raise SetupError(
+            f"{message_type.__msgtype__}, the message of row {ROW!r}, has no value {', '.join(missing)}; add it"
+        )
     publish = middleware.publisher(topic(route.topic), message_type, route.qos).publish
 
     def publish_progress(report: Report) -> None:
-        name = _VALUE.format(report.state.name)
-        state = getattr(message_type, name, None)
-        if state is None:
-            raise SetupError(f"{message_type.__msgtype__}, the message of row {ROW!r}, has no value {name}; add it")
-        message = message_type(state=state, goal=report.goal, goals=goals, distance=report.distance)
-        publish([cdr.encode(message)])
+        state = values[report.state]
+        publish([cdr.encode(message_type(state=state, goal=report.goal, goals=goals, distance=report.distance))])
 
     return publish_progress

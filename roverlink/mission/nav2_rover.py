@@ -66,7 +66,7 @@ class Nav2Rover:
         self._mission, self._rows, self._base = mission, rows, base_frame
         self._show_distance, self._warn = show_distance, warn
         self._news = threading.Condition()
-        self._handed_over = self._taken_over = False
+        self._automatic = self._handed_over = self._taken_over = False
         self._left: float | None = None
         self._seen: Counter[str] = Counter()
         middleware = cast(RclpyMiddleware, connection.middleware)
@@ -93,8 +93,9 @@ class Nav2Rover:
     def wait_for_handover(self) -> None:
         """Wait until the operator lets the rover drive by itself. From then on, any other mode stops the mission."""
         with self._news:
-            while not self._handed_over:
+            while not self._automatic:
                 self._news.wait(_STEP_S)  # in steps: on some systems, Ctrl-C does not end a wait without a limit
+            self._handed_over = True
 
     def pose(self) -> PlanarPose:
         """Return the pose of the rover on the map."""
@@ -168,8 +169,8 @@ class Nav2Rover:
         Raises `MissionStoppedError` if a person takes over.
         """
         deadline = self._clock.now() + round(seconds * 1e9)
-        with self._news:
-            while True:
+        while True:
+            with self._news:
                 if self._taken_over:
                     raise MissionStoppedError("a person has taken over (control_mode is not MODE_AUTO)")
                 if condition():
@@ -178,8 +179,8 @@ class Nav2Rover:
                     return False
                 self._news.wait(_STEP_S)
                 left, self._left = self._left, None
-                if left is not None:
-                    self._show_distance(left)
+            if left is not None:
+                self._show_distance(left)
 
     def _pose_within(self, seconds: float) -> PlanarPose:
         """Return the pose of the rover, or raise the last `TransformError` if it is not known for a time in seconds."""
@@ -210,8 +211,8 @@ class Nav2Rover:
                 self._warn("ignoring a mode that cannot be read: %s", error)
                 continue
             with self._news:
+                self._automatic = automatic
                 self._taken_over |= self._handed_over and not automatic
-                self._handed_over |= automatic
                 self._news.notify_all()
 
     def _take_sight(self, messages: Sequence[bytes]) -> None:

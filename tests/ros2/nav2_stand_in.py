@@ -69,6 +69,8 @@ class Nav2StandIn:
         self.sees: Callable[[PlanarPose], list[str]] = lambda _: []
         self.mode: int | None = AUTO
         """Mode that the operator repeats; None for silence."""
+        self.ticks = 0
+        """Number of times that the stand-in has told the mode and the pose."""
         self._outcome, self._clock = outcome, judge.node.get_clock()
         self._running: list[_Running] = []
         self._executor = judge.executor
@@ -118,6 +120,7 @@ class Nav2StandIn:
         return GoalResponse.REJECT if refused else GoalResponse.ACCEPT
 
     def _tick(self) -> None:
+        self.ticks += 1
         self._tell_world()
         for one in [*self._running]:
             goal, outcome = self.goals[one.number], self._outcome(self.goals[one.number], one.number)

@@ -175,6 +175,23 @@ def test_manual_cancels_the_goal_at_once(judge: Judge, serve: Serve, run: Callab
     state.wait_for({"data": "stopped 1"})
 
 
+def test_a_mode_that_changes_before_the_start_stops_nothing(
+    judge: Judge, serve: Serve, run: Callable[..., Program]
+) -> None:
+    """Only a person who takes over after the rover was handed over ends the mission."""
+    nav2 = serve()
+    place, nav2.pose = nav2.pose, None
+    program = run("{goals: [{position: [1, 0]}]}", "--wait", "60")
+    wait_until(lambda: judge.node.count_subscribers("/control_mode"), "a program that hears the mode")
+    for nav2.mode in (AUTO, MANUAL):
+        heard = nav2.ticks
+        wait_until(lambda: nav2.ticks > heard + 10, "the mode, several times")  # noqa: B023  # it is waited for here
+    nav2.pose = place
+    program.wait_for('"waiting"', program.output)
+    nav2.mode = AUTO
+    assert program.end() == 0, str(program)
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_cancels_the_goal(serve: Serve, run: Callable[..., Program], number: signal.Signals) -> None:
     """Ctrl-C and SIGTERM leave no goal behind; the exit code is that of an unfinished command."""
