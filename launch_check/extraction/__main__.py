@@ -1,0 +1,46 @@
+"""``python -m roverlink.launch_check.extraction``: write the catalogue of a distribution from checkouts of sources."""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+from roverlink.launch_check.catalogue.catalogue_files import DISTRIBUTIONS, file_of, text_of
+from roverlink.launch_check.catalogue.facts import Source
+from roverlink.launch_check.extraction.assembling import Assembler, Checkout
+from roverlink.launch_check.extraction.launch_files import launch_files_of
+from roverlink.launch_check.extraction.supplement import read_supplement
+from roverlink.runtime.atomic_files import write_whole
+
+
+def main() -> int:
+    """Read the checkouts, write the catalogue, and print what could not be extracted. Return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--distribution", required=True, choices=DISTRIBUTIONS)
+    parser.add_argument("sources", nargs="+", type=Path, help="git checkouts, each at the version for the distribution")
+    arguments = parser.parse_args()
+    supplement = read_supplement()
+    assembler = Assembler((_checkout(folder) for folder in arguments.sources), supplement)
+    launch_files = {
+        package: dict(launch_files_of(folder)) for package, folder in assembler.folders() if package in supplement.launch_files
+    }
+    catalogue = assembler.catalogue(arguments.distribution, launch_files)
+    write_whole(file_of(arguments.distribution), text_of(catalogue).encode())
+    for one in sorted(assembler.unexplained):
+        print(f"not explained: {one}", file=sys.stderr)
+    print(f"{len(catalogue.packages)} packages, {len(catalogue.classes)} classes, {len(catalogue.plugins)} plugins")
+    return 0
+
+
+def _checkout(folder: Path) -> Checkout:
+    def git(*arguments: str) -> str:
+        return subprocess.run(["git", "-C", str(folder), *arguments], check=True, capture_output=True, text=True).stdout.strip()
+
+    commit, date = git("log", "-1", "--format=%H %cs").split()
+    return Checkout(folder.name, folder, Source(folder.name, commit, date))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

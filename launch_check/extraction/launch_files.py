@@ -1,0 +1,31 @@
+"""Descriptions of the launch files of a package: their arguments, and the nodes that they start."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from roverlink.launch_check.expansion.context import Packages
+from roverlink.launch_check.expansion.declarative_files import read_declarative
+from roverlink.launch_check.expansion.entities import UnreadableFile
+from roverlink.launch_check.expansion.python_files import NeedsMore, PythonFile
+from roverlink.launch_check.expansion.stored_files import stored_actions
+
+_PATTERNS = ("*launch.py", "*launch.xml", "*launch.yaml")
+
+
+def launch_files_of(folder: Path) -> Iterator[tuple[str, Any]]:
+    """Yield the path and the description of each launch file of the package in a folder.
+
+    Files whose actions depend on more than arguments, because functions create them, are left out.
+    """
+    for path in sorted(one for pattern in _PATTERNS for one in (folder / "launch").glob(pattern)):
+        try:
+            if path.suffix == ".py":
+                actions = PythonFile(path, path.name, Packages([])).actions()
+            else:
+                actions, _ = read_declarative(path, path.name)
+            yield path.relative_to(folder).as_posix(), stored_actions(actions)
+        except (UnreadableFile, NeedsMore, NotImplementedError):
+            continue

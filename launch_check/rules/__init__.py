@@ -1,0 +1,1 @@
+"""Rules about what a launch file starts: parameters, plugins, topics and frames."""

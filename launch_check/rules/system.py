@@ -1,0 +1,272 @@
+"""The system that a launch file starts: nodes with their parameters, topics and transforms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+
+from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.launch_check.catalogue.facts import Catalogue, Endpoint, NodeClass, Package
+from roverlink.launch_check.expansion.expander import Expansion, FileUse, StartedNode, StartedRemapping, joined
+from roverlink.launch_check.expansion.parameter_files import GivenValue, Section
+from roverlink.launch_check.expansion.places import Place
+from roverlink.launch_check.rules.known_parameters import ParameterView
+from roverlink.launch_check.rules.launch_rules import (
+    MISSPELT_PACKAGE,
+    UNKNOWN_EXECUTABLE,
+    UNKNOWN_PACKAGE,
+)
+
+_WITHOUT_NODES = frozenset({"rclcpp_components"})
+_CONTAINERS = ("component_container", "component_container_mt", "component_container_isolated")
+_QOS_VALUES = {"1": "reliable", "2": "best_effort", "0": "reliable"}
+"""Values of RTAB-Map's parameters such as `qos_image` (rmw_qos_reliability_policy_t); the system default is reliable."""
+_QOS_PROFILES = {"SENSOR_DATA": "best_effort"}
+"""Names of QoS profiles of the RealSense driver that are not reliable."""
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """A topic, service or action of a running node, with its full name."""
+
+    node: RunningNode
+    endpoint: Endpoint
+    topic: str | None
+    """Full name after remappings; None if it is known at run time only."""
+    place: Place
+    """Place that decides the name: that of the remapping, the parameter, or the node."""
+    is_named: bool
+    """True if a launch file or parameter file names the topic."""
+    reliability: str
+    durability: str
+    is_needed: bool
+
+
+@dataclass(eq=False, slots=True)
+class RunningNode:
+    """A node that runs, or one that another node creates in its process."""
+
+    started: StartedNode
+    facts: NodeClass | None
+    """None if the node is not in the catalogue."""
+    name: str
+    namespace: str
+    is_inner: bool = False
+    """True for a node that another node creates."""
+    view: ParameterView | None = None
+    connections: list[Connection] = field(default_factory=list)
+    connections_before: list[str] = field(default_factory=list)
+    """Full names of all topics, services and actions that the node may have, before remappings."""
+    transforms: list[tuple[str, str]] = field(default_factory=list)
+    frames: list[tuple[str, Place]] = field(default_factory=list)
+    sections: list[tuple[FileUse, Section]] = field(default_factory=list)
+    """Sections of parameter files that are for the node."""
+
+    @property
+    def full_name(self) -> str:
+        """The node's name with its namespace."""
+        return f"{self.namespace}/{self.name}"
+
+
+@dataclass(slots=True)
+class System:
+    """All nodes of a launch file."""
+
+    nodes: list[RunningNode] = field(default_factory=list)
+    findings: list[Diagnostic] = field(default_factory=list)
+    has_unknown: bool = False
+    """True if nodes run that the catalogue does not know, or that were not expanded."""
+
+
+def span(place: Place) -> Span:
+    """Return a place as diagnostics have it."""
+    return Span(place.file, place.line, place.column)
+
+
+def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
+    """Return the nodes that an expanded launch file starts, and findings about packages and executables."""
+    system = System(has_unknown=bool(expansion.skipped))
+    for started in expansion.nodes:
+        facts = _facts(started, catalogue, system)
+        name = _name(started, facts)
+        namespace = started.namespace if started.namespace is not None else ""
+        node = RunningNode(started, facts, name, _absolute(namespace))
+        system.nodes.append(node)
+        for inner in facts.nodes if facts else ():
+            inner_facts = catalogue.classes.get(inner.class_name)
+            system.nodes.append(
+                RunningNode(started, inner_facts, inner.name, joined(node.namespace, inner.namespace), is_inner=True)
+            )
+    for node in system.nodes:
+        if node.facts is not None:
+            _complete(node, node.facts, catalogue)
+    return system
+
+
+def _absolute(namespace: str) -> str:
+    return f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+
+
+def _name(started: StartedNode, facts: NodeClass | None) -> str:
+    if started.name:
+        return started.name
+    if facts is not None and facts.default_name:
+        return facts.default_name
+    return (started.executable or started.plugin or "node").rpartition("::")[2]
+
+
+def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeClass | None:
+    """Return the facts about a started node; report unknown packages and executables."""
+    package, executable = started.package, started.executable
+    if package is None or (executable is None and not started.plugin):
+        system.has_unknown = True
+        return None
+    known = catalogue.packages.get(package)
+    at = span(started.place)
+    if known is None:
+        if package in _WITHOUT_NODES and executable in _CONTAINERS:
+            return None
+        system.has_unknown = True
+        near = get_close_matches(package, catalogue.packages, 1, 0.86)
+        if near:
+            system.findings.append(MISSPELT_PACKAGE.at(at, f"unknown package '{package}'", f"did you mean '{near[0]}'?"))
+        else:
+            system.findings.append(UNKNOWN_PACKAGE.at(at, f"the package '{package}' is not in the catalogue; its nodes are not checked"))
+        return None
+    if started.plugin:
+        return _component(started.plugin, known, catalogue, system, at)
+    if executable not in known.executables:
+        near = get_close_matches(executable or "", known.executables, 1)
+        names = ", ".join(known.executables) or "none"
+        help = f"did you mean '{near[0]}'?" if near else f"executables of {package}: {names}"
+        system.findings.append(UNKNOWN_EXECUTABLE.at(at, f"the package '{package}' has no executable '{executable}'", help))
+        system.has_unknown = True
+        return None
+    facts = catalogue.classes.get(known.executables[executable])
+    if facts is None:
+        system.has_unknown = True
+    return facts
+
+
+def _component(plugin: str, package: Package, catalogue: Catalogue, system: System, at: Span) -> NodeClass | None:
+    if plugin in package.components:
+        return catalogue.classes.get(plugin)
+    near = get_close_matches(plugin, package.components, 1)
+    names = ", ".join(package.components) or "none"
+    help = f"did you mean '{near[0]}'?" if near else f"nodes of {package.name} for containers: {names}"
+    system.findings.append(UNKNOWN_EXECUTABLE.at(at, f"the package '{package.name}' has no node '{plugin}' for a container", help))
+    system.has_unknown = True
+    return None
+
+
+def _complete(node: RunningNode, facts: NodeClass, catalogue: Catalogue) -> None:
+    """Find the parameters, topics and transforms of a node."""
+    started = node.started
+    given: dict[str, GivenValue] = {one.name: one for one in started.general_values}
+    for use in started.files:
+        for section in use.sections:
+            if section.matches(node.full_name):
+                node.sections.append((use, section))
+                given |= {one.name: one for one in section.values}
+    if not node.is_inner:
+        given |= {one.name: one for one in started.values}
+    given |= {one.name: one for one in _of_arguments(started, facts.arguments)}
+    view = node.view = ParameterView(facts, given, catalogue)
+    rules = [one for one in started.remappings]
+    for prefix, endpoint in view.endpoints:
+        node.connections += _connections(node, view, prefix, endpoint, rules)
+    for transform in facts.transforms:
+        parent, child = view.text(transform.parent, ""), view.text(transform.child, "")
+        if parent and child and view.holds(transform.when, "") is not False:
+            node.transforms.append((parent.strip("/"), child.strip("/")))
+    for frame in facts.frames:
+        text, named = view.text(frame, ""), view.is_given(frame, "")
+        if text:
+            node.frames.append((text.strip("/"), named.place if named else started.place))
+
+
+def _of_arguments(started: StartedNode, arguments: Mapping[str, str]) -> Iterator[GivenValue]:
+    """Yield parameters that a node takes from its command line, such as the frames of a static transform."""
+    if not arguments:
+        return
+    words = [one for one in started.arguments]
+    for option, value in zip(words, words[1:], strict=False):
+        if option in arguments and value is not None:
+            yield GivenValue(arguments[option], value, started.place)
+    plain = [one for one in words if one is None or not one.startswith("--")]
+    if words and len(plain) == len(words) and len(words) in (8, 9):  # the older spelling: x y z angles parent child
+        for name, value in zip(arguments.values(), words[-2:], strict=False):
+            if value is not None:
+                yield GivenValue(name, value, started.place)
+
+
+def _connections(
+    node: RunningNode, view: ParameterView, prefix: str, endpoint: Endpoint, rules: Iterable[StartedRemapping]
+) -> Iterator[Connection]:
+    for spelled, when, needed in _spellings(view, prefix, endpoint):
+        named = view.is_given(spelled, prefix)
+        name = view.text(spelled, prefix)
+        if name == "":
+            continue
+        place = named.place if named else node.started.place
+        topic = full_name(name.replace("{node}", node.name), node) if name is not None else None
+        if topic:
+            node.connections_before.append(topic)
+        if view.holds(when, prefix) is False:
+            continue
+        rule = next((one for one in rules if topic and one.source is not None and topic in sources_of(one, node)), None)
+        if rule is not None:
+            topic = full_name(rule.target, node) if rule.target is not None else None
+            place = rule.target_place
+        is_named = bool(named) or (rule is not None and not rule.is_general)
+        yield Connection(
+            node,
+            endpoint,
+            topic,
+            place,
+            is_named,
+            _reliability(view, prefix, endpoint),
+            _durability(view, prefix, endpoint),
+            bool(needed) and view.holds(needed, prefix) is True,
+        )
+
+
+def _spellings(view: ParameterView, prefix: str, endpoint: Endpoint) -> Iterator[tuple[str, str, str]]:
+    """Yield the name of a topic and its two conditions, for each name that ``{x}`` in them stands for."""
+    joint = "\0".join((endpoint.name.replace("{node}", "\1"), endpoint.when, endpoint.needed))
+    for one in view.spelled(joint, prefix):
+        name, when, needed = one.split("\0")
+        yield name.replace("\1", "{node}"), when, needed
+
+
+def full_name(name: str, node: RunningNode) -> str:
+    """Return the full name of a topic of a node."""
+    if name.startswith("~"):
+        return f"{node.full_name}/{name[1:].lstrip('/')}"
+    return name if name.startswith("/") else f"{node.namespace}/{name}"
+
+
+def sources_of(rule: StartedRemapping, node: RunningNode) -> list[str]:
+    """Return the full names that a remapping replaces in a node; none if it is for another node."""
+    source = rule.source or ""
+    name, colon, rest = source.partition(":")
+    if colon and not source.startswith("/"):
+        return [full_name(rest, node)] if name == node.name else []
+    return [full_name(source, node)]
+
+
+def _reliability(view: ParameterView, prefix: str, endpoint: Endpoint) -> str:
+    text = view.text(endpoint.reliability, prefix) if endpoint.reliability else ""
+    if text is None:
+        return "reliable" if endpoint.reliability.startswith("$(qos") else ""
+    if endpoint.reliability.startswith("$("):
+        return _QOS_VALUES.get(text) or _QOS_PROFILES.get(text, "reliable")
+    return text
+
+
+def _durability(view: ParameterView, prefix: str, endpoint: Endpoint) -> str:
+    if endpoint.durability.startswith("$("):
+        text = view.text(endpoint.durability, prefix)
+        return {"True": "transient_local", "False": "volatile"}.get(text or "", "")
+    return endpoint.durability

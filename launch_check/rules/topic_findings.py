@@ -1,0 +1,229 @@
+"""Findings about topics: remappings without effect, missing publishers and subscribers, types, and QoS."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.launch_check.expansion.expander import StartedRemapping
+from roverlink.launch_check.rules.launch_rules import (
+    DIFFERENT_TYPES,
+    INCOMPATIBLE_QOS,
+    NO_PUBLISHER,
+    NO_SUBSCRIBER,
+    OUTSIDE,
+    UNKNOWN_REMAPPING,
+)
+from roverlink.launch_check.rules.system import Connection, RunningNode, System, full_name, sources_of, span
+
+_OF_ALL = frozenset({"/tf", "/tf_static", "/clock", "/rosout", "/parameter_events", "/diagnostics", "/robot_description"})
+_OF_NODES = ("tf", "tf_static", "rosout", "clock", "parameter_events", "diagnostics", "robot_description")
+_SIMILAR = 0.8
+
+
+def topic_findings(system: System, complete: bool) -> Iterator[Diagnostic]:
+    """Yield findings about all topics. ``complete`` says that the launch files start everything."""
+    yield from _of_remappings(system)
+    topics = _topics(system)
+    is_closed = complete and not system.has_unknown
+    for connections in topics.values():
+        yield from _of_types(connections)
+        yield from _of_qos(connections)
+    for topic, connections in topics.items():
+        yield from _of_missing(topic, connections, topics, system, is_closed)
+
+
+def _topics(system: System) -> dict[str, list[Connection]]:
+    """Return the publishers and subscribers of each topic."""
+    found: dict[str, list[Connection]] = {}
+    for node in system.nodes:
+        for one in node.connections:
+            if one.endpoint.kind in ("publisher", "subscription") and one.topic and not _is_general(one.topic, node):
+                found.setdefault(one.topic, []).append(one)
+    return dict(sorted(found.items()))
+
+
+def _is_general(topic: str, node: RunningNode) -> bool:
+    return topic in _OF_ALL or topic in {f"{node.namespace}/{name}" for name in _OF_NODES}
+
+
+def _ends(connections: Iterable[Connection], kind: str) -> list[Connection]:
+    return [one for one in connections if one.endpoint.kind == kind]
+
+
+def _of_types(connections: list[Connection]) -> Iterator[Diagnostic]:
+    publishers = [one for one in _ends(connections, "publisher") if one.endpoint.type]
+    for one in _ends(connections, "subscription"):
+        wrong = [other for other in publishers if one.endpoint.type and other.endpoint.type != one.endpoint.type]
+        if wrong and len(wrong) == len(publishers):
+            other = wrong[0]
+            yield DIFFERENT_TYPES.at(
+                span(one.place),
+                f"{one.node.name} subscribes to '{one.topic}' as {one.endpoint.type}, but {other.node.name} publishes {other.endpoint.type}",
+                also=[(span(other.place), f"{other.node.name} publishes it")],
+            )
+
+
+def _of_qos(connections: list[Connection]) -> Iterator[Diagnostic]:
+    for one in _ends(connections, "subscription"):
+        for other in _ends(connections, "publisher"):
+            if other.endpoint.type != one.endpoint.type:
+                continue
+            wanted = _unmet(one, other)
+            if wanted:
+                yield INCOMPATIBLE_QOS.at(
+                    span(one.place),
+                    f"{one.node.name} gets nothing from {other.node.name} on '{one.topic}': {wanted}",
+                    also=[(span(other.place), f"{other.node.name} publishes it")],
+                )
+
+
+def _unmet(subscriber: Connection, publisher: Connection) -> str:
+    """Return what a subscriber asks for, and the publisher does not offer; empty if they fit."""
+    if subscriber.reliability == "reliable" and publisher.reliability == "best_effort":
+        return "the subscriber is reliable, the publisher best effort"
+    if subscriber.durability == "transient_local" and publisher.durability == "volatile":
+        return "the subscriber is transient local, the publisher volatile"
+    return ""
+
+
+def _of_missing(
+    topic: str, connections: list[Connection], topics: dict[str, list[Connection]], system: System, is_closed: bool
+) -> Iterator[Diagnostic]:
+    publishers, subscribers = _ends(connections, "publisher"), _ends(connections, "subscription")
+    for here, others, kind, rule in (
+        (subscribers, publishers, "publisher", NO_PUBLISHER),
+        (publishers, subscribers, "subscription", NO_SUBSCRIBER),
+    ):
+        if others:
+            continue
+        wanting = [one for one in here if one.is_needed or (one.is_named and kind == "publisher")]
+        for one in wanting:
+            yield _missing(topic, one, topics, system, is_closed, kind, rule)
+
+
+def _missing(
+    topic: str,
+    one: Connection,
+    topics: dict[str, list[Connection]],
+    system: System,
+    is_closed: bool,
+    kind: str,
+    rule: Rule,
+) -> Diagnostic:
+    verb = "subscribes to" if kind == "publisher" else "publishes"
+    nobody = "nothing publishes it" if kind == "publisher" else "nothing subscribes to it"
+    fitting = {
+        name: ends[0]
+        for name, connections in topics.items()
+        if (ends := [end for end in _ends(connections, kind) if end.endpoint.type == one.endpoint.type])
+    }
+    # A name that is used at both ends already is no misspelling of this one, unless somebody has written this one.
+    candidates = [name for name in fitting if one.is_named or not _has_both(topics[name]) or fitting[name].is_named]
+    near = get_close_matches(topic, candidates, 1, _SIMILAR)
+    message = f"{one.node.name} {verb} '{topic}', but {nobody}"
+    interrupted = _behind(one.node, system) if kind == "publisher" else []
+    if near and _is_misspelling(topic, near[0], one, fitting[near[0]], topics):
+        also = [(span(fitting[near[0]].place), f"{fitting[near[0]].node.name} has '{near[0]}'")]
+        return rule.at(span(one.place), message + _interruption(interrupted), f"did you mean '{near[0]}'?", also)
+    if is_closed:
+        help = f"topics of this type: {', '.join(sorted(fitting))}" if fitting else ""
+        return rule.at(span(one.place), message + _interruption(interrupted), help)
+    return OUTSIDE.at(span(one.place), f"{message} in these launch files")
+
+
+def _has_both(connections: list[Connection]) -> bool:
+    return bool(_ends(connections, "publisher")) and bool(_ends(connections, "subscription"))
+
+
+def _is_misspelling(
+    topic: str, other: str, one: Connection, end: Connection, topics: dict[str, list[Connection]]
+) -> bool:
+    """Return true if a topic is likely another one, spelled wrongly.
+
+    Both have the same parts but one, and that part is nearly the same; numbered topics (odom0, odom1) are no
+    misspellings of each other.
+    """
+    del topics
+    first, second = topic.split("/"), other.split("/")
+    if len(first) != len(second):
+        return _without_slash(topic) == _without_slash(other) or bool(get_close_matches(topic, [other], 1, 0.93)) and one.is_named
+    different = [(a, b) for a, b in zip(first, second, strict=True) if a != b]
+    if not different:
+        return False
+    if len(different) > 1 or not (one.is_named or end.is_named):
+        return False
+    a, b = different[0]
+    return a.rstrip("0123456789") != b.rstrip("0123456789") and bool(get_close_matches(a, [b], 1, _SIMILAR))
+
+
+def _without_slash(topic: str) -> str:
+    return topic.strip("/")
+
+
+def _behind(node: RunningNode, system: System) -> list[str]:
+    """Return the names of the nodes that get nothing, directly or by others, if a node gets nothing."""
+    reached: dict[int, RunningNode] = {id(node): node}
+    grown = True
+    while grown:
+        grown = False
+        topics = {
+            one.topic
+            for reached_node in reached.values()
+            for one in reached_node.connections
+            if one.endpoint.kind == "publisher" and one.topic
+        }
+        for other in system.nodes:
+            needed = (one for one in other.connections if one.endpoint.kind == "subscription" and one.is_needed)
+            if id(other) not in reached and any(one.topic in topics for one in needed):
+                reached[id(other)] = other
+                grown = True
+    return [one.name for one in reached.values() if one is not node]
+
+
+def _interruption(names: list[str]) -> str:
+    return f"; this interrupts the flow of data to {', '.join(names)}" if names else ""
+
+
+def _of_remappings(system: System) -> Iterator[Diagnostic]:
+    by_process: dict[int, list[RunningNode]] = {}
+    for node in system.nodes:
+        by_process.setdefault(id(node.started), []).append(node)
+    general: dict[tuple[str, str], tuple[StartedRemapping, list[bool]]] = {}
+    for nodes in by_process.values():
+        is_known = all(node.facts is not None for node in nodes)
+        for rule in nodes[0].started.remappings:
+            if rule.source is None:
+                continue
+            matches = any(_names(node, source) for node in nodes for source in sources_of(rule, node))
+            if rule.is_general:
+                key = (rule.source, str(rule.place))
+                general.setdefault(key, (rule, []))[1].append(matches or not is_known)
+            elif is_known and not matches and not _is_of_all(rule, nodes):
+                yield _without_effect(rule, nodes)
+    for rule, results in general.values():
+        if not any(results) and not system.has_unknown and (rule.source or "").strip("/") not in _OF_NODES:
+            yield UNKNOWN_REMAPPING.at(span(rule.place), f"no node of this group has a topic '{rule.source}'")
+
+
+def _is_of_all(rule: StartedRemapping, nodes: list[RunningNode]) -> bool:
+    return any(source in _OF_ALL or _is_general(source, node) for node in nodes for source in sources_of(rule, node))
+
+
+def _names(node: RunningNode, source: str) -> bool:
+    """Return true if a node has a topic, service or action of this full name, or one that belongs to it."""
+    for one in node.connections_before:
+        if source == one or source.startswith(f"{one}/"):
+            return True
+    return False
+
+
+def _without_effect(rule: StartedRemapping, nodes: list[RunningNode]) -> Diagnostic:
+    source = rule.source or ""
+    known = [one for node in nodes for one in node.connections_before]
+    wanted = full_name(source, nodes[0])
+    near = get_close_matches(wanted, known, 1)
+    shown = near[0].removeprefix(f"{nodes[0].namespace}/") if near and not source.startswith("/") else near[0] if near else ""
+    help = f"did you mean '{shown}'?" if near else ""
+    return UNKNOWN_REMAPPING.at(span(rule.place), f"{nodes[0].name} has no topic, service or action '{source}'", help)
