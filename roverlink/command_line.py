@@ -19,6 +19,7 @@ COMMANDS = (
     "generate",
     "add",
     "lint",
+    "check-launch",
     "explain",
     "retire",
     "next-number",

@@ -16,6 +16,8 @@ from roverlink.generator.diagnostics import Severity
 from roverlink.generator.git import Repository
 from roverlink.generator.lint.bare_tree import EnvelopeName
 from roverlink.generator.lint.project import Linted, Question, lint_project, lint_tree
+from roverlink.generator.lint.rules import modules
+from roverlink.reports.reported import Reported
 from roverlink.runtime.core.errors import SetupError
 
 # Field numbers have at most nine digits (2**29 - 1), enum values ten and a sign (int32).
@@ -88,6 +90,13 @@ def folder_of(arguments: argparse.Namespace) -> Path:
 def sources(found: Linted) -> Sources:
     """Return access to the source files that the diagnostics of a check name."""
     return Sources(found.folder, found.texts, found.commit_of)
+
+
+def reported(found: Linted) -> Reported:
+    """Return the findings of a check for the output formats."""
+    rules = {module.RULE.id: module.RULE for module in modules().values()}
+    pinned = found.context.past.pinned if found.context.past else None
+    return Reported("roverlink lint", found.findings, sources(found), rules, pinned)
 
 
 def print_limits(found: Linted, owner: str) -> int:

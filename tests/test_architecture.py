@@ -18,13 +18,14 @@ _SHARED_NAMES = {
     *("conversions", "handlers", "interfaces", "messages", "registry"),  # of each target
     "extra_topics",  # of the Python target, of the bridge
     "reader",  # of the table, of a recording
+    "__main__",  # of programs
     "board",  # the command, and what it prints
     "track",  # the commands: of markers, and of objects
     "send",  # the commands: of a datagram, and of video
     "measure",  # the commands: of rocks, and of detectors
     "run",  # the commands: of the bridge, and of a mission
 }
-LINKED = ("generator", "runtime", "vision", "driving")
+LINKED = ("generator", "runtime", "vision", "driving", "launch_check")
 """Folders of the repository that are imported as `roverlink.<folder>`."""
 
 

@@ -70,6 +70,7 @@ def _class(name: str, data: Mapping[str, Any]) -> NodeClass:
             SharedParameters(one["set"], tuple(one.get("groups", ())), tuple(one.get("without", ())))
             for one in data.get("shared", ())
         ),
+        data.get("has_open_topics", False),
         data.get("arguments", {}),
     )
 
@@ -98,8 +99,9 @@ def _short(value: Any, without: tuple[str, ...] = (), optional: bool = False) ->
         return {
             name: _short(one)
             for name, one in pairs
-            if name not in without and (not is_fact or one not in ("", None, (), {}) or (name == "default" and one == "") and one != "")
-            and not (is_fact and one is False and name == "is_type")
+            if name not in without
+            and (not is_fact or one not in ("", None, (), {}) or ((name == "default" and one == "") and one != ""))
+            and not (is_fact and one is False and name in ("is_type", "has_open_topics"))
         } | ({"default": ""} if isinstance(value, Parameter) and value.default == "" else {})
     if isinstance(value, Mapping):
         return {name: _short(one) for name, one in value.items()}
@@ -114,10 +116,12 @@ def _text(value: Any, depth: int) -> str:
         isinstance(one, dict | list) and one for one in (value.values() if isinstance(value, dict) else value)
     )
     flat = json.dumps(value, ensure_ascii=False)
-    if is_leaf and len(flat) < 400 or not value:
+    if (is_leaf and len(flat) < 400) or not value:
         return flat
     indent, end = " " * (depth + 1), " " * depth
     if isinstance(value, dict):
-        inner = [f"{indent}{json.dumps(name, ensure_ascii=False)}: {_text(one, depth + 1)}" for name, one in value.items()]
+        inner = [
+            f"{indent}{json.dumps(name, ensure_ascii=False)}: {_text(one, depth + 1)}" for name, one in value.items()
+        ]
         return "{\n" + ",\n".join(inner) + f"\n{end}}}"
     return "[\n" + ",\n".join(f"{indent}{_text(one, depth + 1)}" for one in value) + f"\n{end}]"

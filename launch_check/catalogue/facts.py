@@ -1,7 +1,7 @@
 """Facts about ROS 2 packages: their executables, and what each node has: parameters, topics, plugins and frames.
 
-Names of parameters are patterns: ``{#}`` stands for a number, and ``{x}`` for each name in the value of the parameter x
-of the same node or plugin. Other texts may contain ``$(x)``, the value of the parameter x.
+Names of parameters are patterns: ``{#}`` stands for a number, ``{*}`` for any name, and ``{x}`` for each name in the
+value of the parameter x of the same node or plugin. Other texts may contain ``$(x)``, the value of the parameter x.
 """
 
 from __future__ import annotations
@@ -111,8 +111,12 @@ class NodeClass:
     frames: tuple[str, ...] = ()
     """Frames that the node looks up, such as ``$(robot_base_frame)``."""
     shared: tuple[SharedParameters, ...] = ()
+    has_open_topics: bool = False
+    """True if a file decides which topics the node has, as for RViz."""
     arguments: Mapping[str, str] = field(default_factory=dict)
-    """Parameters that are set by arguments of the command line, such as ``frame_id`` by ``--frame-id``."""
+    """Parameters that are set by arguments of the command line, such as ``frame_id`` by ``--frame-id``.
+
+    An option that ends with a colon stands before its value in one word: ``topic:NAME``."""
 
 
 @dataclass(frozen=True, slots=True)

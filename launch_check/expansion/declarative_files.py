@@ -29,7 +29,8 @@ from roverlink.launch_check.expansion.actions import (
 )
 from roverlink.launch_check.expansion.entities import Attribute, Entity, read_entities
 from roverlink.launch_check.expansion.places import Place
-from roverlink.launch_check.expansion.written_text import WrongText, parse_text
+from roverlink.launch_check.expansion.substitutions import TextSubstitution
+from roverlink.launch_check.expansion.written_text import WrongTextError, parse_text
 
 _OF_ALL = frozenset({"if", "unless"})
 _OF_PROCESS = frozenset(
@@ -74,7 +75,7 @@ _ATTRIBUTES: Mapping[str, frozenset[str]] = {
 
 
 def read_declarative(path: Path, shown: str) -> tuple[list[Action], list[Problem]]:
-    """Read the actions of a YAML or XML launch file, and what is wrong in it. Raises `UnreadableFile`."""
+    """Read the actions of a YAML or XML launch file, and what is wrong in it. Raises `UnreadableFileError`."""
     reader = _Reader()
     return reader.actions(read_entities(path, shown)), reader.problems
 
@@ -128,7 +129,7 @@ class _Reader:
             return "" if value is None else str(value)
         try:
             return parse_text(value)
-        except WrongText as error:
+        except WrongTextError as error:
             self.problems.append(Problem("text", place, str(error)))
             return ""
 
@@ -163,7 +164,9 @@ class _Reader:
 
     def group(self, entity: Entity) -> Action:
         scoped = entity.attributes.get("scoped")
-        return Group(entity.place, None, self.actions(entity.children), str(scoped.value).lower() != "false" if scoped else True)
+        return Group(
+            entity.place, None, self.actions(entity.children), str(scoped.value).lower() != "false" if scoped else True
+        )
 
     def node(self, entity: Entity) -> StartNode:
         return StartNode(
@@ -231,7 +234,7 @@ class _Reader:
         is_text = type_ is not None and str(type_.value) == "str"
         if isinstance(value.value, str):
             parsed = self._text(value)
-            return parsed if isinstance(parsed, list) else [parsed], is_text
+            return parsed if isinstance(parsed, list) else TextSubstitution(text=parsed), is_text
         return value.value, is_text
 
     def container(self, entity: Entity) -> Action:
@@ -257,16 +260,26 @@ def _split(text: str) -> list[str]:
 
 _MAKERS: Mapping[str, Callable[[_Reader, Entity], Action | None]] = {
     "arg": _Reader.argument,
-    "let": lambda reader, one: SetConfiguration(one.place, None, reader.get(one, "name") or "", reader.get(one, "value") or ""),
-    "set_env": lambda reader, one: SetEnvironment(one.place, None, reader.get(one, "name") or "", reader.get(one, "value") or ""),
+    "let": lambda reader, one: SetConfiguration(
+        one.place, None, reader.get(one, "name") or "", reader.get(one, "value") or ""
+    ),
+    "set_env": lambda reader, one: SetEnvironment(
+        one.place, None, reader.get(one, "name") or "", reader.get(one, "value") or ""
+    ),
     "group": _Reader.group,
     "include": _Reader.include,
     "push_ros_namespace": lambda reader, one: PushNamespace(one.place, None, reader.get(one, "namespace") or ""),
     "push-ros-namespace": lambda reader, one: PushNamespace(one.place, None, reader.get(one, "namespace") or ""),
-    "set_remap": lambda reader, one: SetRemap(one.place, None, reader.get(one, "from") or "", reader.get(one, "to") or ""),
-    "set_parameter": lambda reader, one: SetParameter(one.place, None, reader.get(one, "name") or "", reader._parameter_value(one)[0]),
+    "set_remap": lambda reader, one: SetRemap(
+        one.place, None, reader.get(one, "from") or "", reader.get(one, "to") or ""
+    ),
+    "set_parameter": lambda reader, one: SetParameter(
+        one.place, None, reader.get(one, "name") or "", reader._parameter_value(one)[0]
+    ),
     "set_use_sim_time": lambda reader, one: SetParameter(one.place, None, "use_sim_time", [reader.get(one, "value")]),
-    "set_parameters_from_file": lambda reader, one: SetParametersFromFile(one.place, None, reader.get(one, "filename") or ""),
+    "set_parameters_from_file": lambda reader, one: SetParametersFromFile(
+        one.place, None, reader.get(one, "filename") or ""
+    ),
     "node": _Reader.node,
     "node_container": _Reader.container,
     "load_composable_node": _Reader.container,

@@ -13,7 +13,7 @@ import yaml
 from roverlink.launch_check.expansion.places import Place
 
 
-class UnreadableFile(Exception):
+class UnreadableFileError(Exception):
     """Raised for a file that cannot be read, or that is no YAML or XML; has the place."""
 
     def __init__(self, place: Place, message: str) -> None:
@@ -46,11 +46,11 @@ class Entity:
 
 
 def read_entities(path: Path, shown: str) -> list[Entity]:
-    """Read the elements of a launch file; ``shown`` is its name in places. Raises `UnreadableFile`."""
+    """Read the elements of a launch file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise UnreadableFile(Place(shown), f"cannot read the file: {error}") from error
+        raise UnreadableFileError(Place(shown), f"cannot read the file: {error}") from error
     return _of_xml(text, shown) if text.lstrip().startswith("<") else list(_of_yaml(text, shown))
 
 
@@ -59,21 +59,21 @@ def _of_yaml(text: str, shown: str) -> Iterator[Entity]:
     entries = dict(_pairs(root, shown)) if isinstance(root, yaml.MappingNode) else {}
     launch = next((value for key, value in entries.items() if key.value == "launch"), None)
     if not isinstance(launch, yaml.SequenceNode):
-        raise UnreadableFile(Place(shown, 1, 1), "the file has no list 'launch'")
+        raise UnreadableFileError(Place(shown, 1, 1), "the file has no list 'launch'")
     for item in launch.value:
         yield from _yaml_entity(item, shown)
 
 
 def compose(text: str, shown: str) -> yaml.Node | None:
-    """Return the nodes of a YAML text, which know their lines and columns. Raises `UnreadableFile`."""
+    """Return the nodes of a YAML text, which know their lines and columns. Raises `UnreadableFileError`."""
     try:
         return yaml.compose(text, Loader=_LOADER)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(shown, mark.line + 1, mark.column + 1) if mark else Place(shown)
-        raise UnreadableFile(place, f"not valid YAML: {error.problem or error.context}") from error
+        raise UnreadableFileError(place, f"not valid YAML: {error.problem or error.context}") from error
     except (yaml.YAMLError, RecursionError) as error:
-        raise UnreadableFile(Place(shown), f"not valid YAML: {error}") from error
+        raise UnreadableFileError(Place(shown), f"not valid YAML: {error}") from error
 
 
 def place_of(node: yaml.Node, shown: str) -> Place:
@@ -84,13 +84,13 @@ def place_of(node: yaml.Node, shown: str) -> Place:
 def _pairs(node: yaml.MappingNode, shown: str) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
     for key, value in node.value:
         if not isinstance(key, yaml.ScalarNode):
-            raise UnreadableFile(place_of(key, shown), "a key must be a text")
+            raise UnreadableFileError(place_of(key, shown), "a key must be a text")
         yield key, value
 
 
 def _yaml_entity(item: yaml.Node, shown: str) -> Iterator[Entity]:
     if not isinstance(item, yaml.MappingNode) or len(item.value) != 1:
-        raise UnreadableFile(place_of(item, shown), "an action is a mapping with one key, such as `- node: {...}`")
+        raise UnreadableFileError(place_of(item, shown), "an action is a mapping with one key, such as `- node: {...}`")
     key, value = next(iter(_pairs(item, shown)))
     yield from _named_entities(key, value, shown)
 
@@ -142,14 +142,14 @@ def _of_xml(text: str, shown: str) -> list[Entity]:
         stack.append(entity)
 
     parser.StartElementHandler = started
-    parser.EndElementHandler = lambda name: stack.pop()
+    parser.EndElementHandler = lambda _: stack.pop()
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise UnreadableFile(Place(shown, error.lineno, error.offset + 1), f"not valid XML: {error}") from error
+        raise UnreadableFileError(Place(shown, error.lineno, error.offset + 1), f"not valid XML: {error}") from error
     top = root.children[0]
     if top.name != "launch":
-        raise UnreadableFile(top.place, f"the first element is <{top.name}>, not <launch>")
+        raise UnreadableFileError(top.place, f"the first element is <{top.name}>, not <launch>")
     return top.children
 
 

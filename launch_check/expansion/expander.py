@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -12,7 +13,6 @@ from typing import Any
 from roverlink.launch_check.expansion.actions import (
     Action,
     DeclareArgument,
-    Execute,
     GivenFile,
     GivenParameter,
     Group,
@@ -29,9 +29,9 @@ from roverlink.launch_check.expansion.actions import (
     SetRemap,
     StartNode,
 )
-from roverlink.launch_check.expansion.context import Context, Packages, package_of_share
 from roverlink.launch_check.expansion.declarative_files import read_declarative
-from roverlink.launch_check.expansion.entities import UnreadableFile
+from roverlink.launch_check.expansion.entities import UnreadableFileError
+from roverlink.launch_check.expansion.launch_context import Context, Packages, package_of_share
 from roverlink.launch_check.expansion.parameter_files import (
     UNKNOWN,
     GivenValue,
@@ -41,18 +41,18 @@ from roverlink.launch_check.expansion.parameter_files import (
     typed,
 )
 from roverlink.launch_check.expansion.places import Place
-from roverlink.launch_check.expansion.python_files import NeedsMore, PythonFile
+from roverlink.launch_check.expansion.python_files import NeedsMoreError, PythonFile
 from roverlink.launch_check.expansion.stored_files import actions_of_stored
 from roverlink.launch_check.expansion.substitutions import (
     EqualsSubstitution,
     LaunchConfiguration,
     PythonExpression,
-    UnknownText,
+    UnknownTextError,
     is_boolean,
     is_true,
     text_of,
 )
-from roverlink.launch_check.expansion.written_text import WrongText, parse_text
+from roverlink.launch_check.expansion.written_text import WrongTextError, parse_text
 
 _DEEPEST = 30  # includes within includes
 
@@ -132,7 +132,11 @@ class Expander:
     """Expands launch files; remembers the files that it has read."""
 
     def __init__(
-        self, packages: Packages, shown: Callable[[str], str], stored: Mapping[tuple[str, str], Any], known: Collection[str]
+        self,
+        packages: Packages,
+        shown: Callable[[str], str],
+        stored: Mapping[tuple[str, str], Any],
+        known: Collection[str],
     ) -> None:
         """``shown`` returns the name of a file in messages.
 
@@ -144,14 +148,14 @@ class Expander:
         self._python: dict[str, PythonFile] = {}
 
     def expand(self, path: Path, arguments: Mapping[str, str]) -> Expansion:
-        """Return what a launch file starts with some values of its arguments. Raises `UnreadableFile`."""
+        """Return what a launch file starts with some values of its arguments. Raises `UnreadableFileError`."""
         run = _Run(self, self._packages, arguments)
         run.include(str(path.resolve()), Place(self._shown(str(path.resolve()))))
         run.result.undeclared = list(dict.fromkeys(run.context.undeclared))
         return run.result
 
     def actions(self, path: str) -> tuple[list[Action], list[Problem]]:
-        """Return the actions of a launch file. Raises `UnreadableFile` or `NeedsMore`."""
+        """Return the actions of a launch file. Raises `UnreadableFileError` or `NeedsMoreError`."""
         if path.endswith(".py"):
             return self.python(path).actions(), []
         if path not in self._declarative:
@@ -159,7 +163,7 @@ class Expander:
         return self._declarative[path]
 
     def python(self, path: str) -> PythonFile:
-        """Return a Python launch file. Raises `UnreadableFile`."""
+        """Return a Python launch file. Raises `UnreadableFileError`."""
         if path not in self._python:
             self._python[path] = PythonFile(Path(path), self._shown(path), self._packages)
         return self._python[path]
@@ -187,7 +191,7 @@ class _Run:
         """Expand the actions of a launch file."""
         self._depth += 1
         if self._depth > _DEEPEST:
-            raise UnreadableFile(place, "launch files include each other without end")
+            raise UnreadableFileError(place, "launch files include each other without end")
         before, self.context.file = self.context.file, path
         try:
             actions, problems = self._actions(path, place)
@@ -207,7 +211,7 @@ class _Run:
             return actions_of_stored(stored, place), []
         try:
             return self._expander.actions(path)
-        except NeedsMore as error:
+        except NeedsMoreError as error:
             return [], [Problem("needs", error.place, str(error))]
 
     def _run(self, actions: Iterable[Action]) -> None:
@@ -228,7 +232,7 @@ class _Run:
                 self._report("condition", action.place, f"the condition is '{value}', which is neither true nor false")
                 return True
             return is_true(value) == wanted
-        except UnknownText:
+        except UnknownTextError:
             return True
 
     def _note_use(self, text: Any, is_condition: bool) -> None:
@@ -248,7 +252,7 @@ class _Run:
         self._note_use(value, is_condition=False)
         try:
             return text_of(value, self.context)
-        except UnknownText:
+        except UnknownTextError:
             return None
 
     def _one(self, action: Action) -> None:
@@ -268,7 +272,9 @@ class _Run:
             pushed = self._text(action.namespace)
             context.namespace = joined(context.namespace, pushed) if pushed is not None else context.namespace
         elif isinstance(action, SetRemap):
-            one = StartedRemapping(self._text(action.source), self._text(action.target), action.place, action.place, True)
+            one = StartedRemapping(
+                self._text(action.source), self._text(action.target), action.place, action.place, True
+            )
             context.remappings = [*context.remappings, one]
         elif isinstance(action, SetParameter):
             context.parameters = [*context.parameters, *self._values(action.name, action.value, action.place, False)]
@@ -304,13 +310,21 @@ class _Run:
 
     def _group(self, action: Group) -> None:
         context = self.context
-        saved = (dict(context.configurations), dict(context.environment), context.namespace, context.remappings, context.parameters)
+        saved = (
+            dict(context.configurations),
+            dict(context.environment),
+            context.namespace,
+            context.remappings,
+            context.parameters,
+        )
         for name, value in action.configurations.items():
             if text := self._text(name):
                 context.configurations[text] = self._text(value)
         self._run(action.actions)
         if action.scoped:
-            context.configurations, context.environment, context.namespace, context.remappings, context.parameters = saved
+            context.configurations, context.environment, context.namespace, context.remappings, context.parameters = (
+                saved
+            )
 
     def _include(self, action: Include) -> None:
         context = self.context
@@ -326,14 +340,22 @@ class _Run:
         problems = len(self.result.problems)
         try:
             self.include(path, action.place)
-        except UnreadableFile as error:
+        except UnreadableFileError as error:
             place = error.place if error.place.line else action.place
-            self._report("include", place, f"{self._expander.shown(path)}: {error}" if place == action.place else str(error))
+            self._report(
+                "include", place, f"{self._expander.shown(path)}: {error}" if place == action.place else str(error)
+            )
             return
         is_complete = len(self.result.problems) == problems and not package_of_share(path)
         for name, _, place in action.arguments:
             text = self._text(name)
-            if text and is_complete and text not in self.result.declared and text not in before and not self._is_used(path, text):
+            if (
+                text
+                and is_complete
+                and text not in self.result.declared
+                and text not in before
+                and not self._is_used(path, text)
+            ):
                 self._report(
                     "argument",
                     place,
@@ -345,8 +367,8 @@ class _Run:
         """Return the path of a file; one in the share folder of a package that is there becomes that of the package."""
         if found := package_of_share(path):
             share = self.context.packages.share(found[0])
-            return path if package_of_share(share) else os.path.normpath(os.path.join(share, found[1]))
-        return os.path.normpath(os.path.join(os.path.dirname(self.context.file), path))
+            return path if package_of_share(share) else self.context.packages.existing(os.path.join(share, found[1]))
+        return self.context.packages.existing(os.path.join(os.path.dirname(self.context.file), path))
 
     def _is_used(self, path: str, name: str) -> bool:
         """Return true if a launch file names an argument anywhere, such as in a function that adds more arguments."""
@@ -359,9 +381,9 @@ class _Run:
         try:
             if self.context.file.endswith(".py"):
                 self._run(self._expander.python(self.context.file).called(action.function, self.context))
-        except NeedsMore as error:
+        except NeedsMoreError as error:
             self._report("needs", error.place, str(error))
-        except UnknownText as error:
+        except UnknownTextError as error:
             self._report("needs", action.place, f"a function needs '{error}', which is known at run time only")
 
     def _start(self, action: StartNode) -> None:
@@ -380,7 +402,9 @@ class _Run:
             StartedRemapping(self._text(one.source), self._text(one.target), one.place, one.target_place)
             for one in action.remappings
         ]
-        for use in self._of_ros_arguments([*arguments, *(self._text(one) for one in action.ros_arguments)], action.place):
+        for use in self._of_ros_arguments(
+            [*arguments, *(self._text(one) for one in action.ros_arguments)], action.place
+        ):
             files.append(use)
         general = [one for one in context.parameters if isinstance(one, GivenValue)]
         files = [*(one for one in context.parameters if isinstance(one, FileUse)), *files]
@@ -402,7 +426,7 @@ class _Run:
 
     def _of_ros_arguments(self, words: list[str | None], place: Place) -> Iterator[FileUse]:
         """Yield the parameter files that arguments name: ``--params-file FILE``."""
-        for option, value in zip(words, words[1:], strict=False):
+        for option, value in itertools.pairwise(words):
             if option == "--params-file" and value and (use := self._file(GivenFile(value, place))):
                 yield use
 
@@ -421,14 +445,14 @@ class _Run:
         if isinstance(value, str | bool | int | float) and not isinstance(value, bytes):
             return value
         if isinstance(value, list | tuple) and value and not any(hasattr(one, "perform") for one in value):
-            if len(value) == 1 and isinstance(value[0], str) and isinstance(value, list) and not is_text:
-                return typed(value[0]) if value[0] else ""  # a text of a YAML or XML launch file
-            values = [self._value(one, False) if not isinstance(one, list | tuple) else self._text(one) for one in value]
+            values = [
+                self._value(one, False) if not isinstance(one, list | tuple) else self._text(one) for one in value
+            ]
             return UNKNOWN if any(one is UNKNOWN or one is None for one in values) else values
         text = self._text(value)
         if text is None:
             return UNKNOWN
-        return text if is_text or not text else typed(text)
+        return text if is_text or not text else typed(text)  # also a text of a YAML or XML launch file
 
     def _file(self, given: GivenFile) -> FileUse | None:
         text = self._text(given.path)
@@ -440,20 +464,28 @@ class _Run:
                 self.result.skipped.setdefault(missing[0], given.place)
             return None
         shown = self._expander.shown(path)
-        key = (path, given.has_substitutions, str(self.context.configurations), str(given.rewrites), str(given.root_key))
+        key = (
+            path,
+            given.has_substitutions,
+            str(self.context.configurations),
+            str(given.rewrites),
+            str(given.root_key),
+        )
         if key in self._files:
             return replace(self._files[key], place=given.place)
         try:
-            sections = read_parameter_file(Path(path), shown, self._file_text if given.has_substitutions else lambda text: text)
-        except UnreadableFile as error:
+            sections = read_parameter_file(
+                Path(path), shown, self._file_text if given.has_substitutions else lambda text: text
+            )
+        except UnreadableFileError as error:
             place = error.place if error.place.line else given.place
             self._report("parameter-file", place, str(error) if error.place.line else f"{shown}: {error}")
             return None
         rewrites: dict[str, Any] = {}
         for name, value in given.rewrites.items():
-            key, text = self._text(name), self._text(value)
-            if key:
-                rewrites[key] = UNKNOWN if text is None else typed(text) if text else ""
+            if (parameter := self._text(name)) is not None:
+                text = self._text(value)
+                rewrites[parameter] = UNKNOWN if text is None else typed(text) if text else ""
         root = self._text(given.root_key) or ""
         self._files[key] = FileUse(given.place, shown, tuple(rewritten(sections, root, rewrites)))
         return self._files[key]
@@ -461,7 +493,7 @@ class _Run:
     def _file_text(self, text: str) -> str | None:
         try:
             return self._text(parse_text(text))
-        except WrongText:
+        except WrongTextError:
             return None
 
 
@@ -483,7 +515,9 @@ def _arguments_in(text: Any, is_condition: bool) -> Iterator[tuple[str, str | No
     elif isinstance(text, PythonExpression):
         parts = list(_flat(text.expression))
         yield from _arguments_in(parts, True)
-        flat = "".join(f"\0{one.variable_name}\0" if isinstance(one, LaunchConfiguration) else str(one) for one in parts)
+        flat = "".join(
+            f"\0{one.variable_name}\0" if isinstance(one, LaunchConfiguration) else str(one) for one in parts
+        )
         yield from ((match[1], match[2]) for match in _COMPARED.finditer(flat))
     elif isinstance(text, LaunchConfiguration):
         if is_condition and isinstance(text.variable_name, str):

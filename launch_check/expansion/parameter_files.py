@@ -11,7 +11,7 @@ from typing import Any
 
 import yaml
 
-from roverlink.launch_check.expansion.entities import UnreadableFile, compose, place_of, plain
+from roverlink.launch_check.expansion.entities import UnreadableFileError, compose, place_of, plain
 from roverlink.launch_check.expansion.places import Place
 
 KEY = "ros__parameters"
@@ -40,7 +40,7 @@ class GivenValue:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """Parameters for the nodes whose full names match a pattern, such as ``/**`` or ``/local_costmap/local_costmap``."""
+    """Parameters for the nodes whose full names match a pattern: ``/**``, ``/local_costmap/local_costmap``."""
 
     pattern: str
     place: Place
@@ -59,7 +59,7 @@ class Section:
 
 
 def read_parameter_file(path: Path, shown: str, text_of: Callable[[str], str | None]) -> list[Section]:
-    """Read the sections of a parameter file. Raises `UnreadableFile`.
+    """Read the sections of a parameter file. Raises `UnreadableFileError`.
 
     ``text_of`` replaces the substitutions in a text; it returns None if the text is not known.
     """
@@ -67,7 +67,7 @@ def read_parameter_file(path: Path, shown: str, text_of: Callable[[str], str | N
     if root is None:
         return []
     if not isinstance(root, yaml.MappingNode):
-        raise UnreadableFile(place_of(root, shown), "a parameter file is a mapping of nodes")
+        raise UnreadableFileError(place_of(root, shown), "a parameter file is a mapping of nodes")
     return list(_sections(root, "", shown, text_of))
 
 
@@ -76,7 +76,9 @@ def _root(path: Path, shown: str) -> yaml.Node | None:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise UnreadableFile(Place(shown), f"cannot read the file: {getattr(error, 'strerror', None) or error}") from error
+        raise UnreadableFileError(
+            Place(shown), f"cannot read the file: {getattr(error, 'strerror', None) or error}"
+        ) from error
     return compose(text, shown)
 
 
@@ -88,10 +90,12 @@ def is_parameter_file(path: Path) -> bool:
         return False
 
 
-def _sections(node: yaml.MappingNode, pattern: str, shown: str, text_of: Callable[[str], str | None]) -> Iterator[Section]:
+def _sections(
+    node: yaml.MappingNode, pattern: str, shown: str, text_of: Callable[[str], str | None]
+) -> Iterator[Section]:
     for key, value in node.value:
         if not isinstance(key, yaml.ScalarNode):
-            raise UnreadableFile(place_of(key, shown), "the name of a node must be a text")
+            raise UnreadableFileError(place_of(key, shown), "the name of a node must be a text")
         name = text_of(key.value) or ""
         if name == KEY:
             values = tuple(_values(value, "", shown, text_of)) if isinstance(value, yaml.MappingNode) else ()
@@ -108,7 +112,7 @@ def _values(
 ) -> Iterator[GivenValue]:
     for key, value in node.value:
         if not isinstance(key, yaml.ScalarNode):
-            raise UnreadableFile(place_of(key, shown), "the name of a parameter must be a text")
+            raise UnreadableFileError(place_of(key, shown), "the name of a parameter must be a text")
         name = f"{prefix}{text_of(key.value) or key.value}"
         if isinstance(value, yaml.MappingNode):
             yield from _values(value, f"{name}.", shown, text_of)
@@ -154,9 +158,11 @@ def rewritten(sections: list[Section], root: str, rewrites: Mapping[str, Any]) -
             f"{prefix}{section.pattern}",
             section.place,
             tuple(
-                GivenValue(one.name, rewrites[one.name.rpartition(".")[2]], one.place)
-                if one.name.rpartition(".")[2] in rewrites
-                else one
+                (
+                    GivenValue(one.name, rewrites[one.name.rpartition(".")[2]], one.place)
+                    if one.name.rpartition(".")[2] in rewrites
+                    else one
+                )
                 for one in section.values
             ),
         )

@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import Any
 
 from roverlink.launch_check.expansion.actions import Action
-from roverlink.launch_check.expansion.context import UNKNOWN_SHARE, Context, Packages
-from roverlink.launch_check.expansion.entities import UnreadableFile
+from roverlink.launch_check.expansion.entities import UnreadableFileError
+from roverlink.launch_check.expansion.launch_context import UNKNOWN_SHARE, Context, Packages
 from roverlink.launch_check.expansion.places import Place
 from roverlink.launch_check.expansion.stand_ins import StandIns, actions_of
-from roverlink.launch_check.expansion.substitutions import UnknownText
+from roverlink.launch_check.expansion.substitutions import UnknownTextError
 
 
-class NeedsMore(Exception):
+class NeedsMoreError(Exception):
     """Raised if a launch file needs a package or a value that is not there; has the place."""
 
     def __init__(self, place: Place, message: str) -> None:
@@ -31,29 +31,34 @@ class PythonFile:
     """A Python launch file, whose functions can be called."""
 
     def __init__(self, path: Path, shown: str, packages: Packages) -> None:
-        """Read the file. Raises `UnreadableFile`."""
+        """Read the file. Raises `UnreadableFileError`."""
         self._path, self._shown = path, shown
         self._stand_ins = StandIns(path, shown, packages)
         try:
             self._tree = ast.parse(path.read_text(encoding="utf-8"), str(path))
         except (OSError, UnicodeDecodeError) as error:
-            raise UnreadableFile(Place(shown), f"cannot read the file: {error}") from error
+            raise UnreadableFileError(Place(shown), f"cannot read the file: {error}") from error
         except SyntaxError as error:
-            raise UnreadableFile(Place(shown, error.lineno or 0, error.offset or 0), f"not valid Python: {error.msg}") from error
+            raise UnreadableFileError(
+                Place(shown, error.lineno or 0, error.offset or 0), f"not valid Python: {error.msg}"
+            ) from error
         self._stand_ins.read(self._tree)
 
     def actions(self) -> list[Action]:
-        """Run the file, and return its actions. Raises `UnreadableFile` or `NeedsMore`."""
+        """Run the file, and return its actions. Raises `UnreadableFileError` or `NeedsMoreError`."""
         names: dict[str, Any] = {"__name__": "launch_file", "__file__": str(self._path), "__builtins__": __builtins__}
         with self._running():
-            exec(compile(self._tree, str(self._path), "exec"), names)  # a launch file is a program
+            exec(compile(self._tree, str(self._path), "exec"), names)  # noqa: S102  # a launch file is a program
             function = names.get("generate_launch_description")
             if function is None:
-                raise UnreadableFile(Place(self._shown), "the file has no function generate_launch_description")
+                raise UnreadableFileError(Place(self._shown), "the file has no function generate_launch_description")
             return actions_of(function())
 
     def called(self, function: Any, context: Context) -> list[Action]:
-        """Call a function of an OpaqueFunction, and return its actions. Raises `UnreadableFile` or `NeedsMore`."""
+        """Call a function of an OpaqueFunction, and return its actions.
+
+        Raises `UnreadableFileError` or `NeedsMoreError`.
+        """
         with self._running():
             return actions_of(function(context))
 
@@ -68,15 +73,22 @@ class PythonFile:
         try:
             with redirect_stdout(io.StringIO()):
                 yield
-        except (UnreadableFile, UnknownText):
+        except (UnreadableFileError, UnknownTextError):
             raise
         except ModuleNotFoundError as error:
-            raise NeedsMore(self._place(error), f"the file imports '{error.name}', which is not installed") from error
+            raise NeedsMoreError(
+                self._place(error), f"the file imports '{error.name}', which is not installed"
+            ) from error
         except (Exception, SystemExit) as error:
             message = f"{type(error).__name__}: {error}"
-            if UNKNOWN_SHARE in message or isinstance(error, KeyError) and "environ" in _source_of(error):
-                raise NeedsMore(self._place(error), f"the file stops here: {message}") from error
-            raise UnreadableFile(self._place(error), f"the file stops here: {message}") from error
+            is_missing = isinstance(error, FileNotFoundError) and "/" not in str(error.filename)  # a program
+            if (
+                UNKNOWN_SHARE in message
+                or is_missing
+                or (isinstance(error, KeyError) and "environ" in _source_of(error))
+            ):
+                raise NeedsMoreError(self._place(error), f"the file stops here: {message}") from error
+            raise UnreadableFileError(self._place(error), f"the file stops here: {message}") from error
         finally:
             sys.path[:] = path
             for name in set(sys.modules) - before:
@@ -93,9 +105,9 @@ _REPLACED = frozenset({"launch", "launch_ros", "launch_xml", "launch_yaml", "nav
 
 
 def _is_beside(module: Any, folder: Path) -> bool:
-    """Return true for a module of the launch file's own folder, of which another file may have one with the same name."""
-    file = getattr(module, "__file__", None)
-    return bool(file) and Path(file).is_relative_to(folder)
+    """Return true for a module of the launch file's folder; another file may have one with the same name."""
+    file: str | None = getattr(module, "__file__", None)
+    return file is not None and Path(file).is_relative_to(folder)
 
 
 def _source_of(error: BaseException) -> str:

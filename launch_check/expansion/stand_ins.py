@@ -1,7 +1,7 @@
 """Stand-ins for the Python packages launch, launch_ros, nav2_common and ament_index_python.
 
-A Python launch file gets them when it runs where ROS 2 is not installed, and also where it is: the real packages keep no
-places, and give no values for arguments that only the user knows. The stand-ins have the constructors that launch files
+A Python launch file gets them also where ROS 2 is installed: the real packages keep no places, and give no values for
+arguments that only the user knows. The stand-ins have the constructors that launch files
 use. An object that they do not know is replaced by `Ignored`, which accepts everything and starts nothing.
 """
 
@@ -38,16 +38,16 @@ from roverlink.launch_check.expansion.actions import (
     SetRemap,
     StartNode,
 )
-from roverlink.launch_check.expansion.context import Context, Packages
+from roverlink.launch_check.expansion.launch_context import Context, Packages
 from roverlink.launch_check.expansion.places import Place
-from roverlink.launch_check.expansion.substitutions import Substitution, UnknownText, is_true, text_of
+from roverlink.launch_check.expansion.substitutions import Substitution, UnknownTextError, is_true, text_of
 
 
 class Ignored:
     """An object of a launch file that starts nothing, or that these stand-ins do not know."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
-        del arguments, options
+        """Accept everything."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
@@ -168,8 +168,19 @@ class HasNodeParams(Substitution):
         try:
             data = yaml.safe_load(path.read_text(encoding="utf-8"))
         except (OSError, yaml.YAMLError) as error:
-            raise UnknownText(str(path)) from error
+            raise UnknownTextError(str(path)) from error
         return str(isinstance(data, dict) and self.node_name in data)
+
+
+class ParseMultiRobotPose:
+    """Robots on the command line of `ros2 launch` (nav2_common); a check has none."""
+
+    def __init__(self, target_argument: str) -> None:
+        del target_argument
+
+    def value(self) -> dict[str, Any]:
+        """Return the robots by their names."""
+        return {}
 
 
 @dataclass(slots=True)
@@ -213,7 +224,7 @@ class StandIns:
     def place(self) -> Place:
         """Return the place in the launch file that is being executed."""
         frame = sys._getframe(1)
-        while frame is not None and frame.f_code.co_filename != self._file.path:  # type: ignore[redundant-expr]
+        while frame is not None and frame.f_code.co_filename != self._file.path:
             frame = frame.f_back  # type: ignore[assignment]
         if frame is None:
             return Place(self._file.shown)
@@ -235,9 +246,23 @@ class StandIns:
             _source,
         )
         of_substitutions = {
-            name: one for name, one in vars(substitutions).items() if isinstance(one, type) and issubclass(one, Substitution)
+            name: one
+            for name, one in vars(substitutions).items()
+            if isinstance(one, type) and issubclass(one, Substitution)
         }
-        own = {"LaunchDescription": LaunchDescription, "Substitution": Substitution, "LaunchContext": Context, "Action": Action}
+        share = self._packages.share
+
+        class FindPackageShare(substitutions.FindPackageShare):
+            def find(self, package: str) -> str:
+                return share(package)
+
+        of_substitutions["FindPackageShare"] = FindPackageShare
+        own = {
+            "LaunchDescription": LaunchDescription,
+            "Substitution": Substitution,
+            "LaunchContext": Context,
+            "Action": Action,
+        }
         actions = {
             "DeclareLaunchArgument": self._declare,
             "SetLaunchConfiguration": self._set_configuration,
@@ -272,7 +297,8 @@ class StandIns:
             "Parameter": lambda name, value, value_type=None: {name: ParameterValue(value, value_type)},
         }
         conditions = {
-            one.__name__: one for one in (IfCondition, UnlessCondition, LaunchConfigurationEquals, LaunchConfigurationNotEquals)
+            one.__name__: one
+            for one in (IfCondition, UnlessCondition, LaunchConfigurationEquals, LaunchConfigurationNotEquals)
         }
         found = {
             "get_package_share_directory": self._packages.share,
@@ -306,7 +332,9 @@ class StandIns:
             "launch_ros.events.lifecycle": {},
             "launch_ros.event_handlers": {},
             "nav2_common": {},
-            "nav2_common.launch": {one.__name__: one for one in (RewrittenYaml, ReplaceString, HasNodeParams)},
+            "nav2_common.launch": {
+                one.__name__: one for one in (RewrittenYaml, ReplaceString, HasNodeParams, ParseMultiRobotPose)
+            },
             "ament_index_python": found,
             "ament_index_python.packages": found,
         }
@@ -320,7 +348,9 @@ class StandIns:
         self, name: str, *, default_value: Any = None, description: Any = None, choices: Any = None, **options: Any
     ) -> Action:
         place = self._file.place_of(name, self.place())
-        return DeclareArgument(place, _condition(options), name, default_value, tuple(choices or ()), str(description or ""))
+        return DeclareArgument(
+            place, _condition(options), name, default_value, tuple(choices or ()), str(description or "")
+        )
 
     def _set_configuration(self, name: Any, value: Any, **options: Any) -> Action:
         return SetConfiguration(self.place(), _condition(options), name, value)
@@ -328,7 +358,9 @@ class StandIns:
     def _set_environment(self, name: Any, value: Any, **options: Any) -> Action:
         return SetEnvironment(self.place(), _condition(options), name, value)
 
-    def _group(self, actions: Iterable[Any], *, scoped: bool = True, launch_configurations: Any = None, **options: Any) -> Action:
+    def _group(
+        self, actions: Iterable[Any], *, scoped: bool = True, launch_configurations: Any = None, **options: Any
+    ) -> Action:
         return Group(self.place(), _condition(options), _actions(actions), scoped, launch_configurations or {})
 
     def _include(self, launch_description_source: Any, *, launch_arguments: Any = (), **options: Any) -> Action:
@@ -341,7 +373,9 @@ class StandIns:
         return Execute(self.place(), _condition(options), list(cmd))
 
     def _opaque(self, *, function: Any, args: Any = None, kwargs: Any = None, **options: Any) -> Action:
-        return Opaque(self.place(), _condition(options), lambda context: function(context, *(args or ()), **(kwargs or {})))
+        return Opaque(
+            self.place(), _condition(options), lambda context: function(context, *(args or ()), **(kwargs or {}))
+        )
 
     def _later(self, event_handler: Any, **options: Any) -> Action:
         actions = event_handler if isinstance(event_handler, list) else []
@@ -461,7 +495,9 @@ def _source(launch_file_path: Any = "", **options: Any) -> Any:
     return launch_file_path if launch_file_path else options.get("location", "")
 
 
-def _handler(target_action: Any = None, on_exit: Any = None, on_start: Any = None, on_completion: Any = None, **_: Any) -> list[Any]:
+def _handler(
+    target_action: Any = None, on_exit: Any = None, on_start: Any = None, on_completion: Any = None, **_: Any
+) -> list[Any]:
     actions = on_exit or on_start or on_completion
     return list(actions) if isinstance(actions, list | tuple) else [actions] if isinstance(actions, Action) else []
 
@@ -477,4 +513,8 @@ def _module(name: str, contents: Mapping[str, Any]) -> ModuleType:
 def _unknown(name: str) -> Any:
     if name.startswith("__"):
         raise AttributeError(name)
-    return substitutions.UnknownSubstitution if name.endswith("Substitution") or name in ("Command", "FindExecutable") else Ignored
+    return (
+        substitutions.UnknownSubstitution
+        if name.endswith("Substitution") or name in ("Command", "FindExecutable")
+        else Ignored
+    )

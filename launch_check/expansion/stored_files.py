@@ -37,7 +37,9 @@ def _stored(value: Any) -> Any:
         return {"is": type(value).__name__, **kept}
     if isinstance(value, Mapping):
         return {"map": [[stored_text(name), _stored(one)] for name, one in value.items()]}
-    if isinstance(value, list | tuple) and any(dataclasses.is_dataclass(one) or isinstance(one, tuple) for one in value):
+    if isinstance(value, list | tuple) and any(
+        dataclasses.is_dataclass(one) or isinstance(one, tuple) for one in value
+    ):
         return {"list": [_stored(one) for one in value if not isinstance(one, Place)]}
     return stored_text(value)
 

@@ -1,7 +1,7 @@
 """Substitutions of launch files: texts that depend on arguments, packages and the place of the file.
 
 They are the ones of the packages launch and launch_ros, with the same constructors, because Python launch files create
-them (see `stand_ins`). `perform` raises `UnknownText` if only the rover's computer knows the text.
+them (see `stand_ins`). `perform` raises `UnknownTextError` if only the rover's computer knows the text.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 
-class UnknownText(Exception):
+class UnknownTextError(Exception):
     """Raised for a text that is known at run time only, such as an argument without a default."""
 
 
@@ -25,7 +25,7 @@ class Shares(Protocol):
 
 
 class Surroundings(Protocol):
-    """What a substitution may look at (see `context.Context`)."""
+    """What a substitution may look at (see `launch_context.Context`)."""
 
     configurations: dict[str, str | None]
     environment: dict[str, str]
@@ -44,7 +44,7 @@ class Substitution:
 
     def perform(self, context: Surroundings) -> str:
         """Return the text."""
-        raise UnknownText(type(self).__name__)
+        raise UnknownTextError(type(self).__name__)
 
     def stored(self) -> Any:
         """Return the substitution as JSON values, from which `from_stored` makes it again."""
@@ -75,12 +75,12 @@ class LaunchConfiguration(Substitution):
         if name in context.configurations:
             value = context.configurations[name]
             if value is None:
-                raise UnknownText(name)
+                raise UnknownTextError(name)
             return value
         if self.default is not None:
             return text_of(self.default, context)
         context.missing(name)
-        raise UnknownText(name)
+        raise UnknownTextError(name)
 
     def stored(self) -> Any:
         default = {} if self.default is None else {"default": stored_text(self.default)}
@@ -99,7 +99,7 @@ class EnvironmentVariable(Substitution):
             return context.environment[name]
         if self.default_value is not None:
             return text_of(self.default_value, context)
-        raise UnknownText(name)
+        raise UnknownTextError(name)
 
     def stored(self) -> Any:
         default = {} if self.default_value is None else {"default": stored_text(self.default_value)}
@@ -123,7 +123,7 @@ class FindPackagePrefix(FindPackageShare):
     """The folder in which a package is installed."""
 
     def perform(self, context: Surroundings) -> str:
-        raise UnknownText(text_of(self.package, context))
+        raise UnknownTextError(text_of(self.package, context))
 
 
 class ThisLaunchFileDir(Substitution):
@@ -291,7 +291,7 @@ def text_of(value: Any, context: Surroundings) -> str:
         return "".join(text_of(one, context) for one in value)
     if isinstance(value, Path | int | float | bool):
         return str(value)
-    raise UnknownText(type(value).__name__)
+    raise UnknownTextError(type(value).__name__)
 
 
 def stored_text(value: Any) -> Any:
@@ -348,15 +348,26 @@ def is_boolean(text: str) -> bool:
 
 
 def is_true(text: str) -> bool:
-    """Return the truth value of a text. Raises `UnknownText` if it is none."""
+    """Return the truth value of a text. Raises `UnknownTextError` if it is none."""
     if not is_boolean(text):
-        raise UnknownText(text)
+        raise UnknownTextError(text)
     return text.strip().lower() in ("true", "1")
 
 
 _NAMES: Mapping[str, Any] = {"true": True, "false": False, "True": True, "False": False, "None": None, "pi": math.pi}
-_FUNCTIONS: Mapping[str, Any] = {"str": str, "int": int, "float": float, "bool": bool, "len": len, "abs": abs, "min": min, "max": max}
-_TEXT_METHODS = frozenset({"replace", "lower", "upper", "strip", "lstrip", "rstrip", "startswith", "endswith", "split", "join"})
+_FUNCTIONS: Mapping[str, Any] = {
+    "str": str,
+    "int": int,
+    "float": float,
+    "bool": bool,
+    "len": len,
+    "abs": abs,
+    "min": min,
+    "max": max,
+}
+_TEXT_METHODS = frozenset(
+    {"replace", "lower", "upper", "strip", "lstrip", "rstrip", "startswith", "endswith", "split", "join"}
+)
 _COMPARED: Mapping[type[ast.cmpop], Any] = {
     ast.Eq: lambda a, b: a == b,
     ast.NotEq: lambda a, b: a != b,
@@ -379,11 +390,11 @@ _CALCULATED: Mapping[type[ast.operator], Any] = {
 
 
 def evaluated(text: str, names: Mapping[str, Any] = _NAMES) -> Any:
-    """Return the value of a Python expression (see `PythonExpression`). Raises `UnknownText` for any other."""
+    """Return the value of a Python expression (see `PythonExpression`). Raises `UnknownTextError` for any other."""
     try:
         return _value(ast.parse(text.strip(), mode="eval").body, names)
     except (SyntaxError, TypeError, ValueError, ZeroDivisionError, AttributeError, RecursionError, KeyError) as error:
-        raise UnknownText(text) from error
+        raise UnknownTextError(text) from error
 
 
 def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
@@ -425,4 +436,4 @@ def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
             owner = _value(node.func.value, names)
             if isinstance(owner, str):
                 return getattr(owner, node.func.attr)(*arguments)
-    raise UnknownText(ast.dump(node))
+    raise UnknownTextError(ast.dump(node))

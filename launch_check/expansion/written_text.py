@@ -11,20 +11,20 @@ from roverlink.launch_check.expansion import substitutions as of_launch
 _NAME = re.compile(r"[A-Za-z][\w-]*")
 
 
-class WrongText(Exception):
+class WrongTextError(Exception):
     """Raised for a text that is not valid in a launch file."""
 
 
 def parse_text(text: str) -> Any:
     """Return a text with substitutions as a list of texts and substitutions, or as it is if it has none.
 
-    Raises `WrongText` if a substitution has no end, or is not known.
+    Raises `WrongTextError` if a substitution has no end, or is not known.
     """
     if "$(" not in text:
         return text
     parts, rest = _parts(text, 0, "")
     if rest != len(text):
-        raise WrongText(f"the text {text!r} has a bracket that does not belong to a substitution")
+        raise WrongTextError(f"the text {text!r} has a bracket that does not belong to a substitution")
     return parts
 
 
@@ -51,29 +51,29 @@ def _parts(text: str, position: int, ends: str) -> tuple[list[Any], int]:
 def _substitution(text: str, position: int) -> tuple[Any, int]:
     match = _NAME.match(text, position)
     if match is None:
-        raise WrongText(f"after '$(' there is no name of a substitution in {text!r}")
+        raise WrongTextError(f"after '$(' there is no name of a substitution in {text!r}")
     name, position = match[0], match.end()
     arguments: list[Any] = []
     while True:
         while position < len(text) and text[position] in " \t\n":
             position += 1
         if position >= len(text):
-            raise WrongText(f"the substitution $({name} has no closing bracket in {text!r}")
+            raise WrongTextError(f"the substitution $({name} has no closing bracket in {text!r}")
         if text[position] == ")":
             break
         quote = text[position] if text[position] in "'\"" else ""
         parts, position = _parts(text, position + len(quote), quote or " \t\n)")
         if quote:
             if position >= len(text):
-                raise WrongText(f"the quotation mark {quote} after $({name} is not closed in {text!r}")
+                raise WrongTextError(f"the quotation mark {quote} after $({name} is not closed in {text!r}")
             position += 1
         arguments.append(parts[0] if len(parts) == 1 else parts)
     if name not in _MADE:
-        raise WrongText(f"unknown substitution $({name} ...)")
+        raise WrongTextError(f"unknown substitution $({name} ...)")
     try:
         return _MADE[name](arguments), position + 1
     except (IndexError, TypeError) as error:
-        raise WrongText(f"the substitution $({name} ...) has too few or too many arguments") from error
+        raise WrongTextError(f"the substitution $({name} ...) has too few or too many arguments") from error
 
 
 def _spaced(arguments: list[Any]) -> list[Any]:
@@ -91,8 +91,8 @@ _MADE: Mapping[str, Callable[[list[Any]], Any]] = {
     "eval": lambda args: of_launch.PythonExpression(_spaced(args)),
     "find-pkg-share": lambda args: of_launch.FindPackageShare(args[0]),
     "find-pkg-prefix": lambda args: of_launch.FindPackagePrefix(args[0]),
-    "dirname": lambda args: of_launch.ThisLaunchFileDir(),
-    "filename": lambda args: of_launch.ThisLaunchFile(),
+    "dirname": lambda _: of_launch.ThisLaunchFileDir(),
+    "filename": lambda _: of_launch.ThisLaunchFile(),
     "anon": lambda args: of_launch.AnonName(args[0]),
     "not": lambda args: of_launch.NotSubstitution(args[0]),
     "and": lambda args: of_launch.AndSubstitution(args[0], args[1]),
@@ -101,7 +101,17 @@ _MADE: Mapping[str, Callable[[list[Any]], Any]] = {
     "not-equals": lambda args: of_launch.NotEqualsSubstitution(args[0], args[1]),
     "if": lambda args: of_launch.IfElseSubstitution(*args),
     **dict.fromkeys(
-        ("command", "exec-in-pkg", "exec-in-package", "find-exec", "param", "log_dir", "launch_log_dir", "xacro", "file-content"),
+        (
+            "command",
+            "exec-in-pkg",
+            "exec-in-package",
+            "find-exec",
+            "param",
+            "log_dir",
+            "launch_log_dir",
+            "xacro",
+            "file-content",
+        ),
         lambda args: of_launch.UnknownSubstitution(*args),
     ),
 }

@@ -84,11 +84,11 @@ class Assembler:
     def catalogue(self, distribution: str, launch_files: Mapping[str, Mapping[str, Any]]) -> Catalogue:
         """Return the catalogue; ``launch_files`` are descriptions of launch files, by package and path."""
         plugins = {
-            name: plugin for package, (folder, _) in self._packages.items() for name, plugin in plugins_of_package(folder)
+            name: plugin
+            for package, (folder, _) in self._packages.items()
+            for name, plugin in plugins_of_package(folder)
         }
-        packages = {
-            name: self._package(name, launch_files.get(name, {})) for name in sorted(self._packages)
-        }
+        packages = {name: self._package(name, launch_files.get(name, {})) for name in sorted(self._packages)}
         self._add_programs_without_class()
         wanted = {one for package in packages.values() for one in (*package.executables.values(), *package.components)}
         wanted |= {node["class"] for nodes in self._supplement.nodes.values() for node in nodes}
@@ -117,7 +117,11 @@ class Assembler:
         folder, checkout = self._packages[name]
         built, components = programs_and_components(folder, self._of_package[name])
         programs = {one.name: self._resolved(one.class_name, "") or "" for one in built}
-        stated = {key.partition("/")[2]: value for key, value in self._supplement.programs.items() if key.startswith(f"{name}/")}
+        stated = {
+            key.partition("/")[2]: value
+            for key, value in self._supplement.programs.items()
+            if key.startswith(f"{name}/")
+        }
         version = re.search(r"<version>\s*([\w.-]+)\s*</version>", (folder / "package.xml").read_text(encoding="utf-8"))
         known = tuple(self._resolved(one, "") or one for one in components)
         return Package(
@@ -141,7 +145,9 @@ class Assembler:
                 return f"{namespace}::{written}"
         candidates = self._short.get(written.rpartition("::")[2], [])
         fitting = [one for one in candidates if one == written or one.endswith(f"::{written}")]
-        known = fitting or ([one for one in candidates if one.startswith(owner.partition("::")[0] + "::")] if owner else [])
+        known = fitting or (
+            [one for one in candidates if one.startswith(owner.partition("::")[0] + "::")] if owner else []
+        )
         return known[0] if len(known) == 1 else fitting[0] if fitting else None
 
     def _joined(self, name: str, is_plugin: bool) -> NodeClass | None:
@@ -153,7 +159,7 @@ class Assembler:
         of_node: dict[str, Parameter] = {}
         of_parent: dict[str, Parameter] = {}
         endpoints: list[Endpoint] = []
-        stated: list[dict[str, str]] = []
+        topics_stated: list[dict[str, str]] = []
         for member, topics in members:
             for key, parameter in self._parameters_of(member):
                 if key.startswith("{parent}."):
@@ -167,7 +173,7 @@ class Assembler:
                 known = kept.get(relative)
                 kept[relative] = _merged(known, parameter) if known else parameter
             endpoints += self._endpoints_of(member, topics)
-            stated += self._supplement.topics.get(member, [])
+            topics_stated += self._supplement.topics.get(member, [])
         if not is_plugin:
             parameters |= {**of_node}
             of_node = {}
@@ -179,9 +185,18 @@ class Assembler:
             dict(sorted(parameters.items())),
             dict(sorted(of_node.items())),
             dict(sorted(of_parent.items())),
-            _with_stated(endpoints, stated),
-            tuple(_slot(one) for member in names for one in self._supplement.slots.get(member, []) if one["parameter"] in parameters),
-            tuple(SubNode(one["name"], one["namespace"], one["class"]) for member in names for one in self._supplement.nodes.get(member, [])),
+            _with_stated(endpoints, topics_stated),
+            tuple(
+                _slot(one)
+                for member in names
+                for one in self._supplement.slots.get(member, [])
+                if one["parameter"] in parameters
+            ),
+            tuple(
+                SubNode(one["name"], one["namespace"], one["class"])
+                for member in names
+                for one in self._supplement.nodes.get(member, [])
+            ),
             tuple(
                 Transform(one["parent"], one["child"], one.get("when", ""))
                 for member in names
@@ -189,10 +204,11 @@ class Assembler:
             ),
             tuple(frame for member in names for frame in self._supplement.frames.get(member, [])),
             tuple(
-                SharedParameters(one["set"], tuple(one.get("groups", ())), tuple(one.get("without", ())))
+                SharedParameters(stated["set"], tuple(stated.get("groups", ())), tuple(stated.get("without", ())))
                 for member in names
-                if (one := self._supplement.sets.get(member))
+                if (stated := self._supplement.sets.get(member))
             ),
+            name in self._supplement.open_topics,
             next((arguments for member in names if (arguments := self._supplement.arguments.get(member))), {}),
         )
 
@@ -206,7 +222,7 @@ class Assembler:
         for base in facts.bases:
             if found := self._resolved(base, name):
                 yield from self._members(found, seen)
-        parts = {**facts.parts, **dict.fromkeys(self._supplement.parts.get(name, []), set[str]())}
+        parts = {**facts.parts, **{part: set[str]() for part in self._supplement.parts.get(name, [])}}
         for written, topics in sorted(parts.items()):
             part = self._resolved(written, name)
             if part is None or self._is_node(part) or part in seen or part in self._of_plugins:
@@ -235,7 +251,11 @@ class Assembler:
             yield prefix + key, _parameter(one)
         if self._is_node(name) and not prefix:
             of_all = self._supplement.parameters[""].items()
-            yield from ((key, _parameter(one)) for key, one in of_all if self._distribution in one.get("only", self._distribution))
+            yield from (
+                (key, _parameter(one))
+                for key, one in of_all
+                if self._distribution in one.get("only", self._distribution)
+            )
 
     def _spelled(self, key: str, owner: str) -> list[str]:
         """Return the spellings of a pattern whose variables are explained; none if another class declares it."""
@@ -252,7 +272,11 @@ class Assembler:
             found = [one.replace(f"{{{variable}}}", text) for one in found for text in texts]
         found = [_OWN_NAME.sub("{plugin}.", one) for one in found]
         for one in found:
-            unknown = [v for v in _PLACEHOLDER.findall(one) if v not in ("#", "plugin", "parent") and f"{{{v}}}" not in _texts(stated)]
+            unknown = [
+                v
+                for v in _PLACEHOLDER.findall(one)
+                if v not in ("#", "plugin", "parent") and f"{{{v}}}" not in _texts(stated)
+            ]
             if unknown:
                 self.unexplained.add(f"{owner}: {one}")
                 return []
@@ -326,7 +350,11 @@ def _with_stated(endpoints: Iterable[Endpoint], stated: Iterable[Mapping[str, st
     """Add what the supplement states about topics: whole topics, or conditions of those that the sources have."""
     found = {(one.kind, one.name, one.type): one for one in endpoints if one.type or one.kind != "publisher"}
     for one in stated:
-        key = {(kind, name, type_) for kind, name, type_ in found if kind == one["kind"] and name == one["name"] and one.get("type", type_) == type_}
+        key = {
+            (kind, name, type_)
+            for kind, name, type_ in found
+            if kind == one["kind"] and name == one["name"] and one.get("type", type_) == type_
+        }
         conditions = {"when": one.get("when", ""), "needed": one.get("needed", "")}
         if not key:
             type_ = one.get("type", "")
@@ -346,5 +374,8 @@ def _with_stated(endpoints: Iterable[Endpoint], stated: Iterable[Mapping[str, st
 
 def _is_useful(package: Package, name: str, plugins: Mapping[str, Plugin]) -> bool:
     return bool(
-        package.executables or package.components or package.launch_files or any(one.package == name for one in plugins.values())
+        package.executables
+        or package.components
+        or package.launch_files
+        or any(one.package == name for one in plugins.values())
     )

@@ -1,4 +1,4 @@
-"""Facts about the C++ classes of one package: the parameters that they declare, and their topics, services and actions."""
+"""Facts about the C++ classes of one package: the parameters that they declare, and their topics and services."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class ClassFacts:
     default_name: str = ""
     """Name that the constructor gives to the node; empty for other classes."""
     parts: dict[str, set[str]] = field(default_factory=dict)
-    """Names of classes, as they are written, of which the class has objects, each with the topics that it gives to them:
+    """Names of classes, as they are written, of which the class has objects, each with the topics that they get:
     texts, or ``$(x)`` for the value of the parameter x."""
     parameters: dict[str, ParameterFact] = field(default_factory=dict)
     endpoints: list[EndpointFact] = field(default_factory=list)
@@ -129,7 +129,7 @@ class _PackageReader:
         return {name: facts for name, facts in self._classes.items() if name}
 
     def _declared(self, owner: str) -> str:
-        """Return the name with which a class is declared; a .cpp file may leave the namespace out (`using namespace`)."""
+        """Return the full name of a class; a .cpp file may leave the namespace out (`using namespace`)."""
         if owner and owner not in self._names:
             fitting = [name for name in self._names if name.endswith(f"::{owner}")]
             return fitting[0] if len(fitting) == 1 else owner
@@ -207,7 +207,9 @@ class _PackageReader:
         arguments = list(_without_node(call.arguments))
         if call.function in _DECLARING:
             self._note_parameter(source, call, arguments)
-        elif call.function in _ENDPOINTS and arguments and (call.template or "image_transport" in _before(source, call)):
+        elif (
+            call.function in _ENDPOINTS and arguments and (call.template or "image_transport" in _before(source, call))
+        ):
             kind = _ENDPOINTS[call.function]
             type_ = call.template or "sensor_msgs::msg::Image"
             if call.function == "create_client" and "rclcpp_action" in _before(source, call):
@@ -274,7 +276,9 @@ class _PackageReader:
             type_ = type_ or written.removesuffix("_array")
         known = self._facts(call.owner).parameters
         before = known.get(name)
-        known[name] = ParameterFact(before.type, before.default) if before and before.type else ParameterFact(type_, default)
+        known[name] = (
+            ParameterFact(before.type, before.default) if before and before.type else ParameterFact(type_, default)
+        )
 
     def _note_endpoint(self, source: CppSource, call: Call, kind: str, type_: str, arguments: list[str]) -> None:
         if not arguments:
@@ -283,7 +287,10 @@ class _PackageReader:
         name = self._with_parameters(scope.pattern(arguments[0]), call.owner, source)
         qos = arguments[1] if len(arguments) > 1 and kind in ("publisher", "subscription") else ""
         reliability, durability = qos_of(
-            qos, scope, lambda variable: self._linked(call.owner, variable, source), kind in ("publisher", "subscription")
+            qos,
+            scope,
+            lambda variable: self._linked(call.owner, variable, source),
+            kind in ("publisher", "subscription"),
         )
         fact = EndpointFact(kind, name, _ros_type(self._meaning(type_)), reliability, durability)
         endpoints = self._facts(call.owner).endpoints
@@ -307,7 +314,9 @@ class _PackageReader:
     def _note_members(self, source: CppSource) -> None:
         """Remember of which classes a class has objects: a controller server has a subscriber of odometry."""
         short = {name.rpartition("::")[2] for name in self._classes}
-        for match in re.finditer(r"(?:_ptr<\s*)?((?:\w+::)*\w+)(?:<[^<>;]*>)?\s*>?\s+\w+\s*(?:;|\{[^{}]*\}\s*;)", source.text):
+        for match in re.finditer(
+            r"(?:_ptr<\s*)?((?:\w+::)*\w+)(?:<[^<>;]*>)?\s*>?\s+\w+\s*(?:;|\{[^{}]*\}\s*;)", source.text
+        ):
             owner = self._declared(source.owner(match.start()))
             if owner and match[1].rpartition("::")[2] in short:
                 self._facts(owner).parts.setdefault(match[1], set())

@@ -19,7 +19,9 @@ _WRAPPED = re.compile(
     r"\s*[({](?P<inner>.*)[)}]$",
     re.DOTALL,
 )
-_CAST = re.compile(r"^(?:static_cast\s*<(?P<to>[^<>]*)>\s*|\((?P<old>(?:unsigned )?(?:int|float|double|bool|std::string))\)\s*)")
+_CAST = re.compile(
+    r"^(?:static_cast\s*<(?P<to>[^<>]*)>\s*|\((?P<old>(?:unsigned )?(?:int|float|double|bool|std::string))\)\s*)"
+)
 _VECTOR = re.compile(r"^(?:std::)?vector\s*<\s*(?P<of>[\w: ]+?)\s*>\s*(?:[({](?P<inner>.*)[)}])?$", re.DOTALL)
 _NUMBER = re.compile(r"^[-+]?\s*(?:\d+\.\d*|\.\d+|\d+)(?:[eE][-+]?\d+)?(?P<suffix>[fFuUlL]*)$")
 _RESOLVED = re.compile(r"resolve_topic(?:_or_service)?_name\(\s*(\"[^\"]*\")")
@@ -33,7 +35,18 @@ TYPES: Mapping[str, str] = {
     "std::string": "string",
     "string": "string",
     **dict.fromkeys(
-        ("int", "unsigned", "unsigned int", "size_t", "std::size_t", "unsigned char", "uint8_t", "int64_t", "long", "uint64_t"),
+        (
+            "int",
+            "unsigned",
+            "unsigned int",
+            "size_t",
+            "std::size_t",
+            "unsigned char",
+            "uint8_t",
+            "int64_t",
+            "long",
+            "uint64_t",
+        ),
         "integer",
     ),
     **dict.fromkeys(("uint", "uint32_t", "int32_t", "int8_t", "uint16_t", "unsigned long", "long int"), "integer"),
@@ -158,7 +171,10 @@ class Scope:
     def _assigned(self, name: str) -> str | None:
         """Return what the function assigns last to a variable before the place; None if it assigns nothing."""
         found = None
-        pattern = rf"\b{re.escape(name)}\s*(?:(?<![=!<>])=(?!=)\s*(?P<a>[^;]+);|\((?P<b>[^;]*?)\)\s*;|\{{(?P<c>[^;{{}}]*)\}}\s*;)"
+        pattern = (
+            rf"\b{re.escape(name)}\s*(?:(?<![=!<>])=(?!=)\s*(?P<a>[^;]+);"
+            rf"|\((?P<b>[^;]*?)\)\s*;|\{{(?P<c>[^;{{}}]*)\}}\s*;)"
+        )
         for match in re.finditer(pattern, self._before):
             before = self._before[: match.start()].rstrip()
             if match["a"] is None and not re.search(r"[\w>&*]$", before):
@@ -188,7 +204,9 @@ class Scope:
         return "".join(self._streamed(expression.removesuffix(".str()")) or [])
 
     def _declared_type(self, name: str) -> str:
-        matches = list(re.finditer(rf"\b((?:std::)?[\w:]+(?:<[\w:, ]+>)?)\s+&?\s*{re.escape(name)}\b\s*[=;({{]", self._before))
+        matches = list(
+            re.finditer(rf"\b((?:std::)?[\w:]+(?:<[\w:, ]+>)?)\s+&?\s*{re.escape(name)}\b\s*[=;({{]", self._before)
+        )
         written = matches[-1][1] if matches else self._member_type(name)
         if not written:
             return ""
@@ -205,8 +223,9 @@ def _fits(kind: str, value: Any) -> bool:
         "double": (int, float),
         "string": str,
     }
-    return not kind or kind.endswith("_array") == isinstance(value, list) and (
-        kind.endswith("_array") or isinstance(value, accepted[kind])
+    return not kind or (
+        kind.endswith("_array") == isinstance(value, list)
+        and (kind.endswith("_array") or isinstance(value, accepted[kind]))
     )
 
 
@@ -273,7 +292,10 @@ def first_values(texts: Sequence[str], name: str) -> str | None:
 
 def declared_type(texts: Sequence[str], name: str) -> str | None:
     """Return the C++ type with which a member is declared."""
-    pattern = re.compile(rf"(?:^|[;{{}}:\n])\s*((?:std::)?[\w:]+(?: int| char)?(?:<[\w:, ]+>)?)\s+{re.escape(name)}\s*(?:[;={{]|\([^)]*\)\s*;)")
+    pattern = re.compile(
+        rf"(?:^|[;{{}}:\n])\s*((?:std::)?[\w:]+(?: int| char)?(?:<[\w:, ]+>)?)\s+{re.escape(name)}"
+        rf"\s*(?:[;={{]|\([^)]*\)\s*;)"
+    )
     for text in texts:
         if (match := pattern.search(text)) and match[1] not in ("return", "else", "new"):
             return match[1]

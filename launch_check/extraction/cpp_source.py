@@ -67,7 +67,9 @@ class CppSource:
 
     def function_start(self, position: int) -> int:
         """Return the position at which the outermost function around a position begins."""
-        around = [(end - start, start) for start, end, _, is_class in self._owners if not is_class and start <= position < end]
+        around = [
+            (end - start, start) for start, end, _, is_class in self._owners if not is_class and start <= position < end
+        ]
         return max(around)[1] if around else 0
 
     def calls(self, names: frozenset[str]) -> Iterator[Call]:

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from roverlink.launch_check.expansion.context import Packages
 from roverlink.launch_check.expansion.declarative_files import read_declarative
-from roverlink.launch_check.expansion.entities import UnreadableFile
-from roverlink.launch_check.expansion.python_files import NeedsMore, PythonFile
+from roverlink.launch_check.expansion.entities import UnreadableFileError
+from roverlink.launch_check.expansion.launch_context import Packages
+from roverlink.launch_check.expansion.python_files import NeedsMoreError, PythonFile
 from roverlink.launch_check.expansion.stored_files import stored_actions
 
 _PATTERNS = ("*launch.py", "*launch.xml", "*launch.yaml")
@@ -27,5 +27,5 @@ def launch_files_of(folder: Path) -> Iterator[tuple[str, Any]]:
             else:
                 actions, _ = read_declarative(path, path.name)
             yield path.relative_to(folder).as_posix(), stored_actions(actions)
-        except (UnreadableFile, NeedsMore, NotImplementedError):
+        except (UnreadableFileError, NeedsMoreError, NotImplementedError):
             continue

@@ -32,7 +32,10 @@ def qos_of(expression: str, scope: Scope, linked: Callable[[str], str], is_topic
         text = f"{text} {written}"
     if "from_rmw" in text:
         return "", ""  # a text in a parameter names the profile
-    if by_parameter := re.search(r"reliability\((?:\([\w:]+\)\s*)?([\w.]+(?:\(\))?)\)|RCLCPP_QOS\([^,]*,\s*(?:\([\w:]+\)\s*)?([\w.]+(?:\(\))?)\)", text):
+    if by_parameter := re.search(
+        r"reliability\((?:\([\w:]+\)\s*)?([\w.]+(?:\(\))?)\)|RCLCPP_QOS\([^,]*,\s*(?:\([\w:]+\)\s*)?([\w.]+(?:\(\))?)\)",
+        text,
+    ):
         variable = by_parameter[1] or by_parameter[2]
         if parameter := linked(variable):
             durability = "" if "?" in text else "volatile"

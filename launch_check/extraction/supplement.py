@@ -27,6 +27,8 @@ class Supplement:
     frames: Mapping[str, list[str]]
     sets: Mapping[str, dict[str, Any]]
     arguments: Mapping[str, Mapping[str, str]]
+    open_topics: list[str]
+    """Classes of nodes whose topics a file decides."""
     launch_files: list[str]
     """Packages whose launch files others include, so that the catalogue describes them."""
 

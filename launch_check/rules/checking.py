@@ -10,21 +10,24 @@ from pathlib import Path
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, in_order
 from roverlink.launch_check.catalogue.facts import Catalogue
 from roverlink.launch_check.expansion.actions import Problem
-from roverlink.launch_check.expansion.context import Packages
-from roverlink.launch_check.expansion.entities import UnreadableFile
+from roverlink.launch_check.expansion.entities import UnreadableFileError
 from roverlink.launch_check.expansion.expander import Expander, Expansion, variations
+from roverlink.launch_check.expansion.launch_context import Packages
 from roverlink.launch_check.expansion.parameter_files import is_parameter_file, read_parameter_file
 from roverlink.launch_check.rules.frame_findings import frame_findings
 from roverlink.launch_check.rules.launch_rules import (
     NOT_EXPANDED,
+    OUTSIDE,
     UNDECLARED_ARGUMENT,
     UNKNOWN_ACTION,
     UNREADABLE,
     WRONG_VALUE,
 )
-from roverlink.launch_check.rules.parameter_findings import parameter_findings, standalone_findings
+from roverlink.launch_check.rules.parameter_findings import Use as ParameterUse
+from roverlink.launch_check.rules.parameter_findings import parameter_findings, standalone_findings, used_parameters
 from roverlink.launch_check.rules.system import System, span, system_of
-from roverlink.launch_check.rules.topic_findings import topic_findings
+from roverlink.launch_check.rules.topic_findings import Use as RemappingUse
+from roverlink.launch_check.rules.topic_findings import topic_findings, used_remappings
 
 LAUNCH_ENDINGS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch")
 _RULES: Mapping[str, Rule] = {
@@ -55,41 +58,58 @@ class Checker:
         """``packages`` are folders with packages; ``complete`` says that the launch files start everything."""
         self._catalogue, self._complete = catalogue, complete
         stored = {
-            (name, path): actions for name, one in catalogue.packages.items() for path, actions in one.launch_files.items()
+            (name, path): actions
+            for name, one in catalogue.packages.items()
+            for path, actions in one.launch_files.items()
         }
         self._expander = Expander(Packages(packages), shown_path, stored, catalogue.packages)
 
     def check(self, files: Iterable[Path], arguments: Mapping[str, str]) -> Checked:
         """Check launch files with some values of their arguments, and parameter files."""
-        checked = Checked()
-        for path in files:
+        checked, paths = Checked(), list(files)
+        used: set[str] = set()
+        for path in sorted(paths, key=lambda one: not one.name.endswith(LAUNCH_ENDINGS)):
             try:
                 if path.name.endswith(LAUNCH_ENDINGS):
-                    self._check_launch_file(path, arguments, checked)
-                else:
-                    sections = read_parameter_file(path, shown_path(str(path)), lambda text: None if "$(" in text else text)
+                    used |= self._check_launch_file(path, arguments, checked)
+                elif shown_path(str(path)) not in used:
+                    sections = read_parameter_file(
+                        path, shown_path(str(path)), lambda text: None if "$(" in text else text
+                    )
                     checked.findings += standalone_findings(sections, self._catalogue)
-            except UnreadableFile as error:
+            except UnreadableFileError as error:
                 checked.findings.append(UNREADABLE.at(span(error.place), str(error)))
-        checked.findings = in_order(checked.findings)
+        checked.findings = in_order(_once(checked.findings))
         return checked
 
-    def _check_launch_file(self, path: Path, arguments: Mapping[str, str], checked: Checked) -> None:
+    def _check_launch_file(self, path: Path, arguments: Mapping[str, str], checked: Checked) -> set[str]:
+        """Check a launch file; return the parameter files that it uses."""
         expansion = self._expander.expand(path, arguments)
-        system = system_of(expansion, self._catalogue)
-        checked.systems.append((shown_path(str(path)), system))
-        findings = list(self._of_expansion(expansion, system))
-        checked.findings += findings
-        known = {_key(one) for one in findings}
-        for values in variations(expansion):
-            other = self._expander.expand(path, {**arguments, **values})
-            chosen = " ".join(f"{name}:={value}" for name, value in values.items())
-            for one in self._of_expansion(other, system_of(other, self._catalogue)):
-                if _key(one) not in known and one.severity is not Severity.HINT:
-                    known.add(_key(one))
-                    checked.findings.append(replace(one, message=f"{one.message} (with {chosen})"))
+        expansions = [expansion]
+        expansions += [self._expander.expand(path, {**arguments, **values}) for values in variations(expansion)]
+        systems = [system_of(one, self._catalogue) for one in expansions]
+        checked.systems.append((shown_path(str(path)), systems[0]))
+        parameters = set[ParameterUse]().union(*map(used_parameters, systems))
+        remappings = set[RemappingUse]().union(*map(used_remappings, systems))
+        known: set[tuple[object, ...]] = set()
+        for one, system in zip(expansions, systems, strict=True):
+            chosen = " ".join(f"{name}:={value}" for name, value in one.arguments.items() if name not in arguments)
+            for finding in self._of_expansion(one, system, parameters, remappings):
+                if _key(finding) in known or (chosen and finding.severity is Severity.HINT):
+                    continue
+                known.add(_key(finding))
+                checked.findings.append(
+                    replace(finding, message=f"{finding.message} (with {chosen})") if chosen else finding
+                )
+        return {use.shown for system in systems for node in system.nodes for use in node.started.files}
 
-    def _of_expansion(self, expansion: Expansion, system: System) -> Iterator[Diagnostic]:
+    def _of_expansion(
+        self,
+        expansion: Expansion,
+        system: System,
+        parameters: set[ParameterUse],
+        remappings: set[RemappingUse],
+    ) -> Iterator[Diagnostic]:
         yield from (_of_problem(one) for one in expansion.problems)
         for name, place in expansion.undeclared:
             yield UNDECLARED_ARGUMENT.at(span(place), f"the argument '{name}' is not declared", "declare it with `arg`")
@@ -97,13 +117,25 @@ class Checker:
             message = f"the launch files of '{package}' are not here; what they start is not checked"
             yield NOT_EXPANDED.at(span(place), message)
         yield from system.findings
-        yield from parameter_findings(system, self._catalogue)
-        yield from topic_findings(system, self._complete)
+        yield from parameter_findings(system, self._catalogue, parameters)
+        yield from topic_findings(system, self._complete, remappings)
         yield from frame_findings(system, self._complete)
 
 
 def _key(finding: Diagnostic) -> tuple[object, ...]:
     return finding.rule.id, finding.span, finding.message
+
+
+def _once(findings: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """Yield the findings without those that other launch files have at the same place, perhaps with other arguments."""
+    seen: set[tuple[object, ...]] = set()
+    for one in sorted(findings, key=lambda one: not one.help):  # the first one stays: one that says what to write
+        family = one.rule.id if one.rule.id not in ("PAR101", "PAR102") else "PAR"
+        text = "" if family == "PAR" or one.rule is OUTSIDE else one.message.partition(" (with ")[0]
+        key = (family, one.span, text) if one.span.line else (family, one.span, one.message)
+        if key not in seen:
+            seen.add(key)
+            yield one
 
 
 def _of_problem(problem: Problem) -> Diagnostic:

@@ -12,25 +12,30 @@ from roverlink.launch_check.rules.system import RunningNode, System, span
 
 def frame_findings(system: System, complete: bool) -> Iterator[Diagnostic]:
     """Yield findings about all frames. ``complete`` says that the launch files start everything."""
+    is_closed = complete and not system.has_unknown
+    for tree in sorted({node.tree for node in system.nodes}):
+        yield from _of_tree([node for node in system.nodes if node.tree == tree], is_closed)
+
+
+def _of_tree(nodes: list[RunningNode], is_closed: bool) -> Iterator[Diagnostic]:
     publishers: dict[str, list[tuple[str, RunningNode]]] = {}
     frames: set[str] = set()
-    for node in system.nodes:
+    for node in nodes:
         for parent, child in node.transforms:
             publishers.setdefault(child, []).append((parent, node))
             frames |= {parent, child}
     for child, ends in sorted(publishers.items()):
-        nodes = list({id(node): (parent, node) for parent, node in ends}.values())
-        (parent, first), *others = nodes
+        (parent, first), *others = {id(node): (parent, node) for parent, node in ends}.values()
         for other_parent, other in others:
             yield TWO_PARENTS.at(
                 span(other.started.place),
-                f"{other.name} publishes the transform from '{other_parent}' to '{child}', and {first.name} the one from '{parent}'",
+                f"{other.name} publishes the transform from '{other_parent}' to '{child}', and {first.name} "
+                f"the one from '{parent}'",
                 "let only one of them publish it, such as with the parameter publish_tf",
                 also=[(span(first.started.place), f"{first.name} publishes it")],
             )
-    is_closed = complete and not system.has_unknown
     roots = {frame: _root(frame, publishers) for frame in frames}
-    for node in system.nodes:
+    for node in nodes:
         looked_up = [(frame, place) for frame, place in node.frames if frame]
         for frame, place in looked_up:
             if frame in frames:

@@ -5,16 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from typing import Any
 
 from roverlink.launch_check.catalogue.facts import Catalogue, Endpoint, NodeClass, Parameter, PluginSlot
 from roverlink.launch_check.expansion.parameter_files import UNKNOWN, GivenValue
 from roverlink.launch_check.expansion.places import Place
-from roverlink.launch_check.expansion.substitutions import UnknownText, evaluated
+from roverlink.launch_check.expansion.substitutions import UnknownTextError, evaluated
 
-_LIST = re.compile(r"\{([^{}#]+)\}")
+_LIST = re.compile(r"\{([^{}#*]+)\}")
 _VALUE = re.compile(r"\$\(([^()|]+)(?:\|([^()]*))?\)")
 _ANY_NAME = r"[^.]+"
+_SIMILAR = 0.85
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +112,7 @@ class ParameterView:
 
         try:
             return bool(evaluated(_VALUE.sub(replaced, condition), values))
-        except (UnknownText, _UnknownUsed):
+        except (UnknownTextError, _UnknownUsedError):
             return None
 
     def is_given(self, text: str, prefix: str) -> GivenValue | None:
@@ -164,7 +166,7 @@ class ParameterView:
         if "{" not in pattern:
             self.exact.setdefault(prefix + pattern, parameter)
             return
-        alternatives = [pattern]
+        alternatives = [pattern.replace("{*}", f"\0{_ANY_NAME}\0")]
         for match in _LIST.finditer(pattern):
             names = self.names(prefix + match[1])
             inner = [_ANY_NAME] if names is None else [re.escape(name) for name in names]
@@ -194,9 +196,9 @@ class ParameterView:
             type_, type_place = self._type(slot, facts, prefix, name)
             self._load(LoadedPlugin(slot, prefix + name, type_, type_place or place), inner, prefix, seen)
         if slot.type_key == "plugin":
-            self._add_spare(slot, prefix, names, seen)
+            self._add_spare(slot, prefix, seen)
 
-    def _add_spare(self, slot: PluginSlot, prefix: str, loaded: Iterable[str], seen: set[str]) -> None:
+    def _add_spare(self, slot: PluginSlot, prefix: str, seen: set[str]) -> None:
         """Add the parameters of plugins that are configured, but not in the list of those that are loaded."""
         configured = {one.name for one in self.plugins}
         for key, one in list(self.given.items()):
@@ -229,6 +231,9 @@ class ParameterView:
             for spelling in ("{}", *plugin.slot.spellings):
                 found = found or self.catalogue.plugins.get(spelling.format(plugin.type))
         self.plugins.append(replace(plugin, base=found.base if found else ""))
+        if found is None and plugin.type:  # the parameters of the plugin that is likely meant; rules report the type
+            near = get_close_matches(plugin.type, self.catalogue.plugins, 1, _SIMILAR)
+            found = self.catalogue.plugins[near[0]] if near else None
         facts = self.catalogue.classes.get(found.class_name) if found else None
         if found is None:
             self.open.append(prefix)
@@ -239,21 +244,21 @@ class ParameterView:
                 del self.endpoints[endpoints:]
 
 
-class _UnknownUsed(Exception):
+class _UnknownUsedError(Exception):
     """Raised when a value is used that is not known."""
 
 
 class _Unknown:
-    """Value in a condition that raises `_UnknownUsed` when it is used."""
+    """Value in a condition that raises `_UnknownUsedError` when it is used."""
 
     def __bool__(self) -> bool:
-        raise _UnknownUsed
+        raise _UnknownUsedError
 
     def __eq__(self, other: object) -> bool:
-        raise _UnknownUsed
+        raise _UnknownUsedError
 
     def __gt__(self, other: object) -> bool:
-        raise _UnknownUsed
+        raise _UnknownUsedError
 
     __hash__ = None  # type: ignore[assignment]  # a class with __eq__ and no hash
 

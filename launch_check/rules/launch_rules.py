@@ -367,8 +367,8 @@ INCOMPATIBLE_QOS = Rule(
     "incompatible-qos",
     """A subscriber asks for more than a publisher offers, so that no message arrives.
 
-A reliable subscriber gets nothing from a best-effort publisher, and a transient local subscriber nothing from a volatile
-publisher.
+A reliable subscriber gets nothing from a best-effort publisher, and a transient local subscriber nothing from a
+volatile publisher.
 
 Bad::
 

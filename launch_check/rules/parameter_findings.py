@@ -10,7 +10,6 @@ from typing import Any
 
 from roverlink.generator.diagnostics import Diagnostic
 from roverlink.launch_check.catalogue.facts import Catalogue, Parameter
-from roverlink.launch_check.expansion.expander import FileUse
 from roverlink.launch_check.expansion.parameter_files import UNKNOWN, GivenValue, Section
 from roverlink.launch_check.expansion.places import Place
 from roverlink.launch_check.rules.known_parameters import LoadedPlugin, ParameterView
@@ -24,12 +23,19 @@ from roverlink.launch_check.rules.launch_rules import (
     UNUSED_SECTION,
     WRONG_TYPE,
 )
+from roverlink.launch_check.rules.misspellings import distance
 from roverlink.launch_check.rules.system import RunningNode, System, span
 
 _OF_RCL = re.compile(r"(?:qos_overrides\..*|use_sim_time)")
 """Parameters that the client libraries declare."""
 _TYPES: dict[str, type | tuple[type, ...]] = {"bool": bool, "integer": int, "double": float, "string": str}
-_SPELLED = {bool: "a truth value", int: "a whole number", float: "a floating point number", str: "a text", list: "a list"}
+_SPELLED = {
+    bool: "a truth value",
+    int: "a whole number",
+    float: "a floating point number",
+    str: "a text",
+    list: "a list",
+}
 _WANTED = {
     "bool": "true or false",
     "integer": "a whole number, such as 5",
@@ -40,8 +46,27 @@ _CORE = re.compile(r"--([A-Za-z0-9]+/[A-Za-z0-9]+)(?:=.*)?$")
 """An argument that sets a parameter of RTAB-Map's library."""
 
 
-def parameter_findings(system: System, catalogue: Catalogue) -> Iterator[Diagnostic]:
-    """Yield findings about the parameters of all nodes."""
+Use = tuple[str, Place]
+"""A parameter's name and the place where a file gives a value to it."""
+
+
+def used_parameters(system: System) -> set[Use]:
+    """Return the parameters that at least one node has."""
+    return {
+        (one.name, one.place)
+        for node in system.nodes
+        if node.view is not None
+        for one in node.view.given.values()
+        if node.view.known(one.name) is not None or node.view.is_open(one.name)
+    }
+
+
+def parameter_findings(system: System, catalogue: Catalogue, used: set[Use]) -> Iterator[Diagnostic]:
+    """Yield findings about the parameters of all nodes.
+
+    A launch file may give a parameter to several nodes at once. That is right if one of them has it; ``used`` are the
+    parameters of which this is so, with any values of the launch file's arguments.
+    """
     for node in system.nodes:
         view = node.view
         if view is None:
@@ -51,7 +76,8 @@ def parameter_findings(system: System, catalogue: Catalogue) -> Iterator[Diagnos
         for one in view.given.values():
             if one.name in general and one in node.started.general_values:
                 continue  # for all nodes of a group; not each of them has it
-            yield from _of_value(one, node, view, system)
+            if (one.name, one.place) not in used or view.known(one.name) is not None:
+                yield from _of_value(one, node, view, system)
         yield from _of_arguments(node, view)
     yield from _of_general_values(system)
     yield from _of_sections(system, catalogue)
@@ -148,15 +174,20 @@ def _wrong_value(one: GivenValue, parameter: Parameter) -> Iterator[Diagnostic]:
         yield WRONG_TYPE.at(at, message, _spelling(value, parameter.type))
         return
     low, high = parameter.minimum, parameter.maximum
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        if (low is not None and value < low) or (high is not None and value > high):
-            limits = f"from {low:g} to {high:g}" if low is not None and high is not None else f"at least {low:g}" if low is not None else f"at most {high:g}"
-            yield OUT_OF_RANGE.at(at, f"the parameter '{one.name}' is {value}; it must be {limits}")
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if is_number and ((low is not None and value < low) or (high is not None and value > high)):
+        yield OUT_OF_RANGE.at(at, f"the parameter '{one.name}' is {value}; it must be {_limits(low, high)}")
     if parameter.choices and value not in parameter.choices:
         known = ", ".join(str(choice) for choice in parameter.choices)
         near = get_close_matches(str(value), [str(choice) for choice in parameter.choices], 1)
         help = f"did you mean '{near[0]}'?" if near else ""
         yield OUT_OF_RANGE.at(at, f"the parameter '{one.name}' is {value!r}; it must be one of: {known}", help)
+
+
+def _limits(low: float | None, high: float | None) -> str:
+    if low is not None and high is not None:
+        return f"from {low:g} to {high:g}"
+    return f"at least {low:g}" if low is not None else f"at most {high:g}"
 
 
 def _fits(value: Any, type_: str) -> bool:
@@ -202,15 +233,17 @@ def _of_plugins(view: ParameterView, catalogue: Catalogue) -> Iterator[Diagnosti
             yield from _spare(plugin, view)
         elif not plugin.type:
             key = f"{plugin.name}.{plugin.slot.type_key}"
-            known = sorted({name.rpartition(".")[0] for name in view.given if name.endswith(f".{plugin.slot.type_key}")})
+            known = sorted(
+                {name.rpartition(".")[0] for name in view.given if name.endswith(f".{plugin.slot.type_key}")}
+            )
             near = get_close_matches(plugin.name, known, 1)
             help = f"did you mean '{near[0].rpartition('.')[2]}'?" if near else f"set '{key}'"
             yield UNKNOWN_PLUGIN.at(at, f"the plugin '{plugin.name}' has no type", help)
         elif not plugin.base:
             yield from _unknown_plugin(plugin, at, catalogue)
         elif plugin.base.rpartition("::")[2] != plugin.slot.base.rpartition("::")[2]:
-            message = f"the plugin '{plugin.type}' is a {plugin.base}, but '{plugin.slot.parameter}' loads a {plugin.slot.base}"
-            yield UNKNOWN_PLUGIN.at(at, message)
+            loads = f"'{plugin.slot.parameter}' loads a {plugin.slot.base}"
+            yield UNKNOWN_PLUGIN.at(at, f"the plugin '{plugin.type}' is a {plugin.base}, but {loads}")
 
 
 def _spare(plugin: LoadedPlugin, view: ParameterView) -> Iterator[Diagnostic]:
@@ -218,9 +251,12 @@ def _spare(plugin: LoadedPlugin, view: ParameterView) -> Iterator[Diagnostic]:
     bare = [
         one.name
         for one in view.plugins
-        if one.slot == plugin.slot and not one.is_spare and not any(key.startswith(f"{one.name}.") for key in view.given)
+        if one.slot == plugin.slot
+        and not one.is_spare
+        and not any(key.startswith(f"{one.name}.") for key in view.given)
     ]
-    if plugin.place is not None and (near := get_close_matches(plugin.name, bare, 1, 0.8)):
+    near = [name for name in bare if distance(plugin.name, name) <= 2]
+    if plugin.place is not None and near:
         message = f"the plugin '{plugin.name}' is not in '{plugin.slot.parameter}'"
         yield UNKNOWN_PLUGIN.at(span(plugin.place), message, f"did you mean '{near[0]}'?")
 
@@ -236,7 +272,9 @@ def _unknown_plugin(plugin: LoadedPlugin, at: Any, catalogue: Catalogue) -> Iter
         help = f"did you mean '{near[0]}'?" if near else f"plugins of this kind: {', '.join(sorted(fitting))}"
         yield UNKNOWN_PLUGIN.at(at, f"unknown plugin '{type_}' for '{plugin.slot.parameter}'", help)
     else:
-        yield UNCHECKED_PLUGIN.at(at, f"the plugin '{type_}' is of a package that is not in the catalogue; its parameters are not checked")
+        yield UNCHECKED_PLUGIN.at(
+            at, f"the plugin '{type_}' is of a package that is not in the catalogue; its parameters are not checked"
+        )
 
 
 def _of_arguments(node: RunningNode, view: ParameterView) -> Iterator[Diagnostic]:
@@ -327,4 +365,7 @@ def _repeated(section: Section) -> Iterator[Diagnostic]:
     for one in section.values:
         if counts[one.name] > 1:
             counts[one.name] -= 1
-            yield REPEATED_PARAMETER.at(span(one.place), f"the parameter '{one.name}' stands again further down, and only the last one has an effect")
+            yield REPEATED_PARAMETER.at(
+                span(one.place),
+                f"the parameter '{one.name}' stands again further down, and only the last one has an effect",
+            )

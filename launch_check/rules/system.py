@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from itertools import pairwise
 
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.launch_check.catalogue.facts import Catalogue, Endpoint, NodeClass, Package
@@ -21,7 +22,7 @@ from roverlink.launch_check.rules.launch_rules import (
 _WITHOUT_NODES = frozenset({"rclcpp_components"})
 _CONTAINERS = ("component_container", "component_container_mt", "component_container_isolated")
 _QOS_VALUES = {"1": "reliable", "2": "best_effort", "0": "reliable"}
-"""Values of RTAB-Map's parameters such as `qos_image` (rmw_qos_reliability_policy_t); the system default is reliable."""
+"""Values of RTAB-Map's parameters such as `qos_image` (rmw_qos_reliability_policy_t); 0 is reliable, too."""
 _QOS_PROFILES = {"SENSOR_DATA": "best_effort"}
 """Names of QoS profiles of the RealSense driver that are not reliable."""
 
@@ -60,6 +61,8 @@ class RunningNode:
     """Full names of all topics, services and actions that the node may have, before remappings."""
     transforms: list[tuple[str, str]] = field(default_factory=list)
     frames: list[tuple[str, Place]] = field(default_factory=list)
+    tree: str = "/tf"
+    """Topic of the node's transforms after remappings: robots with different topics have different trees."""
     sections: list[tuple[FileUse, Section]] = field(default_factory=list)
     """Sections of parameter files that are for the node."""
 
@@ -101,7 +104,28 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
     for node in system.nodes:
         if node.facts is not None:
             _complete(node, node.facts, catalogue)
+    for node in system.nodes:
+        node.transforms = list(_with_frames_of_topics(node, system))
     return system
+
+
+def _with_frames_of_topics(node: RunningNode, system: System) -> Iterator[tuple[str, str]]:
+    """Yield a node's transforms, with frames in place of topics: ``@odom`` is the frame of the messages on odom.
+
+    That frame is the parent in the transforms of the node that publishes the topic.
+    """
+    for parent, child in node.transforms:
+        if not child.startswith("@"):
+            yield parent, child
+            continue
+        topics = {one.topic for one in node.connections if one.endpoint.name == child[1:]}
+        publishers = (
+            other
+            for other in system.nodes
+            if any(one.topic in topics and one.endpoint.kind == "publisher" for one in other.connections)
+        )
+        frames = [transform[0] for other in publishers for transform in other.transforms if transform[0][0] != "@"]
+        yield from ((parent, frame) for frame in frames[:1])
 
 
 def _absolute(namespace: str) -> str:
@@ -130,17 +154,23 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
         system.has_unknown = True
         near = get_close_matches(package, catalogue.packages, 1, 0.86)
         if near:
-            system.findings.append(MISSPELT_PACKAGE.at(at, f"unknown package '{package}'", f"did you mean '{near[0]}'?"))
+            system.findings.append(
+                MISSPELT_PACKAGE.at(at, f"unknown package '{package}'", f"did you mean '{near[0]}'?")
+            )
         else:
-            system.findings.append(UNKNOWN_PACKAGE.at(at, f"the package '{package}' is not in the catalogue; its nodes are not checked"))
+            system.findings.append(
+                UNKNOWN_PACKAGE.at(at, f"the package '{package}' is not in the catalogue; its nodes are not checked")
+            )
         return None
     if started.plugin:
         return _component(started.plugin, known, catalogue, system, at)
-    if executable not in known.executables:
+    if executable is None or executable not in known.executables:
         near = get_close_matches(executable or "", known.executables, 1)
         names = ", ".join(known.executables) or "none"
         help = f"did you mean '{near[0]}'?" if near else f"executables of {package}: {names}"
-        system.findings.append(UNKNOWN_EXECUTABLE.at(at, f"the package '{package}' has no executable '{executable}'", help))
+        system.findings.append(
+            UNKNOWN_EXECUTABLE.at(at, f"the package '{package}' has no executable '{executable}'", help)
+        )
         system.has_unknown = True
         return None
     facts = catalogue.classes.get(known.executables[executable])
@@ -155,7 +185,9 @@ def _component(plugin: str, package: Package, catalogue: Catalogue, system: Syst
     near = get_close_matches(plugin, package.components, 1)
     names = ", ".join(package.components) or "none"
     help = f"did you mean '{near[0]}'?" if near else f"nodes of {package.name} for containers: {names}"
-    system.findings.append(UNKNOWN_EXECUTABLE.at(at, f"the package '{package.name}' has no node '{plugin}' for a container", help))
+    system.findings.append(
+        UNKNOWN_EXECUTABLE.at(at, f"the package '{package.name}' has no node '{plugin}' for a container", help)
+    )
     system.has_unknown = True
     return None
 
@@ -173,9 +205,10 @@ def _complete(node: RunningNode, facts: NodeClass, catalogue: Catalogue) -> None
         given |= {one.name: one for one in started.values}
     given |= {one.name: one for one in _of_arguments(started, facts.arguments)}
     view = node.view = ParameterView(facts, given, catalogue)
-    rules = [one for one in started.remappings]
     for prefix, endpoint in view.endpoints:
-        node.connections += _connections(node, view, prefix, endpoint, rules)
+        node.connections += _connections(node, view, prefix, endpoint, started.remappings)
+    of_tree = next((one for one in started.remappings if one.target and "/tf" in sources_of(one, node)), None)
+    node.tree = full_name(of_tree.target or "", node) if of_tree else "/tf"
     for transform in facts.transforms:
         parent, child = view.text(transform.parent, ""), view.text(transform.child, "")
         if parent and child and view.holds(transform.when, "") is not False:
@@ -190,10 +223,14 @@ def _of_arguments(started: StartedNode, arguments: Mapping[str, str]) -> Iterato
     """Yield parameters that a node takes from its command line, such as the frames of a static transform."""
     if not arguments:
         return
-    words = [one for one in started.arguments]
-    for option, value in zip(words, words[1:], strict=False):
-        if option in arguments and value is not None:
+    words = started.arguments
+    for option, value in pairwise(words):
+        if option in arguments and option is not None and value is not None:
             yield GivenValue(arguments[option], value, started.place)
+    for word in words:
+        for option, name in arguments.items():
+            if option.endswith(":") and word and word.startswith(option):
+                yield GivenValue(name, word.removeprefix(option), started.place)
     plain = [one for one in words if one is None or not one.startswith("--")]
     if words and len(plain) == len(words) and len(words) in (8, 9):  # the older spelling: x y z angles parent child
         for name, value in zip(arguments.values(), words[-2:], strict=False):

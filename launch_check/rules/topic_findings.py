@@ -7,6 +7,7 @@ from difflib import get_close_matches
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.launch_check.expansion.expander import StartedRemapping
+from roverlink.launch_check.expansion.places import Place
 from roverlink.launch_check.rules.launch_rules import (
     DIFFERENT_TYPES,
     INCOMPATIBLE_QOS,
@@ -15,16 +16,41 @@ from roverlink.launch_check.rules.launch_rules import (
     OUTSIDE,
     UNKNOWN_REMAPPING,
 )
+from roverlink.launch_check.rules.misspellings import distance
 from roverlink.launch_check.rules.system import Connection, RunningNode, System, full_name, sources_of, span
 
-_OF_ALL = frozenset({"/tf", "/tf_static", "/clock", "/rosout", "/parameter_events", "/diagnostics", "/robot_description"})
+_OF_ALL = frozenset(
+    {"/tf", "/tf_static", "/clock", "/rosout", "/parameter_events", "/diagnostics", "/robot_description"}
+)
 _OF_NODES = ("tf", "tf_static", "rosout", "clock", "parameter_events", "diagnostics", "robot_description")
-_SIMILAR = 0.8
+_SIMILAR = 0.7
+_SHORT = 6
+"""Parts of a name with fewer letters may differ by one letter only to be a misspelling."""
 
 
-def topic_findings(system: System, complete: bool) -> Iterator[Diagnostic]:
-    """Yield findings about all topics. ``complete`` says that the launch files start everything."""
-    yield from _of_remappings(system)
+Use = tuple[str, Place]
+"""The name that a remapping replaces, and the place of the remapping."""
+
+
+def used_remappings(system: System) -> set[Use]:
+    """Return the remappings that have an effect in a node, or that may have one in a node that is not known."""
+    found = set()
+    for nodes in _processes(system):
+        is_known = all(node.facts is not None and not node.facts.has_open_topics for node in nodes)
+        for rule in nodes[0].started.remappings:
+            matches = any(_names(node, source) for node in nodes for source in sources_of(rule, node))
+            if rule.source is not None and (matches or not is_known or _is_of_all(rule, nodes)):
+                found.add((rule.source, rule.place))
+    return found
+
+
+def topic_findings(system: System, complete: bool, used: set[Use]) -> Iterator[Diagnostic]:
+    """Yield findings about all topics.
+
+    ``complete`` says that the launch files start everything. ``used`` are the remappings that have an effect, with any
+    values of the launch file's arguments.
+    """
+    yield from _of_remappings(system, used)
     topics = _topics(system)
     is_closed = complete and not system.has_unknown
     for connections in topics.values():
@@ -54,13 +80,18 @@ def _ends(connections: Iterable[Connection], kind: str) -> list[Connection]:
 
 def _of_types(connections: list[Connection]) -> Iterator[Diagnostic]:
     publishers = [one for one in _ends(connections, "publisher") if one.endpoint.type]
-    for one in _ends(connections, "subscription"):
+    subscribers = _ends(connections, "subscription")
+    for one in subscribers:
+        accepted = {other.endpoint.type for other in subscribers if other.node is one.node}
+        if accepted & {"", *(other.endpoint.type for other in publishers)}:
+            continue  # a node may accept several types
         wrong = [other for other in publishers if one.endpoint.type and other.endpoint.type != one.endpoint.type]
         if wrong and len(wrong) == len(publishers):
             other = wrong[0]
             yield DIFFERENT_TYPES.at(
                 span(one.place),
-                f"{one.node.name} subscribes to '{one.topic}' as {one.endpoint.type}, but {other.node.name} publishes {other.endpoint.type}",
+                f"{one.node.name} subscribes to '{one.topic}' as {one.endpoint.type}, but {other.node.name} publishes "
+                f"{other.endpoint.type}",
                 also=[(span(other.place), f"{other.node.name} publishes it")],
             )
 
@@ -121,10 +152,14 @@ def _missing(
     }
     # A name that is used at both ends already is no misspelling of this one, unless somebody has written this one.
     candidates = [name for name in fitting if one.is_named or not _has_both(topics[name]) or fitting[name].is_named]
-    near = get_close_matches(topic, candidates, 1, _SIMILAR)
+    near = [
+        name
+        for name in get_close_matches(topic, candidates, 3, _SIMILAR)
+        if _is_misspelling(topic, name, one, fitting[name])
+    ]
     message = f"{one.node.name} {verb} '{topic}', but {nobody}"
     interrupted = _behind(one.node, system) if kind == "publisher" else []
-    if near and _is_misspelling(topic, near[0], one, fitting[near[0]], topics):
+    if near:
         also = [(span(fitting[near[0]].place), f"{fitting[near[0]].node.name} has '{near[0]}'")]
         return rule.at(span(one.place), message + _interruption(interrupted), f"did you mean '{near[0]}'?", also)
     if is_closed:
@@ -137,29 +172,23 @@ def _has_both(connections: list[Connection]) -> bool:
     return bool(_ends(connections, "publisher")) and bool(_ends(connections, "subscription"))
 
 
-def _is_misspelling(
-    topic: str, other: str, one: Connection, end: Connection, topics: dict[str, list[Connection]]
-) -> bool:
+def _is_misspelling(topic: str, other: str, one: Connection, end: Connection) -> bool:
     """Return true if a topic is likely another one, spelled wrongly.
 
-    Both have the same parts but one, and that part is nearly the same; numbered topics (odom0, odom1) are no
-    misspellings of each other.
+    All parts but one are the same, and the last one differs by one or two letters. Topics with other numbers, such as
+    odom0 and odom1, are no misspellings of each other. One of the names must come from a launch file or parameter file.
     """
-    del topics
+    if not one.is_named and not end.is_named:
+        return False
     first, second = topic.split("/"), other.split("/")
     if len(first) != len(second):
-        return _without_slash(topic) == _without_slash(other) or bool(get_close_matches(topic, [other], 1, 0.93)) and one.is_named
+        return one.is_named and distance(topic, other) <= 1
     different = [(a, b) for a, b in zip(first, second, strict=True) if a != b]
-    if not different:
-        return False
-    if len(different) > 1 or not (one.is_named or end.is_named):
+    if len(different) != 1:
         return False
     a, b = different[0]
-    return a.rstrip("0123456789") != b.rstrip("0123456789") and bool(get_close_matches(a, [b], 1, _SIMILAR))
-
-
-def _without_slash(topic: str) -> str:
-    return topic.strip("/")
+    is_numbered = a.rstrip("0123456789") == b.rstrip("0123456789") and a[-1:].isdigit() and b[-1:].isdigit()
+    return not is_numbered and distance(a, b) <= (1 if min(len(a), len(b)) < _SHORT else 2)
 
 
 def _behind(node: RunningNode, system: System) -> list[str]:
@@ -186,25 +215,30 @@ def _interruption(names: list[str]) -> str:
     return f"; this interrupts the flow of data to {', '.join(names)}" if names else ""
 
 
-def _of_remappings(system: System) -> Iterator[Diagnostic]:
-    by_process: dict[int, list[RunningNode]] = {}
+def _processes(system: System) -> list[list[RunningNode]]:
+    """Return the nodes of each process: a remapping is for all of them."""
+    found: dict[int, list[RunningNode]] = {}
     for node in system.nodes:
-        by_process.setdefault(id(node.started), []).append(node)
-    general: dict[tuple[str, str], tuple[StartedRemapping, list[bool]]] = {}
-    for nodes in by_process.values():
-        is_known = all(node.facts is not None for node in nodes)
+        found.setdefault(id(node.started), []).append(node)
+    return list(found.values())
+
+
+def _of_remappings(system: System, used: set[Use]) -> Iterator[Diagnostic]:
+    """Yield findings about remappings without effect.
+
+    A launch file may give one remapping to several nodes: it has an effect if one of them has the topic.
+    """
+    reported: set[Use] = set()
+    for nodes in _processes(system):
         for rule in nodes[0].started.remappings:
-            if rule.source is None:
+            use = (rule.source or "", rule.place)
+            if rule.source is None or use in used or use in reported or (rule.is_general and system.has_unknown):
                 continue
-            matches = any(_names(node, source) for node in nodes for source in sources_of(rule, node))
+            reported.add(use)
             if rule.is_general:
-                key = (rule.source, str(rule.place))
-                general.setdefault(key, (rule, []))[1].append(matches or not is_known)
-            elif is_known and not matches and not _is_of_all(rule, nodes):
+                yield UNKNOWN_REMAPPING.at(span(rule.place), f"no node of this group has a topic '{rule.source}'")
+            else:
                 yield _without_effect(rule, nodes)
-    for rule, results in general.values():
-        if not any(results) and not system.has_unknown and (rule.source or "").strip("/") not in _OF_NODES:
-            yield UNKNOWN_REMAPPING.at(span(rule.place), f"no node of this group has a topic '{rule.source}'")
 
 
 def _is_of_all(rule: StartedRemapping, nodes: list[RunningNode]) -> bool:
@@ -213,10 +247,7 @@ def _is_of_all(rule: StartedRemapping, nodes: list[RunningNode]) -> bool:
 
 def _names(node: RunningNode, source: str) -> bool:
     """Return true if a node has a topic, service or action of this full name, or one that belongs to it."""
-    for one in node.connections_before:
-        if source == one or source.startswith(f"{one}/"):
-            return True
-    return False
+    return any(source == one or source.startswith(f"{one}/") for one in node.connections_before)
 
 
 def _without_effect(rule: StartedRemapping, nodes: list[RunningNode]) -> Diagnostic:
@@ -224,6 +255,10 @@ def _without_effect(rule: StartedRemapping, nodes: list[RunningNode]) -> Diagnos
     known = [one for node in nodes for one in node.connections_before]
     wanted = full_name(source, nodes[0])
     near = get_close_matches(wanted, known, 1)
-    shown = near[0].removeprefix(f"{nodes[0].namespace}/") if near and not source.startswith("/") else near[0] if near else ""
+    shown = (
+        near[0].removeprefix(f"{nodes[0].namespace}/")
+        if near and not source.startswith("/")
+        else near[0] if near else ""
+    )
     help = f"did you mean '{shown}'?" if near else ""
     return UNKNOWN_REMAPPING.at(span(rule.place), f"{nodes[0].name} has no topic, service or action '{source}'", help)

@@ -9,7 +9,7 @@ from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, counted
 from roverlink.generator.diagnostics import DiagnosticsError, Severity, shown
 from roverlink.generator.lint.project import Linted, Question, not_linted
 from roverlink.generator.lock import ACCEPTED_NAME, NAME
-from roverlink.lint_scope import add_subject, folder_of, linted, type_and_number
+from roverlink.lint_scope import add_subject, folder_of, linted, reported, type_and_number
 from roverlink.progress import progress
 from roverlink.reports import FORMATS
 from roverlink.runtime.core.errors import SetupError
@@ -115,9 +115,9 @@ def run(arguments: argparse.Namespace) -> int:
         if wanted is not None:
             return _accept(arguments, found, wanted)
     except DiagnosticsError as error:
-        FORMATS[arguments.format](not_linted(error, folder_of(arguments)))
+        FORMATS[arguments.format](reported(not_linted(error, folder_of(arguments))))
         return UNABLE
-    FORMATS[arguments.format](found)
+    FORMATS[arguments.format](reported(found))
     severities = {finding.severity for finding in found.findings}
     if Severity.FATAL in severities:
         return UNABLE

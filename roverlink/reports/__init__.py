@@ -1,13 +1,13 @@
-"""Output formats for the findings (diagnostics) of `roverlink lint`: for people, scripts and CI servers."""
+"""Output formats for findings (diagnostics): for people, scripts and CI servers."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from roverlink.generator.lint.project import Linted
 from roverlink.reports import github, json_report, junit, sarif, text
+from roverlink.reports.reported import Reported
 
-FORMATS: Mapping[str, Callable[[Linted], None]] = {
+FORMATS: Mapping[str, Callable[[Reported], None]] = {
     "text": text.write,
     "json": json_report.write,
     "github": github.write,

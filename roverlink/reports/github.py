@@ -1,4 +1,4 @@
-"""Findings of `roverlink lint` as workflow commands of GitHub Actions, which GitHub shows in a pull request.
+"""Findings as workflow commands of GitHub Actions, which GitHub shows in a pull request.
 
 The syntax is in GitHub's documentation, "Workflow commands for GitHub Actions".
 """
@@ -6,24 +6,24 @@ The syntax is in GitHub's documentation, "Workflow commands for GitHub Actions".
 from __future__ import annotations
 
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
-from roverlink.generator.lint.project import Linted
+from roverlink.reports.reported import Reported
 from roverlink.reports.repository_places import main_place, whole_text
 
 _COMMANDS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "notice"}
 
 
-def write(linted: Linted) -> None:
+def write(reported: Reported) -> None:
     """Print one workflow command of GitHub Actions for each finding."""
-    for finding in linted.findings:
-        print(_command(finding, linted))
+    for finding in reported.findings:
+        print(_command(finding, reported))
 
 
-def _command(finding: Diagnostic, linted: Linted) -> str:
+def _command(finding: Diagnostic, reported: Reported) -> str:
     # Without a file, GitHub shows the command on the page of the workflow's run.
-    span, rule = main_place(finding, linted) or Span(""), finding.rule
+    span, rule = main_place(finding, reported) or Span(""), finding.rule
     properties = {"file": span.file, "line": span.line, "col": span.column, "title": f"{rule.id} {rule.name}"}
     shown = ",".join(f"{name}={_escaped(str(value), ':,')}" for name, value in properties.items() if value)
-    return f"::{_COMMANDS[finding.severity]} {shown}::{_escaped(whole_text(finding, linted, with_related=True))}"
+    return f"::{_COMMANDS[finding.severity]} {shown}::{_escaped(whole_text(finding, reported, with_related=True))}"
 
 
 def _escaped(text: str, more: str = "") -> str:

@@ -1,4 +1,4 @@
-"""Findings of `roverlink lint` as JSON: a list with one object for each finding."""
+"""Findings as JSON: a list with one object for each finding."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import Any
 
 from roverlink.generator.diagnostics import Diagnostic, Span, Use
 from roverlink.generator.git import Commit
-from roverlink.generator.lint.project import Linted
+from roverlink.reports.reported import Reported
 
 
-def write(linted: Linted) -> None:
+def write(reported: Reported) -> None:
     """Print the findings as a JSON list on standard output."""
-    print(json.dumps([_finding(finding, linted) for finding in linted.findings], indent=2))
+    print(json.dumps([_finding(finding, reported) for finding in reported.findings], indent=2))
 
 
-def _finding(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
+def _finding(finding: Diagnostic, reported: Reported) -> dict[str, Any]:
     return {
         "id": finding.rule.id,
         "name": finding.rule.name,
@@ -26,7 +26,7 @@ def _finding(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
         "message": finding.message,
         "help": finding.help or None,
         "history": [_use(use) for use in finding.uses],
-        "also": [{**_place(span), "text": text, "commit": _commit(span, linted)} for span, text in finding.also],
+        "also": [{**_place(span), "text": text, "commit": _commit(span, reported)} for span, text in finding.also],
     }
 
 
@@ -60,6 +60,6 @@ def _place(span: Span) -> dict[str, Any]:
     return {"path": span.file, "line": span.line or None, "column": span.column or None}
 
 
-def _commit(span: Span, linted: Linted) -> dict[str, str] | None:
-    commit = linted.commit_of(span)
+def _commit(span: Span, reported: Reported) -> dict[str, str] | None:
+    commit = reported.sources.commit_of(span)
     return {"id": commit.id, "date": commit.date, "subject": commit.subject} if commit else None

@@ -1,4 +1,4 @@
-"""Findings of `roverlink lint` as SARIF 2.1.0 (OASIS), a JSON format for services that show findings beside code.
+"""Findings as SARIF 2.1.0 (OASIS), a JSON format for services that show findings beside code.
 
 GitHub's code scanning adds its own demands ("SARIF support for code scanning" in its documentation):
 
@@ -19,8 +19,7 @@ from typing import Any
 from urllib.parse import quote
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
-from roverlink.generator.lint.project import Linted
-from roverlink.generator.lint.rules import modules
+from roverlink.reports.reported import Reported
 from roverlink.reports.repository_places import main_place, related_places, whole_text
 
 _LEVELS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "note"}
@@ -28,20 +27,20 @@ _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 _LINE_NUMBERS = re.compile(r"(?<=[\w)]):\d+(:\d+)?")
 
 
-def write(linted: Linted) -> None:
+def write(reported: Reported) -> None:
     """Print the findings as a SARIF document on standard output."""
-    rules = {id: _rule(module.RULE) for id, module in modules().items()}
-    rules |= {finding.rule.id: _rule(finding.rule) for finding in linted.findings}
+    rules = {id: _rule(rule) for id, rule in reported.rules.items()}
+    rules |= {finding.rule.id: _rule(finding.rule) for finding in reported.findings}
     driver = {"name": "roverlink", "rules": [rules[id] for id in sorted(rules)]}
     results, notifications = list[dict[str, Any]](), list[dict[str, Any]]()
     seen = Counter[str]()
-    for finding in linted.findings:
-        if place := main_place(finding, linted):
-            results.append(_result(finding, place, linted, seen))
+    for finding in reported.findings:
+        if place := main_place(finding, reported):
+            results.append(_result(finding, place, reported, seen))
         else:
             about = {"descriptor": {"id": finding.rule.id}, "level": _LEVELS[finding.severity]}
-            notifications.append({**about, "message": {"text": whole_text(finding, linted, with_related=True)}})
-    successful = all(finding.severity is not Severity.FATAL for finding in linted.findings)
+            notifications.append({**about, "message": {"text": whole_text(finding, reported, with_related=True)}})
+    successful = all(finding.severity is not Severity.FATAL for finding in reported.findings)
     invocation = {"executionSuccessful": successful, "toolExecutionNotifications": notifications}
     run = {"tool": {"driver": driver}, "invocations": [invocation], "results": results}
     print(json.dumps({"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2))
@@ -58,17 +57,17 @@ def _rule(rule: Rule) -> dict[str, Any]:
     }
 
 
-def _result(finding: Diagnostic, place: Span, linted: Linted, seen: Counter[str]) -> dict[str, Any]:
+def _result(finding: Diagnostic, place: Span, reported: Reported, seen: Counter[str]) -> dict[str, Any]:
     fingerprint = _fingerprint(finding, place)
     seen[fingerprint] += 1
     result: dict[str, Any] = {
         "ruleId": finding.rule.id,
         "level": _LEVELS[finding.severity],
-        "message": {"text": whole_text(finding, linted, with_related=False)},
+        "message": {"text": whole_text(finding, reported, with_related=False)},
         "locations": [_location(place)],
         "partialFingerprints": {"primaryLocationLineHash": f"{fingerprint}:{seen[fingerprint]}"},
     }
-    related = [{**_location(span), "message": {"text": what}} for span, what in related_places(finding, linted)]
+    related = [{**_location(span), "message": {"text": what}} for span, what in related_places(finding, reported)]
     if related:
         result["relatedLocations"] = related
     return result

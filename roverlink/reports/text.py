@@ -1,4 +1,4 @@
-"""Findings of `roverlink lint` as text for people.
+"""Findings as text for people.
 
 The text consists of the diagnostics, a table of how the projects that use the .proto files read each other (option
 ``--pins``), and a last line such as ``1 error, 2 warnings``.
@@ -19,9 +19,8 @@ from roverlink.console import counted
 from roverlink.diagnostic_text import show
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint.pinned_states import PinnedStates
-from roverlink.generator.lint.project import Linted
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE, UNREADABLE_PROTO
-from roverlink.lint_scope import sources
+from roverlink.reports.reported import Reported
 
 _CELL = len("compatible") + 3  # a column with its padding and the gap to the next one
 _PADDING_OF_NAMES = 4
@@ -29,21 +28,21 @@ _OF_FILES = (DOES_NOT_COMPILE, UNREADABLE_PROTO)
 _MOST_OF_FILES = 20  # findings of each of these rules
 
 
-def write(linted: Linted) -> None:
+def write(reported: Reported) -> None:
     """Print the findings on standard output, and how many findings there are of each severity."""
     console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
-    shown, left_out = _shown(linted.findings)
-    show(shown, sources(linted), sys.stdout)
+    shown, left_out = _shown(reported.findings)
+    show(shown, reported.sources, sys.stdout)
     for rule, count in left_out.items():
         print(f"... and {counted(count, 'more error')} {rule.id}; is this the right folder of .proto files?\n")
-    pinned = linted.context.past.pinned if linted.context.past else None
+    pinned = reported.pinned
     if pinned and len(pinned.states) > 1:
         with console.capture() as matrix:
             # Soft wrapping would stop the folding of long names.
             console.print(*_matrix(pinned, console.width), sep="", soft_wrap=False)
         for line in matrix.get().splitlines():
             print(line.rstrip())  # rich fills each line with spaces up to the width of the table
-    console.print(_summary(linted))
+    console.print(_summary(reported))
 
 
 def _shown(findings: Iterable[Diagnostic]) -> tuple[list[Diagnostic], Counter[Rule]]:
@@ -78,8 +77,8 @@ def _matrix(pinned: PinnedStates, width: int) -> Iterator[Table]:
         yield table
 
 
-def _summary(linted: Linted) -> str:
-    severities = Counter(finding.severity for finding in linted.findings)
+def _summary(reported: Reported) -> str:
+    severities = Counter(finding.severity for finding in reported.findings)
     parts = [f"{count} {_plural(severity.value, count)}" for severity in Severity if (count := severities[severity])]
     return ", ".join(parts) if parts else "No problems found."
 

@@ -39,6 +39,17 @@ class Packages:
                 return str(folder)
         return f"{UNKNOWN_SHARE}{package}"
 
+    def existing(self, path: str) -> str:
+        """Return the path of a file. In a source tree, a file may be in another folder than in the share folder."""
+        path = os.path.normpath(path)
+        if os.path.exists(path):
+            return path
+        for folder in (self._found or {}).values():
+            if Path(path).is_relative_to(folder):
+                found = list(folder.rglob(os.path.basename(path)))
+                return str(found[0]) if len(found) == 1 else path
+        return path
+
     def _search(self) -> Iterator[tuple[str, Path]]:
         for top in reversed(self._tops):
             for folder, inner, files in os.walk(top):

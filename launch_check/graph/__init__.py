@@ -1,0 +1,1 @@
+"""Drawing of what a launch file starts."""
