@@ -49,7 +49,10 @@ def read_catalogue(distribution: str) -> Catalogue:
             for name, one in data["packages"].items()
         },
         {name: _class(name, one) for name, one in data["classes"].items()},
-        {name: Plugin(**one) for name, one in data["plugins"].items()},
+        {
+            name: Plugin(**{**one, "message_types": tuple(one.get("message_types", ()))})
+            for name, one in data["plugins"].items()
+        },
         {name: ParameterSet(_parameters(one["parameters"]), one["renamed"]) for name, one in data["sets"].items()},
     )
 
@@ -86,7 +89,7 @@ def text_of(catalogue: Catalogue) -> str:
         "sources": {name: dataclasses.asdict(one) for name, one in catalogue.sources.items()},
         "packages": {name: _short(one, without=("name",)) for name, one in catalogue.packages.items()},
         "classes": {name: _short(one, without=("name",), optional=True) for name, one in catalogue.classes.items()},
-        "plugins": {name: dataclasses.asdict(one) for name, one in catalogue.plugins.items()},
+        "plugins": {name: _short(one) for name, one in catalogue.plugins.items()},
         "sets": {name: _short(one) for name, one in catalogue.sets.items()},
     }
     return _text(data, 0) + "\n"

@@ -126,6 +126,8 @@ class Plugin:
     class_name: str
     base: str
     package: str
+    message_types: tuple[str, ...] = ()
+    """Types of the messages that a display of RViz shows; empty for other plugins."""
 
 
 @dataclass(frozen=True, slots=True)

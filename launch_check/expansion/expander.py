@@ -10,6 +10,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from roverlink.launch_check.expansion.actions import (
     Action,
     DeclareArgument,
@@ -38,6 +40,7 @@ from roverlink.launch_check.expansion.parameter_files import (
     Section,
     read_parameter_file,
     rewritten,
+    sections_of,
     typed,
 )
 from roverlink.launch_check.expansion.places import Place
@@ -96,6 +99,8 @@ class StartedNode:
     files: tuple[FileUse, ...] = ()
     remappings: tuple[StartedRemapping, ...] = ()
     arguments: tuple[str | None, ...] = ()
+    shown: Callable[[str], str] = str
+    """Function that returns the name of a file in messages."""
 
 
 @dataclass(slots=True)
@@ -113,7 +118,7 @@ class Declared:
 class Expansion:
     """What a launch file starts, with certain values of its arguments."""
 
-    arguments: Mapping[str, str]
+    arguments: Mapping[str, str | None]
     """Values that differ from the defaults."""
     nodes: list[StartedNode] = field(default_factory=list)
     problems: list[Problem] = field(default_factory=list)
@@ -146,8 +151,9 @@ class Expander:
         self._packages, self._shown, self._stored, self.known = packages, shown, stored, known
         self._declarative: dict[str, tuple[list[Action], list[Problem]]] = {}
         self._python: dict[str, PythonFile] = {}
+        self._parameter_files: dict[str, yaml.Node | None] = {}
 
-    def expand(self, path: Path, arguments: Mapping[str, str]) -> Expansion:
+    def expand(self, path: Path, arguments: Mapping[str, str | None]) -> Expansion:
         """Return what a launch file starts with some values of its arguments. Raises `UnreadableFileError`."""
         run = _Run(self, self._packages, arguments)
         run.include(str(path.resolve()), Place(self._shown(str(path.resolve()))))
@@ -168,6 +174,12 @@ class Expander:
             self._python[path] = PythonFile(Path(path), self._shown(path), self._packages)
         return self._python[path]
 
+    def parameter_file(self, path: str) -> yaml.Node | None:
+        """Return the nodes of a parameter file. Raises `UnreadableFileError`."""
+        if path not in self._parameter_files:
+            self._parameter_files[path] = read_parameter_file(Path(path), self._shown(path))
+        return self._parameter_files[path]
+
     def stored(self, package: str, path: str) -> Any:
         """Return the description of a launch file that is not there; None if there is none."""
         return self._stored.get((package, path))
@@ -180,7 +192,7 @@ class Expander:
 class _Run:
     """One expansion."""
 
-    def __init__(self, expander: Expander, packages: Packages, arguments: Mapping[str, str]) -> None:
+    def __init__(self, expander: Expander, packages: Packages, arguments: Mapping[str, str | None]) -> None:
         self._expander = expander
         self.context = Context(packages, dict(arguments))
         self.result = Expansion(dict(arguments))
@@ -421,6 +433,7 @@ class _Run:
                 tuple(files),
                 (*context.remappings, *remappings),
                 tuple(arguments),
+                self._expander.shown,
             )
         )
 
@@ -474,9 +487,8 @@ class _Run:
         if key in self._files:
             return replace(self._files[key], place=given.place)
         try:
-            sections = read_parameter_file(
-                Path(path), shown, self._file_text if given.has_substitutions else lambda text: text
-            )
+            root = self._expander.parameter_file(path)
+            sections = sections_of(root, shown, self._file_text if given.has_substitutions else lambda text: text)
         except UnreadableFileError as error:
             place = error.place if error.place.line else given.place
             self._report("parameter-file", place, str(error) if error.place.line else f"{shown}: {error}")
@@ -486,8 +498,8 @@ class _Run:
             if (parameter := self._text(name)) is not None:
                 text = self._text(value)
                 rewrites[parameter] = UNKNOWN if text is None else typed(text) if text else ""
-        root = self._text(given.root_key) or ""
-        self._files[key] = FileUse(given.place, shown, tuple(rewritten(sections, root, rewrites)))
+        namespace = self._text(given.root_key) or ""
+        self._files[key] = FileUse(given.place, shown, tuple(rewritten(sections, namespace, rewrites)))
         return self._files[key]
 
     def _file_text(self, text: str) -> str | None:
@@ -547,18 +559,22 @@ def _nearest(word: str, known: Iterable[str]) -> str:
     return f"did you mean '{near[0]}'?" if near else ""
 
 
-def variations(expansion: Expansion) -> Iterator[dict[str, str]]:
-    """Yield values of arguments, one argument at a time, that may start other nodes than the defaults do."""
+def variations(expansion: Expansion) -> Iterator[dict[str, str | None]]:
+    """Yield values of arguments, one argument at a time, that may start other nodes than the defaults do.
+
+    None stands for any value but the default.
+    """
     for name in expansion.used:
         declared = expansion.declared.get(name)
         if declared is None or name in expansion.arguments:
             continue
         if declared.choices:
-            others = [one for one in declared.choices if one != declared.default]
+            others: list[str | None] = [one for one in declared.choices if one != declared.default]
         elif declared.default is not None and is_boolean(declared.default):
             others = [_opposite(declared.default)]
         else:
-            others = [one for one in expansion.compared.get(name, ()) if one != declared.default]
+            compared = expansion.compared.get(name, {})
+            others = [one for one in compared if one != declared.default] or [None] * bool(compared)
         yield from ({name: value} for value in others)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -58,28 +57,26 @@ class Section:
         return self.pattern.rpartition("/")[2]
 
 
-def read_parameter_file(path: Path, shown: str, text_of: Callable[[str], str | None]) -> list[Section]:
-    """Read the sections of a parameter file. Raises `UnreadableFileError`.
+def read_parameter_file(path: Path, shown: str) -> yaml.Node | None:
+    """Read a parameter file for `sections_of`; None if it is empty. Raises `UnreadableFileError`."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UnreadableFileError(Place(shown), f"cannot read the file: {reason}") from error
+    return compose(text, shown)
+
+
+def sections_of(root: yaml.Node | None, shown: str, text_of: Callable[[str], str | None]) -> list[Section]:
+    """Return the sections of a parameter file. Raises `UnreadableFileError`.
 
     ``text_of`` replaces the substitutions in a text; it returns None if the text is not known.
     """
-    root = _root(path, shown)
     if root is None:
         return []
     if not isinstance(root, yaml.MappingNode):
         raise UnreadableFileError(place_of(root, shown), "a parameter file is a mapping of nodes")
     return list(_sections(root, "", shown, text_of))
-
-
-@cache
-def _root(path: Path, shown: str) -> yaml.Node | None:
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UnreadableFileError(
-            Place(shown), f"cannot read the file: {getattr(error, 'strerror', None) or error}"
-        ) from error
-    return compose(text, shown)
 
 
 def is_parameter_file(path: Path) -> bool:

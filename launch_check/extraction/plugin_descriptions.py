@@ -25,4 +25,9 @@ def plugins_of_package(folder: Path) -> Iterator[tuple[str, Plugin]]:
         for element in root.iter("class"):
             type_, base = element.get("type", ""), element.get("base_class_type", "")
             if type_ and base:
-                yield element.get("name") or type_, Plugin(re.sub(r"<.*>", "", type_), base, folder.name)
+                yield element.get("name") or type_, _plugin(element, type_, base, folder.name)
+
+
+def _plugin(element: ElementTree.Element, type_: str, base: str, package: str) -> Plugin:
+    messages = (one.text.strip() for one in element.iter("message_type") if one.text)
+    return Plugin(re.sub(r"<.*>", "", type_), base, package, tuple(messages))

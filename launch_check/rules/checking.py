@@ -13,7 +13,7 @@ from roverlink.launch_check.expansion.actions import Problem
 from roverlink.launch_check.expansion.entities import UnreadableFileError
 from roverlink.launch_check.expansion.expander import Expander, Expansion, variations
 from roverlink.launch_check.expansion.launch_context import Packages
-from roverlink.launch_check.expansion.parameter_files import is_parameter_file, read_parameter_file
+from roverlink.launch_check.expansion.parameter_files import is_parameter_file, read_parameter_file, sections_of
 from roverlink.launch_check.rules.frame_findings import frame_findings
 from roverlink.launch_check.rules.launch_rules import (
     NOT_EXPANDED,
@@ -73,9 +73,8 @@ class Checker:
                 if path.name.endswith(LAUNCH_ENDINGS):
                     used |= self._check_launch_file(path, arguments, checked)
                 elif shown_path(str(path)) not in used:
-                    sections = read_parameter_file(
-                        path, shown_path(str(path)), lambda text: None if "$(" in text else text
-                    )
+                    shown = shown_path(str(path))
+                    sections = sections_of(read_parameter_file(path, shown), shown, _known_text)
                     checked.findings += standalone_findings(sections, self._catalogue)
             except UnreadableFileError as error:
                 checked.findings.append(UNREADABLE.at(span(error.place), str(error)))
@@ -93,7 +92,8 @@ class Checker:
         remappings = set[RemappingUse]().union(*map(used_remappings, systems))
         known: set[tuple[object, ...]] = set()
         for one, system in zip(expansions, systems, strict=True):
-            chosen = " ".join(f"{name}:={value}" for name, value in one.arguments.items() if name not in arguments)
+            varied = ((name, value) for name, value in one.arguments.items() if name not in arguments)
+            chosen = " ".join(f"{name}:={'...' if value is None else value}" for name, value in varied)
             for finding in self._of_expansion(one, system, parameters, remappings):
                 if _key(finding) in known or (chosen and finding.severity is Severity.HINT):
                     continue
@@ -124,6 +124,10 @@ class Checker:
 
 def _key(finding: Diagnostic) -> tuple[object, ...]:
     return finding.rule.id, finding.span, finding.message
+
+
+def _known_text(text: str) -> str | None:
+    return None if "$(" in text else text
 
 
 def _once(findings: Iterable[Diagnostic]) -> Iterator[Diagnostic]:

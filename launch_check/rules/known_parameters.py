@@ -46,6 +46,7 @@ class ParameterView:
     exact: dict[str, Parameter] = field(default_factory=dict)
     """Parameters with a definite name."""
     patterns: list[tuple[re.Pattern[str], Parameter]] = field(default_factory=list)
+    """Parameters whose names have parts that are not known; a group of digits is a number in the name."""
     open: list[str] = field(default_factory=list)
     """Beginnings of names behind which anything is possible, because a plugin is not known."""
     plugins: list[LoadedPlugin] = field(default_factory=list)
@@ -59,7 +60,18 @@ class ParameterView:
         """Return the parameter with a name; None if the node has none."""
         if name in self.exact:
             return self.exact[name]
-        return next((parameter for pattern, parameter in self.patterns if pattern.fullmatch(name)), None)
+        for pattern, parameter in self.patterns:
+            match = pattern.fullmatch(name)
+            if match and (not match.groups() or int(match[1]) < self._count(name[: match.start(1)])):
+                return parameter
+        return None
+
+    def _count(self, beginning: str) -> int:
+        """Return how many parameters ``odom0``, ``odom1``... are given, without a gap: a node reads no more of them."""
+        count = 0
+        while f"{beginning}{count}" in self.given:
+            count += 1
+        return count
 
     def is_open(self, name: str) -> bool:
         """Return true if a parameter of this name may be one of a plugin that is not known."""
@@ -177,7 +189,7 @@ class ParameterView:
             if len(parts) <= 3 and "#" not in one and _ANY_NAME not in one:
                 self.exact.setdefault(prefix + re.sub(r"\\(.)", r"\1", one.replace("\0", "")), parameter)
             else:
-                self.patterns.append((re.compile(re.escape(prefix) + text.replace(r"\{\#\}", r"\d+")), parameter))
+                self.patterns.append((re.compile(re.escape(prefix) + text.replace(r"\{\#\}", r"(\d+)")), parameter))
 
     def _add_slot(self, slot: PluginSlot, facts: NodeClass, prefix: str, seen: set[str]) -> None:
         full = prefix + slot.parameter

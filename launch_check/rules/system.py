@@ -17,7 +17,9 @@ from roverlink.launch_check.rules.launch_rules import (
     MISSPELT_PACKAGE,
     UNKNOWN_EXECUTABLE,
     UNKNOWN_PACKAGE,
+    UNKNOWN_PLUGIN,
 )
+from roverlink.launch_check.rules.rviz_files import read_rviz_file
 
 _WITHOUT_NODES = frozenset({"rclcpp_components"})
 _CONTAINERS = ("component_container", "component_container_mt", "component_container_isolated")
@@ -106,7 +108,36 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
             _complete(node, node.facts, catalogue)
     for node in system.nodes:
         node.transforms = list(_with_frames_of_topics(node, system))
+        if node.facts is not None and node.facts.has_open_topics:
+            _complete_rviz(node, catalogue, system)
     return system
+
+
+def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> None:
+    """Find the topics and frames of RViz in its configuration, and displays that do not exist."""
+    words = node.started.arguments
+    path = next((file for option, file in pairwise(words) if option in ("-d", "--display-config") and file), None)
+    read = read_rviz_file(path, node.started.shown(path)) if path else None
+    if read is None:
+        return
+    for plugin, place in read.plugins:
+        if plugin not in catalogue.plugins and (near := get_close_matches(plugin, catalogue.plugins, 1, 0.85)):
+            system.findings.append(
+                UNKNOWN_PLUGIN.at(span(place), f"RViz has no display or tool '{plugin}'", f"did you mean '{near[0]}'?")
+            )
+    for one in read.topics:
+        known = catalogue.plugins.get(one.plugin)
+        type_ = known.message_types[0] if known and len(known.message_types) == 1 and one.is_main else ""
+        kind = "publisher" if one.is_published else "subscription"
+        endpoint = Endpoint(kind, one.topic, type_, one.reliability, one.durability)
+        topic = full_name(one.topic, node)
+        rule = next((rule for rule in node.started.remappings if topic in sources_of(rule, node)), None)
+        topic = full_name(rule.target, node) if rule and rule.target else topic
+        node.connections.append(
+            Connection(node, endpoint, topic, one.place, True, one.reliability, one.durability, False)
+        )
+    if read.fixed_frame:
+        node.frames.append(read.fixed_frame)
 
 
 def _with_frames_of_topics(node: RunningNode, system: System) -> Iterator[tuple[str, str]]:

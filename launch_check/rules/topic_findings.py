@@ -129,7 +129,11 @@ def _of_missing(
     ):
         if others:
             continue
-        wanting = [one for one in here if one.is_needed or (one.is_named and kind == "publisher")]
+        wanting = [
+            one
+            for one in here
+            if one.is_needed or (one.is_named and kind == "publisher" and not _is_disconnected(topic, one.node))
+        ]
         for one in wanting:
             yield _missing(topic, one, topics, system, is_closed, kind, rule)
 
@@ -162,10 +166,15 @@ def _missing(
     if near:
         also = [(span(fitting[near[0]].place), f"{fitting[near[0]].node.name} has '{near[0]}'")]
         return rule.at(span(one.place), message + _interruption(interrupted), f"did you mean '{near[0]}'?", also)
-    if is_closed:
+    if is_closed and (one.is_needed or (one.node.facts is not None and not one.node.facts.has_open_topics)):
         help = f"topics of this type: {', '.join(sorted(fitting))}" if fitting else ""
         return rule.at(span(one.place), message + _interruption(interrupted), help)
     return OUTSIDE.at(span(one.place), f"{message} in these launch files")
+
+
+def _is_disconnected(topic: str, node: RunningNode) -> bool:
+    """Return true if a launch file has given a topic below the node's own name to it, so that nothing arrives."""
+    return topic.startswith(f"{node.full_name}/")
 
 
 def _has_both(connections: list[Connection]) -> bool:

@@ -31,8 +31,8 @@ def add(commands: Subparsers) -> None:
         "find mistakes in launch files and their parameter files before they meet a rover",
         "roverlink check-launch --complete navigation/launch/slam.launch.py",
         "Check ROS 2 launch files (YAML, XML, Python) and parameter files: unknown and misplaced parameters, wrong\n"
-        "types and ranges, unknown plugins and executables, remappings without effect, topics that nobody publishes or\n"
-        "with another QoS, and transforms with two parents or none. ROS 2 need not be installed: the facts about\n"
+        "types and ranges, unknown plugins and executables, remappings without effect, topics that nobody publishes\n"
+        "or with another QoS, and transforms with two parents or none. ROS 2 need not be installed: the facts about\n"
         "packages come from a catalogue, which --list shows. Packages that are not in it are named and skipped.\n\n"
         "A launch file is checked with the defaults of its arguments, and once more for each argument on which it\n"
         "depends what is started. PATH may be followed by NAME:=VALUE, as for `ros2 launch`.\n\n"
