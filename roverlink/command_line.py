@@ -19,7 +19,6 @@ COMMANDS = (
     "generate",
     "add",
     "lint",
-    "check-launch",
     "explain",
     "retire",
     "next-number",
@@ -43,6 +42,7 @@ COMMANDS = (
     "video",
     "drive",
     "odometry",
+    "check-launch",
     "mission",
     "demo",
 )
