@@ -1,6 +1,7 @@
 """Dead reckoning on a plane: pose, bias of the gyroscope and their covariance, from distances and turns.
 
-This is the prediction of an extended Kalman filter with the state x, y, yaw and bias. There is no outside measurement.
+This is the prediction of an extended Kalman filter with the state x, y, yaw, bias, and the relative error of distances
+that were computed from a speed because no report contains them. There is no outside measurement.
 While the rover stands, the gyroscope shows its bias, which is then estimated. Only the bias changes by this, and not
 the pose, although their errors are correlated (a Schmidt-Kalman update): the frame odom has no jumps (REP 105).
 """
@@ -9,11 +10,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 from roverlink.driving.arcs import Arc, PlanarPose
 
 Matrix = list[list[float]]
 """Matrix as a list of rows."""
+_GUESS = 0.03
+"""Standard deviation of the relative error of distances that no report contains; it is the same for all of them."""
+_STATES = 5
 _STANDING_RATE = 0.05
 """Angular velocity in rad/s from which a rover turns although its wheels stand."""
 
@@ -36,6 +41,22 @@ class OdometryNoise:
     """Change of the bias in rad/s, after one second."""
 
 
+class Distance(Protocol):
+    """Distance that the wheels have rolled."""
+
+    @property
+    def distance(self) -> float:
+        """Distance in metres, negative backwards."""
+
+    @property
+    def guessed(self) -> float:
+        """Part of the distance that no report contains."""
+
+    @property
+    def variance(self) -> float:
+        """Variance of this part in m^2, beyond that of its relative error."""
+
+
 class DeadReckoning:
     """Pose of the rover in the frame odom, which is its frame at the start, with the covariance."""
 
@@ -44,8 +65,8 @@ class DeadReckoning:
         self.pose = PlanarPose()
         self.bias = 0.0
         """Bias of the gyroscope about z in rad/s."""
-        self._covariance: Matrix = [[0.0] * 4 for _ in range(4)]
-        self._covariance[3][3] = noise.gyro_bias**2
+        self._covariance: Matrix = [[0.0] * _STATES for _ in range(_STATES)]
+        self._covariance[3][3], self._covariance[4][4] = noise.gyro_bias**2, _GUESS**2
 
     @property
     def covariance(self) -> Matrix:
@@ -57,20 +78,21 @@ class DeadReckoning:
         """Variance of the bias in (rad/s)^2."""
         return self._covariance[3][3]
 
-    def turn_by_gyroscope(self, distance: float, variance: float, angle: float, seconds: float, gap: float) -> None:
-        """Move by a distance in metres, with the variance of what no report contains, and a measured angle in radians.
+    def turn_by_gyroscope(self, rolled: Distance, angle: float, seconds: float, gap: float) -> None:
+        """Move by a distance, and turn by an angle in radians that the gyroscope measured in some seconds.
 
         ``angle`` still contains the bias. ``gap`` is its additional variance, from readings that were lost.
         """
-        turn = angle - self.bias * seconds
-        self._move(Arc(distance, turn / distance) if distance else None, turn, -seconds)
-        self._grow(distance, variance, self.noise.gyro_noise**2 * seconds + gap, 0.0)
+        turn, distance = angle - self.bias * seconds, rolled.distance
+        self._move(Arc(distance, turn / distance) if distance else None, turn, -seconds, rolled.guessed)
+        self._grow(distance, rolled.variance, self.noise.gyro_noise**2 * seconds + gap, 0.0)
         self._covariance[3][3] += self.noise.gyro_bias_walk**2 * seconds
 
-    def turn_by_steering(self, arc: Arc, variance: float, yaw_variance: float, seconds: float) -> None:
-        """Move along an arc, with the variances of its length and of its turn beyond those of the slip."""
-        self._move(arc, arc.turn, 0.0)
-        self._grow(arc.length, variance, self.noise.yaw_slip**2 * abs(arc.length) + yaw_variance, arc.curvature)
+    def turn_by_steering(self, rolled: Distance, curvature: float, yaw_variance: float, seconds: float) -> None:
+        """Move along an arc with a curvature in 1/m, and with a variance of its turn beyond that of the slip."""
+        arc = Arc(rolled.distance, curvature)
+        self._move(arc, arc.turn, 0.0, rolled.guessed)
+        self._grow(arc.length, rolled.variance, self.noise.yaw_slip**2 * abs(arc.length) + yaw_variance, arc.curvature)
         self._covariance[3][3] += self.noise.gyro_bias_walk**2 * seconds
 
     def stand(self, rate: float, seconds: float) -> bool:
@@ -86,24 +108,32 @@ class DeadReckoning:
         gain = prior / (prior + noise)
         self.bias += gain * miss
         covariance[3][3] = (1 - gain) * prior
-        for index in range(3):
+        for index in (0, 1, 2, 4):
             covariance[3][index] = covariance[index][3] = (1 - gain) * covariance[index][3]
         return True
 
-    def _move(self, arc: Arc | None, turn: float, yaw_by_bias: float) -> None:
-        """Change the pose, and carry its errors along; ``yaw_by_bias`` is the derivative of the turn."""
+    def _move(self, arc: Arc | None, turn: float, yaw_by_bias: float, guessed: float) -> None:
+        """Change the pose, and carry its errors along.
+
+        ``yaw_by_bias`` is the derivative of the turn, and ``guessed`` that of the distance by its relative error.
+        """
         before = self.pose
         self.pose = before @ (arc.end if arc else PlanarPose(0, 0, turn))
         dx, dy = self.pose.x - before.x, self.pose.y - before.y
         # The chord has the direction of the yaw in the middle of the arc, which has half of the turn's error.
+        middle = before.yaw + turn / 2
         transition = [
-            [1.0, 0.0, -dy, -dy * yaw_by_bias / 2],
-            [0.0, 1.0, dx, dx * yaw_by_bias / 2],
-            [0.0, 0.0, 1.0, yaw_by_bias],
-            [0.0, 0.0, 0.0, 1.0],
+            [1.0, 0.0, -dy, -dy * yaw_by_bias / 2, guessed * math.cos(middle)],
+            [0.0, 1.0, dx, dx * yaw_by_bias / 2, guessed * math.sin(middle)],
+            [0.0, 0.0, 1.0, yaw_by_bias, 0.0],
+            [0.0, 0.0, 0.0, 1.0, 0.0],
+            [0.0, 0.0, 0.0, 0.0, 1.0],
         ]
         half = _product(transition, self._covariance)
-        self._covariance = _product(half, [list(column) for column in zip(*transition)])
+        moved = _product(half, [list(column) for column in zip(*transition)])
+        # Rounding must not make it asymmetric.
+        states = range(_STATES)
+        self._covariance = [[moved[min(row, column)][max(row, column)] for column in states] for row in states]
 
     def _grow(self, distance: float, variance: float, yaw_variance: float, curvature: float) -> None:
         """Add the errors of a distance, of the motion to the side, and of the turn; see `OdometryNoise`."""

@@ -35,8 +35,6 @@ _TOLERANCE_M = 0.005
 """Distance that is no distance."""
 _JITTER_S = 0.005
 """Usual variation of the time that a message takes."""
-_GUESS = 0.05
-"""Standard deviation of a distance that only the motors report, as a part of the distance."""
 _SLOW = 0.02
 """Speed in m/s below which the rover may start in either direction."""
 _ENDED_COST = 3.0
@@ -69,8 +67,10 @@ class Rolled:
     until: int
     distance: float = 0.0
     """Distance in metres, negative backwards."""
+    guessed: float = 0.0
+    """Part of the distance that no report contains, and that was computed from the speed."""
     variance: float = 0.0
-    """Variance in m^2 of the part of the distance that no report contains."""
+    """Variance in m^2 of this part, because of the times of the messages and of accelerations."""
     curvature: float | None = 0.0
     """Curvature in 1/m of the command that the board drives; None if the command is not known."""
 
@@ -91,6 +91,7 @@ class _Explanation:
     cost: float
     command: _Command
     distance: float
+    guessed: float = 0.0
     variance: float = 0.0
 
 
@@ -213,7 +214,8 @@ class RolledDistance:
         """Return an explanation with a distance on a new command, and with the expected one on the old command."""
         expected, variance = self._expected(since, max(command.sent, since))
         expected += self.speed * (self._motors if self._motors.knows(now) else self._by_time).delay
-        return _Explanation(cost, command, distance + self._on_old_command(expected), variance)
+        guessed = self._on_old_command(expected)
+        return _Explanation(cost, command, distance + guessed, guessed, variance)
 
     def _stopped(self, cost: float, command: _Command, since: int, now: int) -> _Explanation:
         """Return an explanation with the expected distance before and after a stop; nothing reports it."""
@@ -223,7 +225,8 @@ class RolledDistance:
             before, variance = self._expected(since, max(command.sent, since))
             after = min(abs(self.speed) * _seconds(max(command.sent, since), now), self.speed**2 / 2 / _ACCELERATION)
             expected, variance = before + math.copysign(after, self.speed), variance + after**2 / 3
-        return _Explanation(cost, command, self._on_old_command(expected), variance)
+        guessed = self._on_old_command(expected)
+        return _Explanation(cost, command, guessed, guessed, variance)
 
     def _on_old_command(self, expected: float) -> float:
         """Return an expected distance, limited to what was left of the old command."""
@@ -241,7 +244,7 @@ class RolledDistance:
             return _Explanation(0.0, self._command, 0.0)
         rolled = self._on_old_command(self._expected(self._stopped_at, now)[0])
         change = rolled - self._rolled_out
-        return _Explanation(0.0, self._command, change, (_GUESS * change) ** 2)
+        return _Explanation(0.0, self._command, change, change)
 
     def _skipped(self, sent: int, now: int) -> float:
         """Return the cost of the explanation that commands which were sent after a time have not arrived yet."""
@@ -257,7 +260,8 @@ class RolledDistance:
         if distance * command.length < 0 and abs(distance) > _TOLERANCE_M and self.speed * command.length >= 0:
             return None
         change = min(_ACCELERATION * seconds / 2, _SPEED_LIMIT) * seconds
-        deviation = _TOLERANCE_M + _JITTER_S * abs(self.speed) + change
+        unsure = 0.0 if self._motors.knows(now) else math.sqrt(self._by_time.variance) * seconds
+        deviation = _TOLERANCE_M + _JITTER_S * abs(self.speed) + change + unsure
         # Over a longer time, the rover may have braked, but it was hardly faster than ever before.
         excess = max(abs(distance) - self._fastest * (seconds + _JITTER_S), 0.0) if self._fastest else 0.0
         return abs(distance - self._expected(since, now)[0]) / deviation + excess / _TOLERANCE_M / 2
@@ -267,7 +271,7 @@ class RolledDistance:
         seconds, jitter = _seconds(since, now), _JITTER_S * self.speed
         if self._motors.knows(now):
             rolled = self._motors.rolled(since, now)
-            return math.copysign(rolled, self._direction), jitter**2 + (_GUESS * rolled) ** 2
+            return math.copysign(rolled, self._direction), jitter**2
         change = min(_ACCELERATION * seconds / 4, abs(self.speed)) * seconds
         return self.speed * seconds, jitter**2 + change**2
 
@@ -309,7 +313,7 @@ class RolledDistance:
         while command in self._sent and self._sent.popleft() is not command:
             pass
         self._at, self._left, self._command, self._strange = now, left, command, None
-        return Rolled(since, now, taken.distance, taken.variance, command.curvature)
+        return Rolled(since, now, taken.distance, taken.guessed, taken.variance, command.curvature)
 
     def _learn(self, since: int, now: int, left: float, taken: _Explanation) -> None:
         """Learn the speed from what is exact in an explanation."""

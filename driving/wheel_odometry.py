@@ -115,18 +115,17 @@ class WheelOdometry:
         if self._wheels.stands(rolled.until) and self._reckoning.stand(turn.angle / seconds, seconds):
             self._yaw_rate = 0.0
         else:
-            self._reckoning.turn_by_gyroscope(rolled.distance, rolled.variance, turn.angle, seconds, turn.variance)
+            self._reckoning.turn_by_gyroscope(rolled, turn.angle, seconds, turn.variance)
 
     def _steer(self, rolled: Rolled, seconds: float) -> None:
         """Move along the arc of the command, because the gyroscope sends nothing."""
         if rolled.curvature is None:
-            arc, variance = Arc(rolled.distance, 0.0), _UNKNOWN_CURVATURE**2 * abs(rolled.distance)
+            curvature, variance = 0.0, _UNKNOWN_CURVATURE**2 * abs(rolled.distance)
         else:
-            arc = Arc(rolled.distance, rolled.curvature)
-            change = rolled.curvature - (self._curvature or 0.0)
-            variance = (change * _STEERING_M) ** 2
-        self._yaw_rate = arc.turn / seconds
-        self._reckoning.turn_by_steering(arc, rolled.variance, variance, seconds)
+            curvature = rolled.curvature
+            variance = ((curvature - (self._curvature or 0.0)) * _STEERING_M) ** 2
+        self._yaw_rate = rolled.distance * curvature / seconds
+        self._reckoning.turn_by_steering(rolled, curvature, variance, seconds)
 
     def _estimate(self, now: int, unreported: float) -> OdometryEstimate:
         noise, speed = self.noise, self._wheels.speed
