@@ -16,12 +16,19 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
 from roverlink.generator.node_parameters import node_parameters
 from roverlink.generator.table import reader
 from roverlink.generator.table.keys import PeerSettings, Row, Table
-from roverlink.launch_check.catalogue.facts import Catalogue, Endpoint, NodeClass, Package, Parameter, Source
+from roverlink.launch_check.catalogue.facts import (
+    OWN_SOURCE,
+    Catalogue,
+    Endpoint,
+    NodeClass,
+    Package,
+    Parameter,
+    Source,
+)
 
 PACKAGE = "rtt_slam"
 """ROS 2 package that installs commands of roverlink as programs: ``aruco_track`` is ``roverlink aruco track``."""
 _HERE = Path(__file__).parent
-_SOURCE = "roverlink"
 _TYPES = {"STRING": "string", "DOUBLE": "double", "INTEGER": "integer", "BOOL": "bool"}
 _TABLE_LINE = re.compile(r"^\| *(\S+) *\| *(.+?) *\| *(.+?) *\|$", re.MULTILINE)
 _IMAGES = "images of the source"
@@ -68,13 +75,13 @@ def with_own_programs(catalogue: Catalogue, table_file: Path | None) -> Catalogu
     package = table.ros.package if table else ""
     classes = {f"{PACKAGE}::{name}": _node(name, one, rows, package) for name, one in _PROGRAMS.items()}
     executables = {name: f"{PACKAGE}::{name}" if name in _PROGRAMS else "" for name in sorted(_commands())}
-    packages = {PACKAGE: Package(PACKAGE, "", _SOURCE, executables, (), {})}
+    packages = {PACKAGE: Package(PACKAGE, "", OWN_SOURCE, executables, (), {})}
     if table:
         classes[f"{package}::{package}_node"] = _bridge(table)
-        packages[package] = Package(package, "", _SOURCE, {f"{package}_node": f"{package}::{package}_node"}, (), {})
+        packages[package] = Package(package, "", OWN_SOURCE, {f"{package}_node": f"{package}::{package}_node"}, (), {})
     return replace(
         catalogue,
-        sources={**catalogue.sources, _SOURCE: Source("roverlink", "", "")},
+        sources={**catalogue.sources, OWN_SOURCE: Source("roverlink", "", "")},
         packages={**catalogue.packages, **packages},
         classes={**catalogue.classes, **classes},
     )

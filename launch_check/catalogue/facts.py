@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+OWN_SOURCE = "roverlink"
+"""Source of the packages of this project, in `Package.source`."""
 Scalar = str | int | float | bool
 Value = Scalar | list[Any] | None
 

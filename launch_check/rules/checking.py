@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, in_order
-from roverlink.launch_check.catalogue.facts import Catalogue
+from roverlink.launch_check.catalogue.facts import OWN_SOURCE, Catalogue
 from roverlink.launch_check.expansion.actions import Problem
 from roverlink.launch_check.expansion.entities import UnreadableFileError
 from roverlink.launch_check.expansion.expander import Expander, Expansion, variations
@@ -23,11 +23,14 @@ from roverlink.launch_check.rules.launch_rules import (
     UNREADABLE,
     WRONG_VALUE,
 )
-from roverlink.launch_check.rules.parameter_findings import Use as ParameterUse
-from roverlink.launch_check.rules.parameter_findings import parameter_findings, standalone_findings, used_parameters
-from roverlink.launch_check.rules.system import System, span, system_of
-from roverlink.launch_check.rules.topic_findings import Use as RemappingUse
-from roverlink.launch_check.rules.topic_findings import topic_findings, used_remappings
+from roverlink.launch_check.rules.parameter_findings import (
+    parameter_findings,
+    standalone_findings,
+    used_parameters,
+    used_sections,
+)
+from roverlink.launch_check.rules.system import System, Variants, span, system_of
+from roverlink.launch_check.rules.topic_findings import ends_of, topic_findings, used_remappings
 
 LAUNCH_ENDINGS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch")
 _RULES: Mapping[str, Rule] = {
@@ -62,6 +65,14 @@ class Checker:
             for name, one in catalogue.packages.items()
             for path, actions in one.launch_files.items()
         }
+        self._known = [
+            (one.kind, one.name)
+            for package in catalogue.packages.values()
+            if package.source == OWN_SOURCE
+            for class_name in package.executables.values()
+            if class_name in catalogue.classes
+            for one in catalogue.classes[class_name].endpoints
+        ]
         self._expander = Expander(Packages(packages), shown_path, stored, catalogue.packages)
 
     def check(self, files: Iterable[Path], arguments: Mapping[str, str]) -> Checked:
@@ -88,13 +99,17 @@ class Checker:
         expansions += [self._expander.expand(path, {**arguments, **values}) for values in variations(expansion)]
         systems = [system_of(one, self._catalogue) for one in expansions]
         checked.systems.append((shown_path(str(path)), systems[0]))
-        parameters = set[ParameterUse]().union(*map(used_parameters, systems))
-        remappings = set[RemappingUse]().union(*map(used_remappings, systems))
+        variants = Variants(
+            frozenset().union(*map(used_parameters, systems)),
+            frozenset().union(*map(used_sections, systems)),
+            frozenset().union(*map(used_remappings, systems)),
+            frozenset().union(*map(ends_of, systems)),
+        )
         known: set[tuple[object, ...]] = set()
         for one, system in zip(expansions, systems, strict=True):
             varied = ((name, value) for name, value in one.arguments.items() if name not in arguments)
             chosen = " ".join(f"{name}:={'...' if value is None else value}" for name, value in varied)
-            for finding in self._of_expansion(one, system, parameters, remappings):
+            for finding in self._of_expansion(one, system, variants):
                 if _key(finding) in known or (chosen and finding.severity is Severity.HINT):
                     continue
                 known.add(_key(finding))
@@ -104,11 +119,7 @@ class Checker:
         return {use.shown for system in systems for node in system.nodes for use in node.started.files}
 
     def _of_expansion(
-        self,
-        expansion: Expansion,
-        system: System,
-        parameters: set[ParameterUse],
-        remappings: set[RemappingUse],
+        self, expansion: Expansion, system: System, variants: Variants
     ) -> Iterator[Diagnostic]:
         yield from (_of_problem(one) for one in expansion.problems)
         for name, place in expansion.undeclared:
@@ -117,8 +128,8 @@ class Checker:
             message = f"the launch files of '{package}' are not here; what they start is not checked"
             yield NOT_EXPANDED.at(span(place), message)
         yield from system.findings
-        yield from parameter_findings(system, self._catalogue, parameters)
-        yield from topic_findings(system, self._complete, remappings)
+        yield from parameter_findings(system, self._catalogue, variants)
+        yield from topic_findings(system, variants, self._known, self._complete)
         yield from frame_findings(system, self._complete)
 
 

@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from roverlink.generator.diagnostics import Diagnostic
-from roverlink.launch_check.catalogue.facts import Catalogue, Parameter
+from roverlink.launch_check.catalogue.facts import Catalogue, NodeClass, Parameter
 from roverlink.launch_check.expansion.parameter_files import UNKNOWN, GivenValue, Section
 from roverlink.launch_check.expansion.places import Place
 from roverlink.launch_check.rules.known_parameters import LoadedPlugin, ParameterView
@@ -24,7 +24,7 @@ from roverlink.launch_check.rules.launch_rules import (
     WRONG_TYPE,
 )
 from roverlink.launch_check.rules.misspellings import distance
-from roverlink.launch_check.rules.system import RunningNode, System, span
+from roverlink.launch_check.rules.system import RunningNode, System, Use, Variants, span
 
 _OF_RCL = re.compile(r"(?:qos_overrides\..*|use_sim_time)")
 """Parameters that the client libraries declare."""
@@ -46,10 +46,6 @@ _CORE = re.compile(r"--([A-Za-z0-9]+/[A-Za-z0-9]+)(?:=.*)?$")
 """An argument that sets a parameter of RTAB-Map's library."""
 
 
-Use = tuple[str, Place]
-"""A parameter's name and the place where a file gives a value to it."""
-
-
 def used_parameters(system: System) -> set[Use]:
     """Return the parameters that at least one node has."""
     return {
@@ -61,11 +57,15 @@ def used_parameters(system: System) -> set[Use]:
     }
 
 
-def parameter_findings(system: System, catalogue: Catalogue, used: set[Use]) -> Iterator[Diagnostic]:
+def used_sections(system: System) -> set[Use]:
+    """Return the sections of parameter files that are for at least one node."""
+    return {(section.pattern, section.place) for node in system.nodes for _, section in node.sections}
+
+
+def parameter_findings(system: System, catalogue: Catalogue, variants: Variants) -> Iterator[Diagnostic]:
     """Yield findings about the parameters of all nodes.
 
-    A launch file may give a parameter to several nodes at once. That is right if one of them has it; ``used`` are the
-    parameters of which this is so, with any values of the launch file's arguments.
+    A launch file may give a parameter to several nodes at once. That is right if one of them has it.
     """
     for node in system.nodes:
         view = node.view
@@ -76,11 +76,11 @@ def parameter_findings(system: System, catalogue: Catalogue, used: set[Use]) -> 
         for one in view.given.values():
             if one.name in general and one in node.started.general_values:
                 continue  # for all nodes of a group; not each of them has it
-            if (one.name, one.place) not in used or view.known(one.name) is not None:
+            if (one.name, one.place) not in variants.parameters or view.known(one.name) is not None:
                 yield from _of_value(one, node, view, system)
         yield from _of_arguments(node, view)
     yield from _of_general_values(system)
-    yield from _of_sections(system, catalogue)
+    yield from _of_sections(system, catalogue, variants)
 
 
 def standalone_findings(sections: Iterable[Section], catalogue: Catalogue) -> Iterator[Diagnostic]:
@@ -100,7 +100,7 @@ def standalone_findings(sections: Iterable[Section], catalogue: Catalogue) -> It
             yield from _of_value(one, None, view, None, section.node_name)
 
 
-def _by_name(catalogue: Catalogue) -> dict[str, Any]:
+def _by_name(catalogue: Catalogue) -> dict[str, NodeClass]:
     """Return the class of each node by its usual names: of the program, of the node, and of nodes in other nodes."""
     found = {}
     for package in catalogue.packages.values():
@@ -309,30 +309,25 @@ def _of_general_values(system: System) -> Iterator[Diagnostic]:
             yield UNKNOWN_PARAMETER.at(span(place), f"no node of this group has a parameter '{name}'", help)
 
 
-def _of_sections(system: System, catalogue: Catalogue) -> Iterator[Diagnostic]:
+def _of_sections(system: System, catalogue: Catalogue, variants: Variants) -> Iterator[Diagnostic]:
     """Yield findings about sections of parameter files that no node of the launch file uses."""
-    used = {id(section) for node in system.nodes for _, section in node.sections}
-    started: dict[str, list[RunningNode]] = {}
-    uses: dict[tuple[str, Place, str], tuple[Section, bool]] = {}
+    sections: dict[tuple[str, Use], tuple[Section, list[RunningNode]]] = {}
     for node in system.nodes:
         for use in node.started.files:
-            started.setdefault(use.shown, []).append(node)
             for section in use.sections:
-                key = (use.shown, section.place, section.pattern)
-                known = uses.get(key, (section, False))[1]
-                uses[key] = (section, known or id(section) in used)
-    classes: dict[str, Any] | None = None
-    for (shown, _, _), (section, is_used) in uses.items():
+                key = (use.shown, (section.pattern, section.place))
+                sections.setdefault(key, (section, []))[1].append(node)
+    classes: dict[str, NodeClass] | None = None
+    for (_, use_of_section), (section, nodes) in sections.items():
         yield from _repeated(section)
-        if is_used:
-            continue
-        nodes = [node for node in started[shown] if node.facts is not None]
-        classes = classes if classes is not None else _by_name(catalogue)
-        yield from _of_unused_section(section, nodes, classes, catalogue)
+        if use_of_section not in variants.sections:
+            classes = classes if classes is not None else _by_name(catalogue)
+            known = [node for node in nodes if node.facts is not None]
+            yield from _of_unused_section(section, known, classes, catalogue)
 
 
 def _of_unused_section(
-    section: Section, nodes: list[RunningNode], classes: dict[str, Any], catalogue: Catalogue
+    section: Section, nodes: list[RunningNode], classes: dict[str, NodeClass], catalogue: Catalogue
 ) -> Iterator[Diagnostic]:
     at = span(section.place)
     same = [node for node in nodes if node.name == section.node_name]
@@ -351,7 +346,7 @@ def _of_unused_section(
         yield from _of_unknown_section(section, classes)
 
 
-def _of_unknown_section(section: Section, classes: dict[str, Any]) -> Iterator[Diagnostic]:
+def _of_unknown_section(section: Section, classes: dict[str, NodeClass]) -> Iterator[Diagnostic]:
     if "*" in section.node_name:
         return
     near = get_close_matches(section.node_name, classes, 1, 0.85)

@@ -26,8 +26,8 @@ class RvizTopic:
     reliability: str
     durability: str
     is_published: bool
-    is_main: bool
-    """True for the topic whose message type is that of the display, and not for updates of a map."""
+    is_update: bool
+    """True for the updates of a map, which have another message type than the display."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,5 +90,5 @@ def _topics(entries: dict[str, yaml.Node], plugin: str, is_tool: bool, shown: st
             _RELIABILITY.get(reliability, ""),
             _DURABILITY.get(durability, ""),
             is_tool,
-            name == "Topic",
+            name == "Update Topic",
         )

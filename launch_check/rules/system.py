@@ -29,6 +29,9 @@ _QOS_PROFILES = {"SENSOR_DATA": "best_effort"}
 """Names of QoS profiles of the RealSense driver that are not reliable."""
 
 
+_UPDATES = "map_msgs/msg/OccupancyGridUpdate"
+
+
 @dataclass(frozen=True, slots=True)
 class Connection:
     """A topic, service or action of a running node, with its full name."""
@@ -84,6 +87,24 @@ class System:
     """True if nodes run that the catalogue does not know, or that were not expanded."""
 
 
+Use = tuple[str, Place]
+"""A name, such as that of a parameter, and the place where a file uses it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Variants:
+    """Facts that hold with some values of a launch file's arguments, and not only with those of one system."""
+
+    parameters: frozenset[Use]
+    """Given parameters that a node has."""
+    sections: frozenset[Use]
+    """Patterns of sections of parameter files that are for a node."""
+    remappings: frozenset[Use]
+    """Remappings that have an effect."""
+    ends: frozenset[tuple[str, str]]
+    """Kind and topic of each publisher and subscriber."""
+
+
 def span(place: Place) -> Span:
     """Return a place as diagnostics have it."""
     return Span(place.file, place.line, place.column)
@@ -127,7 +148,8 @@ def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> N
             )
     for one in read.topics:
         known = catalogue.plugins.get(one.plugin)
-        type_ = known.message_types[0] if known and len(known.message_types) == 1 and one.is_main else ""
+        type_ = known.message_types[0] if known and len(known.message_types) == 1 else ""
+        type_ = _UPDATES if one.is_update else type_
         kind = "publisher" if one.is_published else "subscription"
         endpoint = Endpoint(kind, one.topic, type_, one.reliability, one.durability)
         topic = full_name(one.topic, node)
@@ -239,7 +261,9 @@ def _complete(node: RunningNode, facts: NodeClass, catalogue: Catalogue) -> None
     for prefix, endpoint in view.endpoints:
         node.connections += _connections(node, view, prefix, endpoint, started.remappings)
     of_tree = next((one for one in started.remappings if one.target and "/tf" in sources_of(one, node)), None)
-    node.tree = full_name(of_tree.target or "", node) if of_tree else "/tf"
+    # A node in another node's process listens to transforms with the namespace of the process.
+    process = RunningNode(started, None, "", _absolute(started.namespace or ""))
+    node.tree = full_name(of_tree.target or "", process) if of_tree else "/tf"
     for transform in facts.transforms:
         parent, child = view.text(transform.parent, ""), view.text(transform.child, "")
         if parent and child and view.holds(transform.when, "") is not False:

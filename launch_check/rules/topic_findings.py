@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 
-from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.diagnostics import Diagnostic
 from roverlink.launch_check.expansion.expander import StartedRemapping
-from roverlink.launch_check.expansion.places import Place
 from roverlink.launch_check.rules.launch_rules import (
     DIFFERENT_TYPES,
     INCOMPATIBLE_QOS,
@@ -17,7 +16,16 @@ from roverlink.launch_check.rules.launch_rules import (
     UNKNOWN_REMAPPING,
 )
 from roverlink.launch_check.rules.misspellings import distance
-from roverlink.launch_check.rules.system import Connection, RunningNode, System, full_name, sources_of, span
+from roverlink.launch_check.rules.system import (
+    Connection,
+    RunningNode,
+    System,
+    Use,
+    Variants,
+    full_name,
+    sources_of,
+    span,
+)
 
 _OF_ALL = frozenset(
     {"/tf", "/tf_static", "/clock", "/rosout", "/parameter_events", "/diagnostics", "/robot_description"}
@@ -26,10 +34,6 @@ _OF_NODES = ("tf", "tf_static", "rosout", "clock", "parameter_events", "diagnost
 _SIMILAR = 0.7
 _SHORT = 6
 """Parts of a name with fewer letters may differ by one letter only to be a misspelling."""
-
-
-Use = tuple[str, Place]
-"""The name that a remapping replaces, and the place of the remapping."""
 
 
 def used_remappings(system: System) -> set[Use]:
@@ -44,20 +48,28 @@ def used_remappings(system: System) -> set[Use]:
     return found
 
 
-def topic_findings(system: System, complete: bool, used: set[Use]) -> Iterator[Diagnostic]:
+def ends_of(system: System) -> set[tuple[str, str]]:
+    """Return kind and topic of each publisher and subscriber."""
+    return {(one.endpoint.kind, one.topic) for node in system.nodes for one in node.connections if one.topic}
+
+
+def topic_findings(
+    system: System, variants: Variants, known: Iterable[tuple[str, str]], complete: bool
+) -> Iterator[Diagnostic]:
     """Yield findings about all topics.
 
-    ``complete`` says that the launch files start everything. ``used`` are the remappings that have an effect, with any
-    values of the launch file's arguments.
+    ``known`` are kinds and names of topics of this project's programs, which may run beside the launch files.
+    ``complete`` says that the launch files start everything.
     """
-    yield from _of_remappings(system, used)
+    yield from _of_remappings(system, variants.remappings)
     topics = _topics(system)
     is_closed = complete and not system.has_unknown
     for connections in topics.values():
         yield from _of_types(connections)
         yield from _of_qos(connections)
     for topic, connections in topics.items():
-        yield from _of_missing(topic, connections, topics, system, is_closed)
+        for one, kind in _wanting(topic, connections, variants):
+            yield _missing(topic, one, kind, topics, known, system, is_closed)
 
 
 def _topics(system: System) -> dict[str, list[Connection]]:
@@ -119,57 +131,62 @@ def _unmet(subscriber: Connection, publisher: Connection) -> str:
     return ""
 
 
-def _of_missing(
-    topic: str, connections: list[Connection], topics: dict[str, list[Connection]], system: System, is_closed: bool
-) -> Iterator[Diagnostic]:
-    publishers, subscribers = _ends(connections, "publisher"), _ends(connections, "subscription")
-    for here, others, kind, rule in (
-        (subscribers, publishers, "publisher", NO_PUBLISHER),
-        (publishers, subscribers, "subscription", NO_SUBSCRIBER),
-    ):
-        if others:
+def _wanting(topic: str, connections: list[Connection], variants: Variants) -> Iterator[tuple[Connection, str]]:
+    """Yield the ends of a topic that miss another end, each with the kind of that end.
+
+    An end that works without another one misses it if somebody has named the topic, and if nothing is at the other end
+    with any values of the launch file's arguments.
+    """
+    for own, kind in (("subscription", "publisher"), ("publisher", "subscription")):
+        if _ends(connections, kind):
             continue
-        wanting = [
-            one
-            for one in here
-            if one.is_needed or (one.is_named and kind == "publisher" and not _is_disconnected(topic, one.node))
-        ]
-        for one in wanting:
-            yield _missing(topic, one, topics, system, is_closed, kind, rule)
+        for one in _ends(connections, own):
+            is_named = one.is_named and (kind, topic) not in variants.ends and not _is_disconnected(topic, one.node)
+            if one.is_needed or is_named:
+                yield one, kind
 
 
 def _missing(
     topic: str,
     one: Connection,
+    kind: str,
     topics: dict[str, list[Connection]],
+    known: Iterable[tuple[str, str]],
     system: System,
     is_closed: bool,
-    kind: str,
-    rule: Rule,
 ) -> Diagnostic:
-    verb = "subscribes to" if kind == "publisher" else "publishes"
-    nobody = "nothing publishes it" if kind == "publisher" else "nothing subscribes to it"
+    is_reader = kind == "publisher"
+    rule = NO_PUBLISHER if is_reader else NO_SUBSCRIBER
+    verb, nobody = ("subscribes to", "nothing publishes it") if is_reader else ("publishes", "nothing subscribes to it")
+    message = f"{one.node.name} {verb} '{topic}', but {nobody}"
+    interruption = _interruption(_behind(one.node, system)) if is_reader and one.is_needed else ""
     fitting = {
         name: ends[0]
         for name, connections in topics.items()
-        if (ends := [end for end in _ends(connections, kind) if end.endpoint.type == one.endpoint.type])
+        if (ends := [end for end in _ends(connections, kind) if _fits(end, one)])
     }
     # A name that is used at both ends already is no misspelling of this one, unless somebody has written this one.
     candidates = [name for name in fitting if one.is_named or not _has_both(topics[name]) or fitting[name].is_named]
-    near = [
-        name
-        for name in get_close_matches(topic, candidates, 3, _SIMILAR)
-        if _is_misspelling(topic, name, one, fitting[name])
-    ]
-    message = f"{one.node.name} {verb} '{topic}', but {nobody}"
-    interrupted = _behind(one.node, system) if kind == "publisher" else []
+    similar = get_close_matches(topic, candidates, 3, _SIMILAR)
+    near = [name for name in similar if _is_misspelling(topic, name, one.is_named or fitting[name].is_named)]
     if near:
-        also = [(span(fitting[near[0]].place), f"{fitting[near[0]].node.name} has '{near[0]}'")]
-        return rule.at(span(one.place), message + _interruption(interrupted), f"did you mean '{near[0]}'?", also)
-    if is_closed and (one.is_needed or (one.node.facts is not None and not one.node.facts.has_open_topics)):
+        end = fitting[near[0]]
+        also = [(span(end.place), f"{end.node.name} has '{near[0]}'")]
+        return rule.at(span(one.place), message + interruption, f"did you mean '{near[0]}'?", also)
+    has_rviz = one.node.facts is not None and one.node.facts.has_open_topics
+    if is_closed and (one.is_needed or not has_rviz):
         help = f"topics of this type: {', '.join(sorted(fitting))}" if fitting else ""
-        return rule.at(span(one.place), message + _interruption(interrupted), help)
+        return rule.at(span(one.place), message + interruption, help)
+    full = {full_name(name, one.node) for of_kind, name in known if of_kind == kind}
+    of_programs = [name for name in full if one.is_named and topic not in full and _is_misspelling(topic, name, True)]
+    if of_programs:
+        return rule.at(span(one.place), message, f"did you mean '{min(of_programs)}'?")
     return OUTSIDE.at(span(one.place), f"{message} in these launch files")
+
+
+def _fits(end: Connection, other: Connection) -> bool:
+    """Return true if two ends have the same type of messages, or may have it."""
+    return not end.endpoint.type or not other.endpoint.type or end.endpoint.type == other.endpoint.type
 
 
 def _is_disconnected(topic: str, node: RunningNode) -> bool:
@@ -181,17 +198,18 @@ def _has_both(connections: list[Connection]) -> bool:
     return bool(_ends(connections, "publisher")) and bool(_ends(connections, "subscription"))
 
 
-def _is_misspelling(topic: str, other: str, one: Connection, end: Connection) -> bool:
+def _is_misspelling(topic: str, other: str, is_named: bool) -> bool:
     """Return true if a topic is likely another one, spelled wrongly.
 
     All parts but one are the same, and the last one differs by one or two letters. Topics with other numbers, such as
-    odom0 and odom1, are no misspellings of each other. One of the names must come from a launch file or parameter file.
+    odom0 and odom1, are no misspellings of each other. ``is_named`` says that a launch file or a parameter file has
+    one of the names.
     """
-    if not one.is_named and not end.is_named:
+    if not is_named:
         return False
     first, second = topic.split("/"), other.split("/")
     if len(first) != len(second):
-        return one.is_named and distance(topic, other) <= 1
+        return distance(topic, other) <= 1
     different = [(a, b) for a, b in zip(first, second, strict=True) if a != b]
     if len(different) != 1:
         return False
@@ -232,7 +250,7 @@ def _processes(system: System) -> list[list[RunningNode]]:
     return list(found.values())
 
 
-def _of_remappings(system: System, used: set[Use]) -> Iterator[Diagnostic]:
+def _of_remappings(system: System, used: frozenset[Use]) -> Iterator[Diagnostic]:
     """Yield findings about remappings without effect.
 
     A launch file may give one remapping to several nodes: it has an effect if one of them has the topic.
