@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import IO, Any, cast
@@ -25,7 +26,7 @@ from rich.console import Console
 from bench.errors import BenchError
 from bench.report import print_results, write_json
 from bench.result import Group, SectionResult, Table
-from bench.video.numbered_film import film
+from bench.video.numbered_film import draw_scenes, film
 from bench.video.radio_link import HOST, RadioLink
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.images.film import Film
@@ -34,7 +35,7 @@ _TOOLS = (sys.executable, "-m", "bench.video.tools")
 _KINDS = ("roverlink", "gstreamer")
 _SIZES = ((640, 480), (1280, 720))
 _WARM_S = 20.0
-"""Time in seconds that a receiver waits for the sender, which draws its film first."""
+"""Time in seconds that a receiver waits for the sender, which reads its film first."""
 _LINK = 4e6
 _COMMAND_S = 0.02
 SECTIONS = ("latency", "losses", "joining", "commands", "long")
@@ -234,7 +235,7 @@ def long(seconds: float, say: Callable[[str], None]) -> SectionResult:
     with TemporaryDirectory() as name:
         folder = Path(name)
         with Film(folder / "film.mp4", 30.0) as film_file:
-            for number, image in enumerate(film((640, 480))):
+            for number, image in enumerate(film((640, 480), _film_file())):
                 film_file.add(image, round(number * 1e9 / 30))
         streams = {f"s{port}": {"source": "film.mp4", "port": port} for port in (4600, 4601, 4602)}
         (folder / "video.yaml").write_text(json.dumps({"host": HOST, "streams": streams}), encoding="utf-8")
@@ -267,6 +268,18 @@ def long(seconds: float, say: Callable[[str], None]) -> SectionResult:
     return SectionResult([table], (), {"seconds": len(samples), "medians_of_second_and_last_quarter": medians})
 
 
+@cache
+def _film_folder() -> TemporaryDirectory[str]:
+    """Return a folder with the scenes, which is removed at the end of the program."""
+    folder = TemporaryDirectory(prefix="roverlink-film-")
+    draw_scenes(Path(folder.name) / "scenes.npy")
+    return folder
+
+
+def _film_file() -> Path:
+    return Path(_film_folder().name) / "scenes.npy"
+
+
 @contextmanager
 def _program(words: Sequence[str]) -> Iterator[subprocess.Popen[str]]:
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:  # noqa: S603
@@ -283,7 +296,7 @@ def _memory(process: subprocess.Popen[str]) -> float:
 
 
 def _popen(job: str, kind: str, port: int, seconds: float, **options: Any) -> subprocess.Popen[str]:
-    words = [*_TOOLS, job, kind, "--port", str(port), "--seconds", str(seconds)]
+    words = [*_TOOLS, job, kind, "--port", str(port), "--seconds", str(seconds), "--film", str(_film_file())]
     for name, value in options.items():
         words += [f"--{name.replace('_', '-')}", *(map(str, value) if isinstance(value, tuple) else (str(value),))]
     return subprocess.Popen(words, stdout=subprocess.PIPE, text=True)  # noqa: S603  # our own program

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from pathlib import Path
 
 import numpy as np
 
@@ -15,10 +15,14 @@ _CELL = 16  # pixels: one macroblock, which survives the compression
 _SCENES = 45
 
 
-@cache
-def film(size: tuple[int, int]) -> tuple[Image, ...]:
-    """Return the images of a camera that moves along a panel and back again, of a size (width, height)."""
-    forth = [scene.image for scene in sequence(4, _SCENES, panel=True)]
+def draw_scenes(file: Path) -> None:
+    """Render the images of a camera that moves along a panel, and save them for `film`, since this takes seconds."""
+    np.save(file, np.stack([scene.image for scene in sequence(4, _SCENES, panel=True)]))
+
+
+def film(size: tuple[int, int], file: Path) -> tuple[Image, ...]:
+    """Return the saved images, forth and back again, of a size (width, height)."""
+    forth = list(np.load(file))
     images = forth + forth[-2:0:-1]
     return tuple(image if size == (640, 480) else cv2.resize(image, size) for image in images)
 

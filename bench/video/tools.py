@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 from contextlib import ExitStack
+from pathlib import Path
 from typing import IO, cast
 
 import numpy as np
@@ -52,7 +53,7 @@ def send(options: argparse.Namespace) -> None:
         bitrate=options.bitrate,
         pipeline=GSTREAMER if options.kind == "gstreamer" else "",
     )
-    images = film(options.size)
+    images = film(options.size, options.film)
     times: dict[int, int] = {}
     with ExitStack() as stack:
         link = stack.enter_context(PacedLink(1e3 * options.link_rate))
@@ -133,6 +134,7 @@ def _arguments(words: list[str]) -> argparse.Namespace:
     parser.add_argument("--rate", type=float, default=30.0)
     parser.add_argument("--bitrate", type=float, default=2000.0)
     parser.add_argument("--link-rate", type=float, default=20_000.0)
+    parser.add_argument("--film", type=Path, help="file of draw_scenes, for a sender")
     options = parser.parse_args(words)
     options.size = tuple(options.size)
     return options
