@@ -1,8 +1,9 @@
-"""Following of paths with a rover that drives each arc exactly."""
+"""Following of paths, with a rover that drives each arc exactly, and with one that slips."""
 
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -11,7 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from roverlink.driving.arcs import Arc, PlanarPose
+from roverlink.driving.board_commands import STOP, DrivingBoard
+from roverlink.driving.drive_control import DriveControl, DriveSettings, Localization
 from roverlink.driving.path_following import Ending, PathFollower, Point
+from roverlink.driving.rover_model import RoverModel, RoverSettings
 
 _LOOKAHEAD, _RADIUS, _TOLERANCE, _STEP = 0.8, 0.5, 0.1, 0.04
 
@@ -87,6 +91,34 @@ def test_a_goal_inside_of_the_smallest_turn_is_missed() -> None:
 def test_points_that_repeat_do_not_matter() -> None:
     """Planners may give a position twice."""
     assert _follow([(0.0, 0.0), (0.0, 0.0), (2.0, 0.0), (2.0, 0.0)], PlanarPose())[0] is Ending.REACHED
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_rover_that_slips_follows_a_path(seed: int) -> None:
+    """The poses are noisy and 100 ms late, and one command in twenty is lost."""
+    board = DrivingBoard(smallest_radius=0.5, reverses=False)
+    model = RoverModel(seed, RoverSettings(board=board, slip=0.05))
+    settings = DriveSettings(board)
+    control = DriveControl(lambda: settings, lambda _: None)
+    rng = random.Random(seed)  # noqa: S311  # repeatable, not secret
+    points = [(step / 10, math.sin(step / 10)) for step in range(100)]
+    now, poses, speeds = 10**12, [model.pose] * 2, [0.0] * 2
+    control.set_mode(True, now)
+    control.follow(points, "map", now)
+    for _ in range(1200):
+        now += 50_000_000
+        control.set_mode(True, now)
+        pose = poses[-2] @ PlanarPose(rng.gauss(0, 0.03), rng.gauss(0, 0.03), rng.gauss(0, 0.02))
+        control.localize(Localization(pose, "map", now - 100_000_000, 0.05, speeds[-2]), now)
+        command = control.step(now)
+        if command is not None and (command == STOP or rng.random() > 0.05):
+            model.command(command)
+        model.advance(0.05)
+        poses.append(model.pose)
+        speeds.append(model.velocity)
+    assert control.status.reason.startswith("the end of the path is reached")
+    assert math.dist((model.pose.x, model.pose.y), points[-1]) < 0.2
+    assert max(_beside(pose, points) for pose in poses) < 0.3
 
 
 @pytest.mark.parametrize("points", [[], [(0.0, math.nan)], [(0.0, 0.0), (math.inf, 0.0)]])
