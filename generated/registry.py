@@ -27,6 +27,7 @@ from generated.serializers.imu_info import FastImuInfoHandler
 from generated.serializers.imu_mag_topic import FastImuMagTopic
 from generated.serializers.load_cell_info import FastLoadCellInfoHandler
 from generated.serializers.object_selection import FastObjectSelectionHandler
+from generated.serializers.odometry_global_topic import FastOdometryGlobalTopic
 from generated.serializers.ph_info import FastPhInfoHandler
 from generated.serializers.ph_temperature_topic import FastPhTemperatureTopic
 from generated.serializers.pressure_fluid_pressure_topic import (
@@ -89,6 +90,7 @@ REGISTRY = Registry(
         FastImuMagTopic(),
         FastPressureFluidPressureTopic(),
         FastPressureTemperatureTopic(),
+        FastOdometryGlobalTopic(),
     ),
-    fingerprint="46bd19fec3d70d1b796c85c726b248c0973dab7d77153d6130bb2cb6bd7bfc41",
+    fingerprint="504e342d7638838b4c5ece4f5a036b1f3dac5b20c12f4ba777f14a3acdd16ea2",
 )

@@ -62,6 +62,8 @@ class GpsFixTopic(
             latitude=payload.latitude,
             longitude=payload.longitude,
             altitude=payload.altitude,
+            position_covariance=[6.25, 0.0, 0.0, 0.0, 6.25, 0.0, 0.0, 0.0, 25.0],
+            position_covariance_type=sensor_msgs.NavSatFix.COVARIANCE_TYPE_APPROXIMATED,
         )
 
     @staticmethod

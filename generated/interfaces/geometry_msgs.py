@@ -4,9 +4,22 @@
 
 from __future__ import annotations
 
-from roverlink.runtime.interfaces.geometry_msgs import Quaternion, Vector3
+from roverlink.runtime.interfaces.geometry_msgs import (
+    Point,
+    Pose,
+    PoseWithCovariance,
+    Quaternion,
+    Twist,
+    TwistWithCovariance,
+    Vector3,
+)
 
 __all__ = [
+    "Point",
+    "Pose",
+    "PoseWithCovariance",
     "Quaternion",
+    "Twist",
+    "TwistWithCovariance",
     "Vector3",
 ]

@@ -20,6 +20,8 @@ _SERIALIZED = cdr.template(
     sensor_msgs.NavSatFix(
         header=std_msgs.Header(frame_id="gps_link"),
         status=sensor_msgs.NavSatStatus(service=sensor_msgs.NavSatStatus.SERVICE_GPS),
+        position_covariance=[6.25, 0.0, 0.0, 0.0, 6.25, 0.0, 0.0, 0.0, 25.0],
+        position_covariance_type=sensor_msgs.NavSatFix.COVARIANCE_TYPE_APPROXIMATED,
     ),
     [
         "header.stamp",

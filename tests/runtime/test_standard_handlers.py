@@ -50,13 +50,20 @@ def _fix(message: Any, payload: dict[str, Any]) -> None:
     assert (message.latitude, message.longitude) == (payload["latitude"], payload["longitude"])
     assert message.altitude == payload["altitude"]
     assert message.status.status == [-1, 0, 1, 0, 2, 2][payload["fix_quality"]]
-    assert (message.status.service, message.position_covariance_type) == (1, 0)
+    assert (message.status.service, message.position_covariance_type) == (1, 1)
+    assert list(message.position_covariance) == [6.25, 0, 0, 0, 6.25, 0, 0, 0, 25]
 
 
 def _pressure(message: Any, payload: dict[str, Any]) -> None:
     """A kilopascal is 1000 pascal."""
     _close(message.fluid_pressure, payload["pressure_kpa"] * 1000)
     assert message.variance == 0
+
+
+def _position(message: Any, payload: dict[str, Any]) -> None:
+    """The position is in metres on both sides."""
+    position = message.pose.pose.position
+    assert (position.x, position.y, position.z) == (payload["x"], payload["y"], payload["z"])
 
 
 def _celsius(field: str) -> Callable[[Any, dict[str, Any]], None]:
@@ -74,6 +81,7 @@ _CHECKS: dict[str, tuple[str, Callable[[Any, dict[str, Any]], None]]] = {
     "pressure/fluid_pressure": ("pressure_link", _pressure),
     "pressure/temperature": ("pressure_link", _celsius("temperature_c")),
     "ph/temperature": ("ph_link", _celsius("temperature")),
+    "odometry/global": ("map", _position),
 }
 
 

@@ -1,0 +1,82 @@
+"""navigation/config/ekf.yaml: its topics are those of this project, and its matrices and frames are complete."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from generated.registry import REGISTRY
+from roverlink.driving.rover_sensors import GpsSettings
+
+_NODES: dict[str, dict[str, Any]] = {
+    name.removeprefix("/**/"): node["ros__parameters"]
+    for name, node in yaml.safe_load(
+        (Path(__file__).parents[2] / "navigation" / "config" / "ekf.yaml").read_text(encoding="utf-8")
+    ).items()
+}
+_FILTERS = ("ekf_filter_node_odom", "ekf_filter_node_map")
+_STATES = 15
+
+
+def _inputs(name: str) -> dict[str, str]:
+    """The inputs of a filter by their parameters, such as odom0."""
+    return {key: value for key, value in _NODES[name].items() if key[:-1] in ("odom", "pose", "twist", "imu")}
+
+
+@pytest.mark.parametrize("name", _FILTERS)
+def test_each_input_has_a_matrix_and_the_numbers_have_no_gap(name: str) -> None:
+    """A filter ignores an input after a gap in the numbers, and one without a matrix."""
+    inputs, parameters = _inputs(name), _NODES[name]
+    for kind in {key[:-1] for key in inputs}:
+        numbers = sorted(int(key[-1]) for key in inputs if key[:-1] == kind)
+        assert numbers == list(range(len(numbers)))
+    for key in inputs:
+        matrix = parameters[f"{key}_config"]
+        assert len(matrix) == _STATES
+        assert all(type(one) is bool for one in matrix)
+        assert any(matrix)
+    for key in ("process_noise_covariance", "initial_estimate_covariance"):
+        if key in parameters:
+            assert len(parameters[key]) == _STATES**2
+            assert all(type(value) is float for value in parameters[key])
+
+
+def test_the_filters_share_their_frames_and_publish_different_transforms() -> None:
+    """REP 105: one publishes odom -> base_link, the other one map -> odom."""
+    odom, map_ = (_NODES[name] for name in _FILTERS)
+    frames = ("map_frame", "odom_frame", "base_link_frame")
+    assert [odom[one] for one in frames] == [map_[one] for one in frames] == ["map", "odom", "base_link"]
+    assert (odom["world_frame"], map_["world_frame"]) == ("odom", "map")
+    assert odom["publish_tf"]
+    assert map_["publish_tf"]
+
+
+def test_the_topics_are_those_of_this_project() -> None:
+    """The global inputs go to the filter in the frame map alone; both get the same velocities."""
+    odom, map_ = (_inputs(name) for name in _FILTERS)
+    assert set(odom.values()) == {"odometry/wheel", "visual_odometry", "camera/imu/data"}
+    assert set(map_.values()) - set(odom.values()) == {"aruco/pose", "odometry/gps"}
+    assert odom.items() <= map_.items()
+    (extra,) = [one for one in REGISTRY.extra_topics if one.route.name == "rover_localization"]
+    assert extra.route.topic == "odometry/global"
+
+
+@pytest.mark.parametrize("name", _FILTERS)
+def test_no_pose_is_fused_from_odometry_and_no_velocity_from_poses(name: str) -> None:
+    """The pose of wheels and images drifts; poses of markers and GPS are absolute, and tell no velocity."""
+    parameters = _NODES[name]
+    for key, topic in _inputs(name).items():
+        matrix = parameters[f"{key}_config"]
+        absolute = topic in ("aruco/pose", "odometry/gps")
+        assert any(matrix[:6]) == absolute
+        assert any(matrix[6:]) != absolute
+
+
+def test_the_datum_is_that_of_the_simulated_rover() -> None:
+    """So the file works with `roverlink simulate --rover`."""
+    datum = GpsSettings().datum
+    assert _NODES["navsat_transform"]["datum"] == [datum.latitude, datum.longitude, 0.0]
+    assert _NODES["navsat_transform"]["wait_for_datum"]
