@@ -10,7 +10,7 @@ import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from rich.console import Console
 from rich.live import Live
@@ -34,6 +34,7 @@ from roverlink.simulation.simulated_keys import make_throw_away_keys
 if TYPE_CHECKING:
     from roverlink.demo.camera_program import CameraProgram
     from roverlink.demo.camera_stream import CameraStream
+    from roverlink.demo.marker_camera import MarkerCamera
 
 _RATE_HZ = 20.0
 _TICK_S = 0.01
@@ -54,7 +55,7 @@ def add(commands: Subparsers) -> None:
         "roverlink does without a rover. No message leaves this computer. If OpenCV is installed, a simulated camera\n"
         "computes the position of the rover from rendered images of markers. With ONNX Runtime, another one detects\n"
         "the parts of a rendered panel. With PyAV, a page in the browser shows the video of the first camera, as it\n"
-        "arrives at the basestation.\n\n"
+        "arrives at the basestation, and a map with the true and the estimated path of the rover.\n\n"
         "The live table has a row for each message of mapping.yaml: its number, its direction, messages a second,\n"
         "messages since the start, and the last value. The last lines say how many of these messages were bridged,\n"
         "and what the bridge counted. Exit code 0: each message of mapping.yaml was bridged at least once; 1: one or\n"
@@ -83,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     console = Console()
     with contextlib.ExitStack() as stack:
         cameras = list(_cameras(console, project, arguments.middleware, stack))
-        stream = _stream(console, cameras[0], stack) if cameras else None
+        stream = _stream(console, cast("MarkerCamera", cameras[0]), stack) if cameras else None
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="roverlink-demo-")))
         keys = make_throw_away_keys(registry, folder)
         peers = {peer.name: stack.enter_context(_on_loopback(peer.name, registry, keys)) for peer in registry.peers}
@@ -131,18 +132,22 @@ def _cameras(console: Console, project: Path, middleware: str, stack: contextlib
         console.print(f"running without a camera: {error}", soft_wrap=True, markup=False)
 
 
-def _stream(console: Console, camera: CameraProgram, stack: contextlib.ExitStack) -> CameraStream | None:
-    """Start the video of a camera and the page that shows it; without PyAV, the user is told what is missing."""
+def _stream(console: Console, camera: MarkerCamera, stack: contextlib.ExitStack) -> CameraStream | None:
+    """Start the video of a camera, and the page that shows it and the path of the rover.
+
+    Without PyAV, the user is told what is missing.
+    """
     try:
         from roverlink.demo.camera_stream import CameraStream
-        from roverlink.demo.demo_page import DemoHandler
+        from roverlink.demo.demo_page import demo_handler
         from roverlink.video.video_page import StreamsServer
     except SetupError as error:
         console.print(f"running without video: {error}", soft_wrap=True, markup=False)
         return None
     stream = stack.enter_context(CameraStream(camera.frames, _VIDEO_HZ))
-    page = stack.enter_context(StreamsServer("127.0.0.1", 0, {stream.received.name: stream.received}, DemoHandler))
-    console.print(f"page with the video of the camera: {page.url}", soft_wrap=True)
+    streams = {stream.received.name: stream.received}
+    page = stack.enter_context(StreamsServer("127.0.0.1", 0, streams, demo_handler(camera.driven)))
+    console.print(f"page with the video of the camera and the path of the rover: {page.url}", soft_wrap=True)
     return stream
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from roverlink.demo.camera_program import CameraProgram
+from roverlink.demo.driven_path import DrivenPath, Point
 from roverlink.demo.field import SIDE, landmarks, render_film, rover_position, write_cameras, write_field
 from roverlink.runtime import Registry
 from roverlink.runtime.middleware import Middleware
@@ -29,6 +30,8 @@ class MarkerCamera(CameraProgram):
     def __init__(self, project: Path, middleware: str) -> None:
         """Render the film, write the files for the child process, and prepare its command line."""
         self._film = render_film()
+        self.driven = DrivenPath({str(name): _on_map(one.pose.translation) for name, one in landmarks().places.items()})
+        """True path of the rover, and the one that the child process computes."""
         self._publish_position: Callable[[Floats], None] = lambda _: None
         self._frames = 0
         self._worst = 0.0
@@ -63,5 +66,10 @@ class MarkerCamera(CameraProgram):
         place = np.array(view["rover"]["position"])
         self._publish_position(place)
         truth = rover_position(self._film.truth[view["frame"] % len(self._film.truth)])
+        self.driven.add(_on_map(truth), _on_map(place))
         self._worst = max(self._worst, float(np.linalg.norm(place - truth)))
         self._frames += 1
+
+
+def _on_map(position: Floats) -> Point:
+    return float(position[0]), float(position[1])

@@ -79,17 +79,28 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not importlib.util.find_spec("av"), reason=NO_AV)
-def test_the_page_shows_the_video_of_the_camera(start: Start) -> None:
-    """As it arrives; the page marks it as old when the demo has ended."""
+def test_the_page_shows_the_video_of_the_camera_and_the_path_of_the_rover(start: Start) -> None:
+    """The video as it arrives, marked as old when the demo has ended; the true path, the estimated one, landmarks."""
     from tests.vision.browsing import visiting  # it needs OpenCV
 
     demo = start("demo", "--seconds", 60, "--middleware", "memory")
-    url = demo.wait_for("page with the video of the camera: http", demo.output).rpartition(": ")[2]
+    url = demo.wait_for("page with the video of the camera and the path of the rover: http", demo.output).rpartition(
+        ": "
+    )[2]
     with visiting() as visitor:
         visitor.open(url)
         camera = 'section[aria-label="camera"]'
         visitor.until(lambda: visitor.count(camera) and "images/s" in visitor.text(camera))
         visitor.until(lambda: visitor.run(f"return document.querySelector('{camera} img').naturalWidth") == 640)
+        visitor.until(lambda: "mm beside the truth" in visitor.text("#map-note"))
+        assert float(visitor.text("#map-note").split("is ")[1].split(" mm")[0]) <= 10
+        for path in ("true", "estimated"):  # of a circle with the radius 0.3 m
+            box = (
+                f"const box = document.querySelector('#map .{path}').getBBox(); return Math.max(box.width, box.height)"
+            )
+            visitor.until(lambda box=box: visitor.run(box) > 0.5)
+            assert visitor.run(box) < 0.65
+        assert visitor.count("#map .landmark") == 4
         assert visitor.complaints() == []
         demo.interrupt()
         visitor.until(lambda: "NO CONNECTION" in visitor.text("#connection"))
