@@ -44,6 +44,7 @@ COMMANDS = (
     "odometry",
     "check-launch",
     "mission",
+    "fuse",
     "demo",
 )
 """Names of all commands, in the order in which ``roverlink --help`` lists them."""

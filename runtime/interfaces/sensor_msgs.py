@@ -6,7 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from roverlink.runtime.core.messages import Bool, Float64, Length, Message, UInt8, UInt32
+from roverlink.runtime.core.messages import Bool, Float64, Int8, Length, Message, UInt8, UInt16, UInt32
 from roverlink.runtime.interfaces import geometry_msgs, std_msgs
 
 
@@ -88,3 +88,44 @@ class Imu(Message):
     linear_acceleration_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(
         default_factory=lambda: [0.0] * 9
     )
+
+
+@dataclass(slots=True)
+class NavSatStatus(Message):
+    """ROS 2 message sensor_msgs/msg/NavSatStatus."""
+
+    __msgtype__: ClassVar[str] = "sensor_msgs/msg/NavSatStatus"
+
+    STATUS_UNKNOWN: ClassVar[int] = -2
+    STATUS_NO_FIX: ClassVar[int] = -1
+    STATUS_FIX: ClassVar[int] = 0
+    STATUS_SBAS_FIX: ClassVar[int] = 1
+    STATUS_GBAS_FIX: ClassVar[int] = 2
+    SERVICE_UNKNOWN: ClassVar[int] = 0
+    SERVICE_GPS: ClassVar[int] = 1
+    SERVICE_GLONASS: ClassVar[int] = 2
+    SERVICE_COMPASS: ClassVar[int] = 4
+    SERVICE_GALILEO: ClassVar[int] = 8
+
+    status: Int8 = 0
+    service: UInt16 = 0
+
+
+@dataclass(slots=True)
+class NavSatFix(Message):
+    """ROS 2 message sensor_msgs/msg/NavSatFix."""
+
+    __msgtype__: ClassVar[str] = "sensor_msgs/msg/NavSatFix"
+
+    COVARIANCE_TYPE_UNKNOWN: ClassVar[int] = 0
+    COVARIANCE_TYPE_APPROXIMATED: ClassVar[int] = 1
+    COVARIANCE_TYPE_DIAGONAL_KNOWN: ClassVar[int] = 2
+    COVARIANCE_TYPE_KNOWN: ClassVar[int] = 3
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    status: NavSatStatus = dataclasses.field(default_factory=NavSatStatus)
+    latitude: Float64 = 0.0
+    longitude: Float64 = 0.0
+    altitude: Float64 = 0.0
+    position_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(default_factory=lambda: [0.0] * 9)
+    position_covariance_type: UInt8 = 0

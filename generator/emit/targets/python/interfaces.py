@@ -28,6 +28,7 @@ OF_THE_RUNTIME = frozenset(
         *(f"geometry_msgs/msg/{name}" for name in ("Twist", "TwistStamped", "TwistWithCovariance")),
         *(f"nav_msgs/msg/{name}" for name in ("Odometry", "Path")),
         *(f"sensor_msgs/msg/{name}" for name in ("CameraInfo", "CompressedImage", "Image", "RegionOfInterest")),
+        *(f"sensor_msgs/msg/{name}" for name in ("Imu", "NavSatFix", "NavSatStatus")),
         *(f"std_msgs/msg/{name}" for name in ("Header", "String")),
         "tf2_msgs/msg/TFMessage",
     }
