@@ -24,6 +24,7 @@ from roverlink.launch_check.catalogue.facts import (
     Package,
     Parameter,
     Source,
+    Transform,
 )
 
 PACKAGE = "rtt_slam"
@@ -46,6 +47,7 @@ class _Program:
     """Module and variable with the types of the parameters; None if the node has none of its own."""
     prefix: str = ""
     """Beginning of the parameters' names."""
+    transforms: tuple[Transform, ...] = ()
     takes_images: bool = False
     """True if the first argument may be ``topic:NAME``, a topic with images."""
 
@@ -58,6 +60,11 @@ _PROGRAMS: Mapping[str, _Program] = {
     ),
     "drive": _Program(("drive/driving.py",), ("drive/drive_parameters.py", "PARAMETERS")),
     "mission_run": _Program(("mission/mission_running.py",)),
+    "odometry": _Program(
+        ("odometry/wheel_odometry_node.py",),
+        ("odometry/odometry_parameters.py", "PARAMETERS"),
+        transforms=(Transform("$(odom_frame)", "$(base_frame)", "$(publish_tf)"),),
+    ),
     "objects_select": _Program(("objects/selecting.py",)),
     "objects_track": _Program(("objects/object_tracking.py",), takes_images=True),
     "video_send": _Program((), ("video/stream_parameters.py", "_DESCRIPTIONS"), "{*}.", takes_images=True),
@@ -117,6 +124,7 @@ def _node(name: str, program: _Program, rows: Mapping[str, Row], package: str) -
         default_name=_constant(_HERE / "commands" / f"{name.replace('_', '/')}.py", "NODE"),
         parameters=parameters,
         endpoints=tuple(endpoints),
+        transforms=program.transforms,
         arguments=arguments,
     )
 
@@ -169,7 +177,10 @@ def _parameters(module: str, variable: str) -> Iterator[tuple[str, Parameter]]:
         if named and isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(node.value, ast.Dict):
             for key, value in zip(node.value.keys, node.value.values, strict=True):
                 if isinstance(key, ast.Constant) and isinstance(value, ast.Tuple):
-                    yield str(key.value), Parameter(_type_of(value, constants))
+                    first = value.elts[0] if len(value.elts) > 2 else None  # the default, if there is one
+                    given = first.value if isinstance(first, ast.Constant) else None
+                    default = given if isinstance(given, str | int | float) else None
+                    yield str(key.value), Parameter(_type_of(value, constants), default)
 
 
 def _type_of(value: ast.Tuple, constants: Mapping[str, str]) -> str:

@@ -20,6 +20,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--distribution", required=True, choices=DISTRIBUTIONS)
     parser.add_argument("sources", nargs="+", type=Path, help="git checkouts, each at the version for the distribution")
+    parser.add_argument("--output", type=Path, help="file to write (default: the catalogue in this package)")
     arguments = parser.parse_args()
     supplement = read_supplement()
     assembler = Assembler((_checkout(folder) for folder in arguments.sources), supplement)
@@ -29,7 +30,7 @@ def main() -> int:
         if package in supplement.launch_files
     }
     catalogue = assembler.catalogue(arguments.distribution, launch_files)
-    write_whole(file_of(arguments.distribution), text_of(catalogue).encode())
+    write_whole(arguments.output or file_of(arguments.distribution), text_of(catalogue).encode())
     for one in sorted(assembler.unexplained):
         print(f"not explained: {one}", file=sys.stderr)
     print(f"{len(catalogue.packages)} packages, {len(catalogue.classes)} classes, {len(catalogue.plugins)} plugins")

@@ -349,7 +349,7 @@ def _slot(stated: Mapping[str, Any]) -> PluginSlot:
 def _with_stated(endpoints: Iterable[Endpoint], stated: Iterable[Mapping[str, str]]) -> tuple[Endpoint, ...]:
     """Add what the supplement states about topics: whole topics, or conditions of those that the sources have."""
     found = {(one.kind, one.name, one.type): one for one in endpoints if one.type or one.kind != "publisher"}
-    for one in stated:
+    for one in reversed(list(stated)):  # what is stated about the class itself comes first, and has the last word
         key = {
             (kind, name, type_)
             for kind, name, type_ in found

@@ -146,7 +146,8 @@ def _once(findings: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     seen: set[tuple[object, ...]] = set()
     for one in sorted(findings, key=lambda one: not one.help):  # the first one stays: one that says what to write
         family = one.rule.id if one.rule.id not in ("PAR101", "PAR102") else "PAR"
-        text = "" if family == "PAR" or one.rule is OUTSIDE else one.message.partition(" (with ")[0]
+        is_one = family in ("PAR", "TOP101") or one.rule is OUTSIDE  # whatever the names of the nodes are
+        text = "" if is_one else one.message.partition(" (with ")[0]
         key = (family, one.span, text) if one.span.line else (family, one.span, one.message)
         if key not in seen:
             seen.add(key)

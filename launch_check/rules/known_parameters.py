@@ -119,7 +119,7 @@ class ParameterView:
 
         def replaced(match: re.Match[str]) -> str:
             value = self.value(prefix + match[1])
-            values[f"value{len(values)}"] = value if value is not UNKNOWN else _Unknown()
+            values[f"value{len(values)}"] = _Unknown() if value is UNKNOWN else "" if value is None else value
             return f"value{len(values) - 1}"
 
         try:

@@ -69,7 +69,8 @@ def topic_findings(
         yield from _of_qos(connections)
     for topic, connections in topics.items():
         for one, kind in _wanting(topic, connections, variants):
-            yield _missing(topic, one, kind, topics, known, system, is_closed)
+            if finding := _missing(topic, one, kind, topics, known, system, is_closed):
+                yield finding
 
 
 def _topics(system: System) -> dict[str, list[Connection]]:
@@ -154,7 +155,7 @@ def _missing(
     known: Iterable[tuple[str, str]],
     system: System,
     is_closed: bool,
-) -> Diagnostic:
+) -> Diagnostic | None:
     is_reader = kind == "publisher"
     rule = NO_PUBLISHER if is_reader else NO_SUBSCRIBER
     verb, nobody = ("subscribes to", "nothing publishes it") if is_reader else ("publishes", "nothing subscribes to it")
@@ -169,6 +170,8 @@ def _missing(
     candidates = [name for name in fitting if one.is_named or not _has_both(topics[name]) or fitting[name].is_named]
     similar = get_close_matches(topic, candidates, 3, _SIMILAR)
     near = [name for name in similar if _is_misspelling(topic, name, one.is_named or fitting[name].is_named)]
+    if not is_reader and not one.is_needed and not is_closed and not any(_has_both(topics[name]) for name in near):
+        return None  # nobody needs to hear it, or the subscriber that does is reported
     if near:
         end = fitting[near[0]]
         also = [(span(end.place), f"{end.node.name} has '{near[0]}'")]

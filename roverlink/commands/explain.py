@@ -11,6 +11,7 @@ from roverlink.console import FINDINGS, OK, Subparsers, add_table, command, tabl
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Rule
 from roverlink.generator.rule_catalogue import rules as all_rules
+from roverlink.launch_check.rules.launch_rules import launch_rules
 from roverlink.runtime.core.errors import SetupError, nearest
 
 
@@ -24,8 +25,8 @@ def add(commands: Subparsers) -> None:
         "Show all facts about a row of mapping.yaml: its sizes, the conversion of each field, its topic, its\n"
         "peers, and the bytes of an example. ROW is the row's name, number, topic or message. Use it to see how a\n"
         "protobuf message becomes a ROS 2 message, or to compare the bytes with those of a board.\n\n"
-        "With the ID of a rule of `roverlink lint`, such as ENV101, show the rule's documentation: what the rule\n"
-        "finds, why that is a problem, and how to solve it.",
+        "With the ID of a rule of `roverlink lint` or `roverlink check-launch`, such as ENV101, show the rule's\n"
+        "documentation: what the rule finds, why that is a problem, and how to solve it.",
     )
     parser.add_argument(
         "what", nargs="?", metavar="ROW|ID", help="a row, or the ID of a rule (default: list all rules)"
@@ -40,7 +41,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the facts about a row, or the documentation of a rule, or without an argument one line for each rule."""
-    rules = all_rules()
+    rules = {**all_rules(), **launch_rules()}
     if arguments.what is None:
         for rule in rules.values():
             print(f"{rule.id} {rule.severity.value:<8} {rule.name}")

@@ -1,4 +1,12 @@
-"""Implementation of ``roverlink objects track``: reads frames, and writes objects to ROS 2, JSON and a video."""
+"""Implementation of ``roverlink objects track``: reads frames, and writes objects to ROS 2, JSON and a video.
+
+| topic                     | type                         | content                                                |
+|---------------------------|------------------------------|--------------------------------------------------------|
+| objects/detections        | vision_msgs/Detection2DArray | objects in the image                                   |
+| objects/detections_3d     | vision_msgs/Detection3DArray | positions of those with a depth, in the camera's frame |
+| objects/image/compressed  | sensor_msgs/CompressedImage  | the frame with the objects drawn into it               |
+| detected_object           | message of the row           | objects for the basestation                            |
+"""
 
 from __future__ import annotations
 

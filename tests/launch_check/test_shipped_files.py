@@ -1,0 +1,170 @@
+"""The launch files of this repository: they pass the check, and it finds every mistake that is put into them."""
+
+from __future__ import annotations
+
+import random
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+
+from roverlink.launch_check.catalogue.catalogue_files import read_catalogue
+from roverlink.launch_check.catalogue.facts import Catalogue
+from roverlink.launch_check.rules.checking import Checker
+from roverlink.own_programs import with_own_programs
+
+_ROOT = Path(__file__).parents[2]
+_LAUNCH_FILES = {
+    "navigation/config/camera_realsense.yaml": "navigation/launch/camera_launch.yaml",
+    "navigation/config/drive.yaml": "navigation/launch/navigation_launch.yaml",
+    "navigation/config/ekf.yaml": "navigation/launch/localization_launch.yaml",
+    "navigation/config/imu_filter.yaml": "navigation/launch/rtabmap_launch.yaml",
+    "navigation/config/navigation.yaml": "navigation/launch/navigation_launch.yaml",
+    "navigation/config/rtabmap.yaml": "navigation/launch/rtabmap_launch.yaml",
+    "generated/ros/comms/config/udp.yaml": "generated/ros/comms/launch/comms_launch.yaml",
+}
+"""Launch file that uses a parameter file."""
+_WHOLE = "navigation/launch/slam.launch.py"
+_TOPICS = (
+    r"from: ([\w/]+), to: ([\w/]+)\}",
+    r"topic:([\w/]+) ",
+    r"(?:odom_topic|costmap_topic|footprint_topic|odom\d|imu\d|pose\d): ([\w/]+)$",
+)
+_OF_ALL = ("tf", "tf_static", "/tf", "/tf_static")
+
+Findings = set[tuple[str, str, int, str]]
+
+
+class Project:
+    """A copy of the launch files, which tests may spoil."""
+
+    def __init__(self, folder: Path, catalogue: Catalogue) -> None:
+        self.folder, self._catalogue = folder, catalogue
+
+    def findings(self, launch_file: str, complete: bool = False) -> Findings:
+        """Return rule, file, line and message of all findings that are no hints."""
+        checker = Checker(self._catalogue, [self.folder], complete)
+        found = checker.check([self.folder / launch_file], {}).findings
+        return {
+            (one.rule.id, one.span.file, one.span.line, one.message) for one in found if one.severity.value != "hint"
+        }
+
+    def spoiled(self, file: str, start: int, end: int, new: str, launch_file: str, complete: bool) -> Findings:
+        """Return the findings that a change of one text in a file adds."""
+        path = self.folder / file
+        text, before = path.read_text(encoding="utf-8"), self.findings(launch_file, complete)
+        path.write_text(text[:start] + new + text[end:], encoding="utf-8")
+        try:
+            return self.findings(launch_file, complete) - before
+        finally:
+            path.write_text(text, encoding="utf-8")
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Project:
+    """A copy of the project's launch files and table."""
+    for name in ("navigation", "generated/ros"):
+        shutil.copytree(_ROOT / name, tmp_path / name)
+    shutil.copy(_ROOT / "mapping.yaml", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return Project(tmp_path, with_own_programs(read_catalogue("humble"), tmp_path / "mapping.yaml"))
+
+
+@pytest.mark.parametrize(
+    "launch_file",
+    sorted(
+        path.relative_to(_ROOT).as_posix()
+        for folder in ("navigation/launch", "generated/ros/comms/launch")
+        for path in (_ROOT / folder).iterdir()
+        if path.name not in ("slam.launch.py", "slam_launch.yaml")  # checked below, as the whole rover
+    ),
+)
+def test_shipped_launch_files_pass(launch_file: str, project: Project) -> None:
+    """The launch files of this repository have no findings, whatever their arguments are."""
+    assert project.findings(launch_file) == set()
+
+
+def test_the_whole_rover_is_complete(project: Project) -> None:
+    """From the camera to the driving board, no topic and no frame is missing, and none comes from two nodes."""
+    assert project.findings(_WHOLE, complete=True) == set()
+
+
+def _keys(project: Project) -> list[tuple[str, int, int, str]]:
+    """Return file, start, end and text of each key of a parameter, and of each name of a node."""
+
+    def walk(node: yaml.Node, in_parameters: bool) -> Iterator[yaml.ScalarNode]:
+        for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
+            if key.value == "ros__parameters":
+                yield from walk(value, True)
+            else:
+                if key.value != "/**":
+                    yield key
+                yield from walk(value, in_parameters)
+
+    return [
+        (file, key.start_mark.index, key.end_mark.index, key.value)
+        for file in _LAUNCH_FILES
+        for key in walk(yaml.compose((project.folder / file).read_text(encoding="utf-8")), False)
+    ]
+
+
+def _edited(text: str, at: int, kind: int) -> str:
+    """Return a text with one letter left out, replaced, inserted, or swapped with the next one."""
+    other = "x" if text[at] != "x" else "y"
+    return (
+        text[:at] + text[at + 1 :],
+        text[:at] + other + text[at + 1 :],
+        text[:at] + "q" + text[at:],
+        text[:at] + text[at + 1 : at + 2] + text[at] + text[at + 2 :],
+    )[kind]
+
+
+def _spoiled_keys(project: Project, count: int | None) -> list[str]:
+    """Change one letter of keys, and return the changes that are not found; ``count`` limits their number."""
+    chosen = random.Random(25)  # noqa: S311  # no secret: the same letters in each run
+    keys = _keys(project)
+    names = {text for _, _, _, text in keys} | {"decel_lim_y", "acc_lim_y", "max_vel_y", "min_vel_y"}
+    missed = []
+    for file, start, end, text in keys if count is None else chosen.sample(keys, count):
+        first = len("/**/") if text.startswith("/**/") else 0
+        new = _edited(text, chosen.randrange(first, len(text)), chosen.randrange(4))
+        while new in names or new.strip("/") == text.strip("/"):  # it is a key, too
+            new = _edited(text, chosen.randrange(first, len(text)), chosen.randrange(4))
+        if not project.spoiled(file, start, end, new, _LAUNCH_FILES[file], complete=False):
+            missed.append(f"{file}: {text} -> {new}")
+    return missed
+
+
+def test_misspelt_keys_are_found(project: Project) -> None:
+    """Some keys with one wrong letter each give a finding."""
+    assert _spoiled_keys(project, 3) == []
+
+
+@pytest.mark.slow
+def test_every_misspelt_key_is_found(project: Project) -> None:
+    """Each key of each shipped parameter file, with one wrong letter, gives a finding."""
+    assert _spoiled_keys(project, None) == []
+
+
+@pytest.mark.slow
+def test_every_renamed_topic_is_found(project: Project) -> None:
+    """Each topic in the launch files and configurations of the rover, with another name, gives a finding."""
+    places = [
+        (path.relative_to(project.folder).as_posix(), *match.span(group), match[group])
+        for folder in ("launch", "config")
+        for path in sorted((project.folder / "navigation" / folder).iterdir())
+        for pattern in _TOPICS
+        for match in re.finditer(pattern, path.read_text(encoding="utf-8"), re.MULTILINE)
+        for group in range(1, match.re.groups + 1)
+        # A topic below the node's own name leads to nowhere on purpose, whatever its name is.
+        if match[group] not in _OF_ALL and not match[group].startswith("rtabmap/")
+    ]
+    missed = []
+    for file, start, end, text in places:
+        for new in (f"{text}x", "other/name"):
+            if not project.spoiled(file, start, end, new, _WHOLE, complete=True):
+                missed.append(f"{file}: {text} -> {new}")
+    assert missed == []
