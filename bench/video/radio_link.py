@@ -14,6 +14,7 @@ from collections.abc import Sequence
 HOST = "127.0.0.1"
 _QUEUE = 64_000
 """Bytes that wait at most; a radio with a short queue drops them instead."""
+_HEADERS = 28  # bytes of IP and UDP
 
 
 class _Flow:
@@ -36,9 +37,9 @@ class RadioLink:
         self._flows = [_Flow(port) for port in ports]
         self._rate, self._loss = rate, loss
         self._rng = random.Random(seed)  # noqa: S311  # repeatable, not secret
-        self._waiting: deque[tuple[bytes, socket.socket, tuple[str, int]]] = deque()
+        self._waiting: deque[tuple[float, bytes, socket.socket, tuple[str, int]]] = deque()
         self._bytes = 0
-        self._free = 0.0
+        self._free = 0.0  # time at which all before has left
         self._open = True
         self.dropped = 0
         self._thread = threading.Thread(target=self._run, daemon=True)
@@ -62,7 +63,7 @@ class RadioLink:
     def _run(self) -> None:
         by_socket = {flow.near: flow for flow in self._flows} | {flow.far: flow for flow in self._flows}
         while self._open:
-            wait = 0.1 if not self._waiting else max(self._free - time.monotonic(), 0)
+            wait = 0.1 if not self._waiting else max(self._waiting[0][0] - time.monotonic(), 0)
             ready, _, _ = select.select(list(by_socket), [], [], wait)
             for sock in ready:
                 self._take(sock, by_socket[sock])
@@ -77,17 +78,16 @@ class RadioLink:
             return
         out, to = (flow.far, flow.to) if sock is flow.near else (flow.near, flow.sender)
         if to is not None:
-            self._waiting.append((data, out, to))
+            # A datagram arrives when its last bit does.
+            busy = 8 * (len(data) + _HEADERS) / self._rate if self._rate else 0
+            self._free = max(self._free, time.monotonic()) + busy
+            self._waiting.append((self._free, data, out, to))
             self._bytes += len(data)
 
     def _hand_on(self) -> None:
-        """Send what the rate allows now. A datagram arrives when its last bit does."""
-        now = time.monotonic()
-        while self._waiting and (not self._rate or self._free <= now):
-            data, out, to = self._waiting.popleft()
+        """Send the datagrams that have arrived at the other end."""
+        while self._waiting and self._waiting[0][0] <= time.monotonic():
+            _, data, out, to = self._waiting.popleft()
             self._bytes -= len(data)
-            if self._rate:
-                # The link was busy with this datagram until now; the next one begins then.
-                self._free = max(self._free, now - 0.001) + 8 * (len(data) + 28) / self._rate
             with contextlib.suppress(OSError):  # nobody listens there
                 out.sendto(data, to)

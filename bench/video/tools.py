@@ -42,12 +42,11 @@ _RECEIVER = (
 
 
 def send(options: argparse.Namespace) -> None:
-    """Send the film for some seconds."""
+    """Send the film for some seconds, to each port."""
     settings = StreamSettings(
         "bench",
         "film",
         HOST,
-        options.port,
         size=options.size,
         rate=options.rate,
         bitrate=options.bitrate,
@@ -57,11 +56,12 @@ def send(options: argparse.Namespace) -> None:
     times: dict[int, int] = {}
     with ExitStack() as stack:
         link = stack.enter_context(PacedLink(1e3 * options.link_rate))
-        address = HOST, options.port
-        output: VideoOutput = (
-            GStreamerOutput(settings, address) if settings.pipeline else RtpOutput(settings, address, link)
-        )
-        stack.enter_context(output)
+        outputs: list[VideoOutput] = [
+            GStreamerOutput(settings, (HOST, port)) if settings.pipeline else RtpOutput(settings, (HOST, port), link)
+            for port in options.port
+        ]
+        for output in outputs:
+            stack.enter_context(output)
         print("ready", flush=True)
         begin, used = time.monotonic(), time.process_time()
         feeding = 0.0
@@ -72,12 +72,13 @@ def send(options: argparse.Namespace) -> None:
             image = numbered(images, number)
             feeding += time.thread_time() - before
             times[number] = time.monotonic_ns()
-            output.put(image, time.time_ns())
+            for output in outputs:
+                output.put(image, time.time_ns())
         own = time.process_time() - used - feeding
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     # Writing to the pipe is what any program would do to use GStreamer, so it counts, too.
     cpu = own + (children.ru_utime + children.ru_stime if settings.pipeline else 0)
-    print(json.dumps({"times": times, "cpu": cpu, "skipped": output.sent.skipped}))
+    print(json.dumps({"times": times, "cpu": cpu}))
 
 
 def receive(options: argparse.Namespace) -> None:
@@ -89,7 +90,7 @@ def receive(options: argparse.Namespace) -> None:
     if options.kind == "gstreamer":
         times, cpu = _gstreamer(options)
     else:
-        with RtpReceiver(HOST, options.port) as receiver:
+        with RtpReceiver(HOST, options.port[0]) as receiver:
             print("ready", flush=True)
             decoder, end, used = Decoder(), time.monotonic() + options.seconds, time.process_time()
             for unit in receiver.units():
@@ -110,7 +111,7 @@ def receive(options: argparse.Namespace) -> None:
 
 def _gstreamer(options: argparse.Namespace) -> tuple[dict[int, int], float]:
     width, height = options.size
-    words = ["gst-launch-1.0", "-q", *_RECEIVER.format(port=options.port).split()]
+    words = ["gst-launch-1.0", "-q", *_RECEIVER.format(port=options.port[0]).split()]
     times: dict[int, int] = {}
     with subprocess.Popen(words, stdout=subprocess.PIPE) as process:  # noqa: S603  # our own pipeline
         print("ready", flush=True)
@@ -127,7 +128,7 @@ def _arguments(words: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser()
     parser.add_argument("job", choices=("send", "receive"))
     parser.add_argument("kind", choices=("roverlink", "gstreamer"))
-    parser.add_argument("--port", type=int, required=True)
+    parser.add_argument("--port", type=int, nargs="+", required=True)
     parser.add_argument("--seconds", type=float, required=True)
     parser.add_argument("--first", type=int, default=0, help="number of the first image")
     parser.add_argument("--size", type=int, nargs=2, default=(640, 480))

@@ -14,8 +14,8 @@ from collections.abc import Callable, Sequence
 Send = Callable[[bytes], None]
 """Function that sends a packet at once; it must not raise."""
 
-_BURST = 2 * 1200
-"""Bytes that may follow each other without a pause: two packets."""
+_LATE = 1200
+"""Bytes that the link may catch up with if the thread wakes late: one packet, for which a command waits at most."""
 
 
 class PacedLink:
@@ -74,7 +74,7 @@ class PacedLink:
                     self._queues[send] = queue
                 self._bytes -= len(packet)
             now = time.monotonic()
-            free = max(free, now - _BURST * self._byte_s) + len(packet) * self._byte_s
+            free = max(free, now - _LATE * self._byte_s) + len(packet) * self._byte_s
             if free > now:
                 time.sleep(free - now)
             send(packet)
