@@ -9,7 +9,7 @@ ROS2 ?=
 SOAK_SECONDS ?= 600
 SOAK_FAULTS := $(addprefix --scenario ,reboot old-schema malformed padded lossy)
 FUZZ_SECONDS ?= 60
-HAND_WRITTEN := generator runtime vision driving navigation roverlink bench tests docs
+HAND_WRITTEN := generator runtime vision driving launch_check navigation roverlink bench tests docs
 
 .PHONY: help demo test test-slow test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision bench-video pictures generate docs docs-reference clean
 

@@ -42,9 +42,9 @@ COMMANDS = (
     "video",
     "drive",
     "odometry",
+    "fuse",
     "check-launch",
     "mission",
-    "fuse",
     "demo",
 )
 """Names of all commands, in the order in which ``roverlink --help`` lists them."""
