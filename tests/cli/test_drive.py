@@ -118,9 +118,10 @@ def test_velocities_reach_the_board_while_the_basestation_says_so(
             wait_until(lambda: states[-1] == "manual: control_mode is MANUAL", "the state")
         assert program.interrupt() == 0
     entries = [json.loads(line) for line in program.output]
+    distances = [one["distance_to_go"] for one in entries if "distance_to_go" in one]
     assert entries[-1]["state"] == "manual"
     assert entries[-2]["distance_to_go"] == 0
-    assert entries[-3]["distance_to_go"] > 0
+    assert distances[-2] > 0
 
 
 def _texts(messages: Sequence[bytes]) -> list[str]:

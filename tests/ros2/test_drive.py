@@ -107,5 +107,7 @@ def test_velocities_and_paths_of_a_real_node(
             wait_until(lambda: commands.values[-1]["distance_to_go"] == 0, "the stop")
         assert drive.interrupt() == 0
     entries = [json.loads(line) for line in drive.output]
+    distances = [one["distance_to_go"] for one in entries if "distance_to_go" in one]
     assert entries[-1]["state"] == "manual"
-    assert [one["distance_to_go"] == 0 for one in entries[-3:-1]] == [False, True]
+    assert entries[-2]["distance_to_go"] == 0
+    assert distances[-2] > 0
