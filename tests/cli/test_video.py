@@ -286,8 +286,9 @@ def test_a_stream_whose_recording_has_ended_gets_another_source(
     }
     (images.parent / "video.yaml").write_text(json.dumps({"host": "127.0.0.1", "streams": streams}))
     receiver = start(*_RECEIVE, f"front={port}", "--json", "--no-page")
+    _when(receiver, lambda one: one["port"] == port, "the receiver")  # before the short recording
     sender = start(*_SEND, images.parent / "video.yaml", "--middleware", "dds")
-    _when(receiver, lambda one: one["age"], "images")
+    _when(receiver, lambda one: one["size"] == [320, 240], "images")
     _when(receiver, lambda one: one["stale"], "the end of the recording", after=len(receiver.output))
     words = ("video", "set", f"front.source=http://{webcam.address}/video", "--middleware", "dds")
     assert done(*words)[0] == 0  # type: ignore[index]
