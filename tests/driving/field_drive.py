@@ -10,6 +10,7 @@ import logging
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from typing import Protocol
 
 import numpy as np
 
@@ -29,8 +30,8 @@ from roverlink.runtime.interfaces.nav_msgs import Odometry
 from roverlink.runtime.middleware.memory import MemoryMiddleware
 from roverlink.runtime.ros_arguments import ros_args
 from roverlink.runtime.ros_time.headers import header_of, stamp_of
-from roverlink.vision import TargetId
-from tests.driving.simulated_tracker import MOUNT, SimulatedTracker, field, standing
+from roverlink.vision import Pose, TargetId
+from tests.driving.simulated_tracker import SimulatedTracker, field, standing
 
 _CORNERS = ((1.5, 1.5), (-1.5, 1.5), (-1.5, -1.5), (1.5, -1.5))
 _NEAR_M = 0.7
@@ -38,6 +39,17 @@ _STEP_S = 0.1
 _COMMAND_STEPS = 5
 _IMAGE_STEPS = 2
 _PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
+
+
+class Tracker(Protocol):
+    """Tracker of landmarks in the images of a camera."""
+
+    @property
+    def mount(self) -> Pose:
+        """Transform from the camera's frame to the rover's."""
+
+    def see(self, rover: PlanarPose, stamp: int) -> vision_msgs.Detection3DArray:
+        """Return the message about an image that is taken at a pose of the rover."""
 
 
 class FieldDrive:
@@ -50,13 +62,14 @@ class FieldDrive:
         moved: Mapping[TargetId, tuple[float, float]] = {},  # never changed
         *,
         gps: bool = False,
+        tracker: Tracker | None = None,
         logger: logging.Logger | None = None,
     ) -> None:
         self.start = PlanarPose(1.5, -1.0, math.pi / 2)
         self.model = RoverModel(seed, start=self.start)
         self._odometry = WheelOdometry()
         landmarks = field()
-        self._tracker = SimulatedTracker(seed, standing(landmarks, seed, moved))
+        self._tracker = tracker or SimulatedTracker(seed, standing(landmarks, seed, moved))
         self._corner = self._steps = 0
         self.sees = True
         """False while somebody stands before the camera."""
@@ -73,7 +86,7 @@ class FieldDrive:
         said = logger or logging.getLogger("fusion of a test")
         connection = RosConnection(ros_args.parse([], "fusion"), "memory", stack, said.warning)
         connection.middleware = middleware  # so that both nodes are in one graph
-        Fusion(connection, landmarks, arguments, said).receive(DETECTIONS, MOUNT)
+        Fusion(connection, landmarks, arguments, said).receive(DETECTIONS, self._tracker.mount)
         self.fused: list[Odometry] = []
         self.shifts: list[geometry_msgs.TransformStamped] = []
         middleware.subscribe(f"/{FUSED}", Odometry, Qos(), self._take)

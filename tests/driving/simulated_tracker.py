@@ -50,19 +50,22 @@ def field(*, half: float = 3.0) -> Landmarks:
     return Landmarks("map", places)
 
 
+def write_landmarks(path: Path, poses: Mapping[TargetId, Pose]) -> None:
+    """Write a file of landmarks at these poses, with the survey of `field`."""
+    known, *_ = field().places.values()
+    places = {
+        number: {"position": one.translation.tolist(), "orientation": quaternion_of(one.rotation).tolist()}
+        for number, one in poses.items()
+    }
+    survey = {"position": known.position_sigma, "rotation": math.degrees(known.rotation_sigma)}
+    path.write_text(yaml.safe_dump({"frame": "map", "survey": survey, "landmarks": places}), encoding="utf-8")
+
+
 def write_field(folder: Path, camera: str) -> tuple[Path, Path]:
     """Write the landmarks and the camera with a name into files of a folder, and return their paths."""
-    places = {
-        number: {
-            "position": one.pose.translation.tolist(),
-            "orientation": quaternion_of(one.pose.rotation).tolist(),
-            "survey": {"position": one.position_sigma, "rotation": math.degrees(one.rotation_sigma)},
-        }
-        for number, one in field().places.items()
-    }
     mount = {"position": MOUNT.translation.tolist(), "rpy": [0, 0, 0]}
     landmarks, cameras = folder / "landmarks.yaml", folder / "cameras.yaml"
-    landmarks.write_text(yaml.safe_dump({"frame": "map", "landmarks": places}), encoding="utf-8")
+    write_landmarks(landmarks, {number: one.pose for number, one in field().places.items()})
     cameras.write_text(yaml.safe_dump({"cameras": {camera: {"source": "0", "mount": mount}}}), encoding="utf-8")
     return landmarks, cameras
 
@@ -80,6 +83,8 @@ def standing(landmarks: Landmarks, seed: int, moved: Mapping[TargetId, tuple[flo
 
 class SimulatedTracker:
     """Camera of a rover on a plane."""
+
+    mount = MOUNT
 
     def __init__(self, seed: int, places: Mapping[TargetId, Pose]) -> None:
         self._rng = np.random.default_rng([seed, 2])

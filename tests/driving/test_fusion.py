@@ -6,6 +6,7 @@ import logging
 import math
 from collections.abc import Iterator
 from contextlib import ExitStack
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,8 @@ pytest.importorskip("gtsam", reason=NO_GTSAM)
 from roverlink.driving.arcs import PlanarPose
 from roverlink.runtime.convert.rotations import angles
 from tests.driving.field_drive import FieldDrive
+from tests.driving.rendered_tracker import RenderedTracker
+from tests.driving.simulated_tracker import field, standing
 
 _HIGH = 9.348
 """Chi squared with 3 degrees of freedom that is exceeded in 2.5 % of all cases."""
@@ -129,6 +132,25 @@ def test_a_simulation_that_begins_again_begins_the_fusion_again(stack: ExitStack
     rover.drive(10)
     assert rover.is_current
     assert math.hypot(*rover.error[0][:2]) < 0.2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_rendered_images_and_the_tracker_give_the_pose_too(seed: int, stack: ExitStack, tmp_path: Path) -> None:
+    """Landmarks in images, with one that was moved: the error stays small over 20 m, and fits the covariance."""
+    places = standing(field(), seed, {8: (0.6, 0.4)})
+    rover = FieldDrive(seed, stack, tracker=RenderedTracker(seed, tmp_path, places))
+    rover.stand(1)
+    rover.drive(15)
+    errors, squared = [], []
+    for _ in range(20):
+        rover.drive(0.5)
+        error, covariance = rover.error
+        errors.append(error[0] ** 2 + error[1] ** 2)
+        squared.append(float(error @ np.linalg.solve(covariance, error)))
+    print(f"RMSE {math.sqrt(np.mean(errors)):.3f} m, NEES {np.mean(squared):.2f}")
+    assert math.sqrt(np.mean(errors)) < 0.15
+    assert np.mean(squared) < 2 * _MEAN[1]  # the errors of one drive depend on each other
 
 
 @pytest.mark.slow
