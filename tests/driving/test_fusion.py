@@ -102,6 +102,7 @@ def test_a_landmark_that_was_moved_is_found_and_named(stack: ExitStack, caplog: 
     assert 0.45 < float(told.split("stands ")[1].split(" m")[0]) < 0.75
 
 
+@pytest.mark.slow
 def test_gps_limits_the_error_while_no_landmark_is_seen(stack: ExitStack) -> None:
     """With GPS, the position after 60 m without landmarks is less uncertain than without, and fits its covariance."""
     spread = {}
