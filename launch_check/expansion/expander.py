@@ -15,6 +15,7 @@ import yaml
 from roverlink.launch_check.expansion.actions import (
     Action,
     DeclareArgument,
+    Execute,
     GivenFile,
     GivenParameter,
     Group,
@@ -127,6 +128,8 @@ class Expansion:
     """Arguments on which conditions depend, in the order of their use."""
     compared: dict[str, dict[str, None]] = field(default_factory=dict)
     """Texts with which conditions and expressions compare arguments, by the name of the argument."""
+    runs_programs: bool = False
+    """True if programs run that are no nodes of a package, whose topics are not known."""
     undeclared: list[tuple[str, Place]] = field(default_factory=list)
     """Arguments that are used, and that no launch file declares, with the places of their use."""
     skipped: dict[str, Place] = field(default_factory=dict)
@@ -303,6 +306,8 @@ class _Run:
             for node in action.nodes:
                 if self._holds(node):
                     self._start(node)
+        elif isinstance(action, Execute):
+            self.result.runs_programs = True
         elif isinstance(action, Opaque):
             self._call(action)
         elif isinstance(action, Later):

@@ -112,7 +112,7 @@ def span(place: Place) -> Span:
 
 def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
     """Return the nodes that an expanded launch file starts, and findings about packages and executables."""
-    system = System(has_unknown=bool(expansion.skipped))
+    system = System(has_unknown=bool(expansion.skipped) or expansion.runs_programs)
     for started in expansion.nodes:
         facts = _facts(started, catalogue, system)
         name = _name(started, facts)
