@@ -42,8 +42,7 @@ def test_every_argument_has_a_default_and_a_description(path: Path) -> None:
         assert one["description"], one
     for file in re.findall(r"\$\((?:dirname|find-pkg-share rtt_slam)\)/([\w./-]+\.(?:yaml|rviz))", path.read_text()):
         folder = _PACKAGE / "launch" if file.startswith("..") else _PACKAGE
-        if file != "../config/ekf.yaml":
-            assert (folder / file).is_file(), file
+        assert (folder / file).is_file(), file
 
 
 def test_every_program_of_the_launch_files_is_installed_and_is_a_command() -> None:
