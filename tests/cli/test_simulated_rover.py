@@ -197,8 +197,9 @@ def test_the_program_is_a_peer_of_the_bridge(start: Start) -> None:
         port = int(rover.wait_for("its boards listen on UDP port ").rpartition(" ")[2])
         command = REGISTRY.envelope(drive_motor={"distance_to_go": 5.0}).SerializeToString()
 
+        bridge.sendto(command, ("127.0.0.1", port))  # once, because each command begins a new arc
+
         def drives() -> bool:
-            bridge.sendto(command, ("127.0.0.1", port))
             left = REGISTRY.envelope.FromString(bridge.recv(2000)).drive_progress.distance_left
             return 0 < left < 4.9
 
