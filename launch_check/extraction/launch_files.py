@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 from roverlink.launch_check.expansion.declarative_files import read_declarative
 from roverlink.launch_check.expansion.entities import UnreadableFileError
@@ -23,9 +24,15 @@ def launch_files_of(folder: Path) -> Iterator[tuple[str, Any]]:
     for path in sorted(one for pattern in _PATTERNS for one in (folder / "launch").glob(pattern)):
         try:
             if path.suffix == ".py":
-                actions = PythonFile(path, path.name, Packages([])).actions()
+                with mock.patch("tempfile.mktemp", _same_name):
+                    actions = PythonFile(path, path.name, Packages([])).actions()
             else:
                 actions, _ = read_declarative(path, path.name)
             yield path.relative_to(folder).as_posix(), stored_actions(actions)
         except (UnreadableFileError, NeedsMoreError, NotImplementedError):
             continue
+
+
+def _same_name(suffix: str = "", prefix: str = "tmp", dir: str = "/tmp") -> str:  # noqa: S108  # as tempfile's
+    """Return a name of a temporary file that is the same in each extraction."""
+    return f"{dir}/{prefix}file{suffix}"

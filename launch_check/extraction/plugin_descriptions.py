@@ -29,5 +29,7 @@ def plugins_of_package(folder: Path) -> Iterator[tuple[str, Plugin]]:
 
 
 def _plugin(element: ElementTree.Element, type_: str, base: str, package: str) -> Plugin:
-    messages = (one.text.strip() for one in element.iter("message_type") if one.text)
-    return Plugin(re.sub(r"<.*>", "", type_), base, package, tuple(messages))
+    written = (one.text.strip() for one in element.iter("message_type") if one.text)
+    # Some name their own package instead of the package of the message, as rtabmap_rviz_plugins does.
+    messages = tuple(name for name in written if not name.startswith(f"{package}/"))
+    return Plugin(re.sub(r"<.*>", "", type_), base, package, messages)
