@@ -118,9 +118,7 @@ class Checker:
                 )
         return {use.shown for system in systems for node in system.nodes for use in node.started.files}
 
-    def _of_expansion(
-        self, expansion: Expansion, system: System, variants: Variants
-    ) -> Iterator[Diagnostic]:
+    def _of_expansion(self, expansion: Expansion, system: System, variants: Variants) -> Iterator[Diagnostic]:
         yield from (_of_problem(one) for one in expansion.problems)
         for name, place in expansion.undeclared:
             yield UNDECLARED_ARGUMENT.at(span(place), f"the argument '{name}' is not declared", "declare it with `arg`")
