@@ -1,4 +1,4 @@
-"""Parameters of a camera program's node, which ROS 2 can read and change while the program runs."""
+"""Parameters of a program's node, which ROS 2 can read and change while the program runs."""
 
 from __future__ import annotations
 
@@ -105,3 +105,23 @@ class DeclaredParameters(Generic[T]):
             if type(checked[name]) is not wanted:
                 raise SetupError(f"the parameter {name!r} is {value!r}; it must be {described}")
         return checked
+
+
+class DefaultedParameters(DeclaredParameters[T]):
+    """Parameters of a node whose command has no options for them: each has a default value."""
+
+    def __init__(
+        self,
+        table: Mapping[str, tuple[Any, int, str]],
+        ros: RosArguments,
+        read: Callable[[Mapping[str, Any]], T],
+        logger: logging.Logger,
+    ) -> None:
+        """Read the first values; ``table`` has the default, the type and the description of each parameter."""
+        super().__init__(
+            {name: (type_, description) for name, (_, type_, description) in table.items()},
+            {name: default for name, (default, _, _) in table.items()},
+            ros,
+            read,
+            logger,
+        )

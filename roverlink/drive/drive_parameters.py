@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from roverlink.declared_parameters import DeclaredParameters
+from roverlink.declared_parameters import DefaultedParameters
 from roverlink.driving.board_commands import DrivingBoard
 from roverlink.driving.drive_control import DriveSettings
 from roverlink.runtime.core.errors import SetupError
@@ -63,7 +63,7 @@ PARAMETERS: Mapping[str, tuple[float | bool | str, int, str]] = {
     ),
     "base_frame": ("base_link", _TEXT, "frame of the rover, for which velocities and poses are"),
 }
-"""First value, type and description of each parameter."""
+"""Default value, type and description of each parameter."""
 _MAY_BE_ZERO = frozenset({"smallest_radius", "straight_radius", "mode_timeout"})
 _PERIODS = 2
 """Commands that must fit into the time for which one is enough, so that a lost one does not stop the rover."""
@@ -79,18 +79,12 @@ class DriveProgramSettings:
     base_frame: str
 
 
-class DriveParameters(DeclaredParameters[DriveProgramSettings]):
+class DriveParameters(DefaultedParameters[DriveProgramSettings]):
     """Parameters of the node."""
 
     def __init__(self, ros: RosArguments, logger: logging.Logger) -> None:
         """Read the first values. Raises `SetupError` if one of them is not possible."""
-        super().__init__(
-            {name: (type_, description) for name, (_, type_, description) in PARAMETERS.items()},
-            {name: first for name, (first, _, _) in PARAMETERS.items()},
-            ros,
-            _read,
-            logger,
-        )
+        super().__init__(PARAMETERS, ros, _read, logger)
 
 
 def _read(values: Mapping[str, Any]) -> DriveProgramSettings:

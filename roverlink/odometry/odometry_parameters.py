@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from roverlink.declared_parameters import DeclaredParameters
+from roverlink.declared_parameters import DefaultedParameters
 from roverlink.driving.board_commands import DrivingBoard
 from roverlink.driving.dead_reckoning import OdometryNoise
 from roverlink.runtime.core.errors import SetupError
@@ -31,7 +31,7 @@ PARAMETERS: Mapping[str, tuple[float | bool | str, int, str]] = {
     "gyro_bias": (_NOISE["gyro_bias"], _NUMBER, "standard deviation of its bias at the start, in rad/s"),
     "gyro_bias_walk": (_NOISE["gyro_bias_walk"], _NUMBER, "change of its bias in rad/s, after one second"),
 }
-"""First value, type and description of each parameter."""
+"""Default value, type and description of each parameter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,18 +45,12 @@ class OdometrySettings:
     noise: OdometryNoise
 
 
-class OdometryParameters(DeclaredParameters[OdometrySettings]):
+class OdometryParameters(DefaultedParameters[OdometrySettings]):
     """Parameters of the node."""
 
     def __init__(self, ros: RosArguments, logger: logging.Logger) -> None:
         """Read the first values. Raises `SetupError` if one of them is not possible."""
-        super().__init__(
-            {name: (type_, description) for name, (_, type_, description) in PARAMETERS.items()},
-            {name: first for name, (first, _, _) in PARAMETERS.items()},
-            ros,
-            _read,
-            logger,
-        )
+        super().__init__(PARAMETERS, ros, _read, logger)
 
 
 def _read(values: Mapping[str, Any]) -> OdometrySettings:
