@@ -117,7 +117,7 @@ class Declared:
 
 @dataclass(slots=True)
 class Expansion:
-    """What a launch file starts, with certain values of its arguments."""
+    """Nodes that a launch file starts, with certain values of its arguments."""
 
     arguments: Mapping[str, str | None]
     """Values that differ from the defaults."""

@@ -59,7 +59,7 @@ class Ignored:
 
 
 class LaunchDescription:
-    """What a launch file returns: a list of actions."""
+    """Result of a launch file: a list of actions."""
 
     def __init__(self, initial_entities: Iterable[Any] | None = None, **_: Any) -> None:
         self.entities = list(initial_entities or ())

@@ -25,7 +25,7 @@ class Shares(Protocol):
 
 
 class Surroundings(Protocol):
-    """What a substitution may look at (see `launch_context.Context`)."""
+    """Values that a substitution may look at (see `launch_context.Context`)."""
 
     configurations: dict[str, str | None]
     environment: dict[str, str]

@@ -65,7 +65,7 @@ class EndpointFact:
 
 @dataclass(slots=True)
 class ClassFacts:
-    """What the functions of one class declare."""
+    """Declarations of the functions of one class."""
 
     name: str
     bases: tuple[str, ...] = ()

@@ -51,7 +51,7 @@ class Checked:
 
     findings: list[Diagnostic] = field(default_factory=list)
     systems: list[tuple[str, System]] = field(default_factory=list)
-    """What each launch file starts with the defaults of its arguments, by the name of the file."""
+    """System that each launch file starts with the defaults of its arguments, by the name of the file."""
 
 
 class Checker:

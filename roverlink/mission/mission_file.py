@@ -45,7 +45,7 @@ class GoalRules:
     """Rules for one goal, for what goes wrong on the way to it."""
 
     retries: int = 2
-    """How often the rover tries again after a failure."""
+    """Number of further tries after a failure."""
     timeout: float = 300.0
     """Longest time in seconds for one try."""
     stops: bool = True

@@ -22,4 +22,4 @@ class Reported:
     rules: Mapping[str, Rule]
     """Rules that the command checks, by their ids."""
     pinned: PinnedStates | None = None
-    """How the projects that use the .proto files read each other; None if the command does not check that."""
+    """Compatibility of the projects that use the .proto files; None if the command does not check that."""
