@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK
 from roverlink.vision.camera.camera_settings import CameraSettings
 from roverlink.vision.camera.cameras_file import read_cameras
 from roverlink.vision.frames import open_source
@@ -98,7 +99,7 @@ def test_what_the_driver_does_not_take_is_told(camera: list[_Driver]) -> None:
 
 def test_the_latency_makes_stamps_earlier(camera: list[_Driver], monkeypatch: pytest.MonkeyPatch) -> None:
     """The stamp is that of the exposure."""
-    monkeypatch.setattr("time.time_ns", lambda: 5_000_000_000)
+    monkeypatch.setattr(SYSTEM_CLOCK, "now", lambda: 5_000_000_000)
     with open_source("0", CameraSettings(latency=0.04)) as source:
         assert next(iter(source)).stamp == 4_960_000_000
 
