@@ -191,6 +191,8 @@ class _File:
     shown: str
     literals: list[tuple[str, int, int]] = field(default_factory=list)
     spans: dict[int, int] = field(default_factory=dict)
+    columns: dict[int, int] = field(default_factory=dict)
+    """Column of the first call in each line."""
 
     def read(self, tree: ast.AST) -> None:
         for node in ast.walk(tree):
@@ -199,6 +201,8 @@ class _File:
             elif isinstance(node, ast.Call):
                 end = node.end_lineno or node.lineno
                 self.spans[node.lineno] = max(end, self.spans.get(node.lineno, 0))
+                column = node.col_offset + 1
+                self.columns[node.lineno] = min(column, self.columns.get(node.lineno, column))
 
     def place_of(self, text: Any, near: Place) -> Place:
         """Return the place of a literal text: in the call at a place, or else the first one in the file."""
@@ -228,13 +232,12 @@ class StandIns:
             frame = frame.f_back  # type: ignore[assignment]
         if frame is None:
             return Place(self._file.shown)
-        column = 0
-        if hasattr(frame.f_code, "co_positions"):  # since Python 3.11
+        if hasattr(frame.f_code, "co_positions"):  # since Python 3.11; before, only the line is known
             positions = list(frame.f_code.co_positions())
             line, _, start, _ = positions[frame.f_lasti // 2]
             if line is not None and start is not None:
                 return Place(self._file.shown, line, start + 1)
-        return Place(self._file.shown, frame.f_lineno, column)
+        return Place(self._file.shown, frame.f_lineno, self._file.columns.get(frame.f_lineno, 0))
 
     def modules(self) -> dict[str, ModuleType]:
         """Return the modules by their names, for `sys.modules`."""
