@@ -17,7 +17,7 @@ from roverlink.runtime.text.values import message_to_values
 Start = Callable[..., Bridge]
 
 INBOUND = [handler for handler in REGISTRY.handlers if handler.route.inbound]
-OUTBOUND = [handler for handler in REGISTRY.handlers if not handler.route.inbound]
+OUTBOUND = [handler for handler in (*REGISTRY.handlers, *REGISTRY.extra_topics) if not handler.route.inbound]
 _IN_A_ROW = 8  # fewer than a topic's queue holds
 
 
@@ -40,7 +40,7 @@ def _crosses_to_ros(running: Bridge, handler: Any, heard: Heard) -> None:
 
 
 def test_every_message_for_a_peer_arrives_with_its_values(judge: Judge, bridge: Start) -> None:
-    """Each outbound row's typed messages with random values arrive at the peer with equal values, in order."""
+    """Each outbound row's typed messages, and those of its extra topics, arrive at the peer with equal values."""
     running = bridge()
     for handler in OUTBOUND:
         _crosses_to_peer(judge, running, handler)
@@ -80,10 +80,10 @@ class _Arrived:
         return self._values
 
 
-def test_every_extra_topic_has_a_standard_message_with_its_values(judge: Judge, bridge: Start) -> None:
-    """Each extra topic's standard message has the values of the payload that feeds it, and the present time."""
+def test_every_extra_topic_of_a_peer_has_a_standard_message_with_its_values(judge: Judge, bridge: Start) -> None:
+    """Each inbound extra topic's standard message has the values of the payload that feeds it, and the present time."""
     running = bridge()
-    for topic in REGISTRY.extra_topics:
+    for topic in (one for one in REGISTRY.extra_topics if one.route.inbound):
         _feeds(judge, running, topic)
 
 
