@@ -26,7 +26,7 @@ from roverlink.drive.drive_inputs import VELOCITIES, path_of, pose_of, velocity_
 from roverlink.drive.drive_parameters import DriveParameters
 from roverlink.drive.drive_rows import DriveRows
 from roverlink.driving.board_commands import BoardCommand
-from roverlink.driving.drive_control import DriveControl, Localization, Status
+from roverlink.driving.drive_control import DriveControl, Localization, State, Status
 from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.ros_connection import RosConnection
@@ -131,6 +131,7 @@ class Driving:
             self._control.set_mode(False, now)
             if command := self._control.step(now):
                 self._send(command)
+            self._report(Status(State.MANUAL, "this program ends"))
 
     def _happen(self, event: Event) -> None:
         """Let the control take an event and decide, and send what it decides."""

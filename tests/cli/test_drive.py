@@ -119,8 +119,8 @@ def test_velocities_reach_the_board_while_the_basestation_says_so(
         assert program.interrupt() == 0
     entries = [json.loads(line) for line in program.output]
     distances = [one["distance_to_go"] for one in entries if "distance_to_go" in one]
-    assert entries[-1]["state"] == "manual"
-    assert entries[-2]["distance_to_go"] == 0
+    assert [one["reason"] for one in entries[-2:]] == ["control_mode is MANUAL", "this program ends"]
+    assert entries[-3]["distance_to_go"] == 0
     assert distances[-2] > 0
 
 
@@ -386,10 +386,11 @@ def test_parameters_change_while_the_rover_drives(drive: _Drive) -> None:
 
 
 def test_the_end_of_the_program_stops_the_rover(drive: _Drive) -> None:
-    """Then nothing is sent any more."""
+    """Then nothing is sent any more, and the last state says so."""
     drive.drive(_twist(0.3), 3)
     drive.driving.end()
     assert drive.sent[-1] == DrivingBoardMotorMessage()
+    assert drive.states[-1] == "manual: this program ends"
     count = len(drive.sent)
     drive.drive(_twist(0.3), 3)
     assert len(drive.sent) == count
