@@ -40,7 +40,9 @@ _PERIOD_S = 0.05
 _START_S = 30.0
 _SPEED = 0.3
 _NEAREST, _STEP = 2.0, 0.001
-"""Radius in metres of the first command, and its change from one command to the next, by which they are told apart."""
+"""Radius in metres of the first command, and its change from one command to the next, by which they are told apart.
+
+Every other arc is to the right: `roverlink drive` sends a velocity at once only if it differs from the last one."""
 _LOSS = 0.05
 
 
@@ -134,7 +136,7 @@ def _latencies(middleware: str, seconds: float, *, drives: bool) -> list[float]:
         sent: list[float] = []
 
         def publish() -> None:
-            radius = _NEAREST + _STEP * len(sent)
+            radius = (_NEAREST + _STEP * len(sent)) * (-1) ** len(sent)
             message = (
                 Twist(Vector3(_SPEED), Vector3(0, 0, _SPEED / radius))
                 if drives
@@ -157,7 +159,7 @@ def _latencies(middleware: str, seconds: float, *, drives: bool) -> list[float]:
         times: dict[int, float] = {}
         for at, distance, radius in board.arrivals:
             if distance:
-                times.setdefault(round((radius - _NEAREST) / _STEP), at)
+                times.setdefault(round((abs(radius) - _NEAREST) / _STEP), at)
         # On a busy machine, a newer velocity may replace one that was not taken yet.
         return sorted(1e3 * (times[number] - sent[number]) for number in range(first, len(sent)) if number in times)
 

@@ -32,7 +32,7 @@ PARAMETERS: Mapping[str, tuple[float | bool | str, int, str]] = {
         _NUMBER,
         "turning_radius in metres that the driving board takes for a straight line",
     ),
-    "rate": (20.0, _NUMBER, "commands a second, at least"),
+    "rate": (10.0, _NUMBER, "commands a second; a velocity that differs from the last one sent is also sent at once"),
     "horizon": (_DEFAULTS.horizon, _NUMBER, "time in seconds for which a command is enough"),
     "timeout": (_DEFAULTS.timeout, _NUMBER, "time in seconds without a velocity after which the rover stops"),
     "mode_timeout": (
@@ -75,7 +75,7 @@ class DriveProgramSettings:
 
     control: DriveSettings
     period: float
-    """Longest time in seconds between two commands."""
+    """Time in seconds from one command to the next."""
     base_frame: str
 
 

@@ -133,13 +133,18 @@ class Driving:
                 self._send(command)
             self._report(Status(State.MANUAL, "this program ends"))
 
-    def _happen(self, event: Event) -> None:
-        """Let the control take an event and decide, and send what it decides."""
+    def _happen(self, event: Event, *, can_wait: bool = False) -> None:
+        """Let the control take an event and decide, and send what it decides.
+
+        With ``can_wait``, the control decides only if the command must not wait for the next tick.
+        """
         with self._lock:
             if self._ended:
                 return
             now = self._clock.now()  # with the lock, so that the control's time goes forwards
             event(now)
+            if can_wait and self._control.can_wait:
+                return
             command = self._control.step(now)
             if command is not None:
                 self._send(command)
@@ -163,7 +168,7 @@ class Driving:
         except ConversionError as error:
             self._tell(f"ignoring a velocity: {error}")
             return
-        self._happen(lambda now: self._control.drive(linear, angular, now))
+        self._happen(lambda now: self._control.drive(linear, angular, now), can_wait=True)
 
     def _take_path(self, messages: Sequence[bytes]) -> None:
         try:

@@ -375,7 +375,7 @@ def test_parameters_change_while_the_rover_drives(drive: _Drive) -> None:
     assert drive.sent[-1].distance_to_go == pytest.approx(0.08)
     assert drive.sent[-1].turning_radius == pytest.approx(1e5)
     for changes, reason in (
-        ({"horizon": 0.05}, "it must be at least 2 / rate = 0.1 s, or the rover stops when one command is lost"),
+        ({"horizon": 0.05}, "it must be at least 2 / rate = 0.2 s, or the rover stops when one command is lost"),
         ({"speed": 0.0}, "the parameter 'speed' is 0.0; it must be above 0"),
         ({"smallest_radius": -1.0}, "the parameter 'smallest_radius' is -1.0; it must be 0 or more"),
         ({"acceleration": math.inf}, "the parameter 'acceleration' is inf; it must be above 0"),
@@ -383,6 +383,19 @@ def test_parameters_change_while_the_rover_drives(drive: _Drive) -> None:
         with pytest.raises(SetupError, match=reason):
             drive.parameters.change(changes)
     assert drive.parameters.meaning.control.speed == 0.2
+
+
+def test_a_velocity_is_sent_at_once_only_if_it_differs(drive: _Drive) -> None:
+    """Others wait until the next command is due, so that the board can report its progress before."""
+    drive.drive(_twist(0.3, 0.15), 40)
+    count = len(drive.sent)
+    for speed, turn in ((0.3, 0.15), (0.31, 0.15), (0.3, 0.16)):
+        drive.publish("/cmd_vel", _twist(speed, turn))
+    assert len(drive.sent) == count
+    for speed, turn in ((0.25, 0.125), (0.25, -0.125), (0.0, 0.0)):
+        count += 1
+        drive.publish("/cmd_vel", _twist(speed, turn))
+        wait_until(lambda count=count: len(drive.sent) == count, "a command")
 
 
 def test_the_end_of_the_program_stops_the_rover(drive: _Drive) -> None:

@@ -46,8 +46,8 @@ def _mean_speed(velocity: float, *, measured: bool) -> float:
     settings = DriveSettings()
     control = DriveControl(lambda: settings, lambda _: None)
     step, speed, left, now, driven = 0.01, 0.0, 0.0, 10**12, 0.0
-    for tick in range(400):
-        now += 50_000_000
+    for tick in range(200):
+        now += 100_000_000
         control.set_mode(True, now)
         control.drive(velocity, 0.0, now)
         if measured:
@@ -55,11 +55,11 @@ def _mean_speed(velocity: float, *, measured: bool) -> float:
         command = control.step(now)
         assert command is not None
         left = command.distance_to_go
-        for _ in range(5):
+        for _ in range(10):
             speed += min(max(min(0.5, math.sqrt(2 * 0.5 * left)) - speed, -2 * step), 0.5 * step)
             left = max(left - speed * step, 0.0)
-            driven += speed * step if tick >= 200 else 0.0
-    return driven / (200 * 0.05)
+            driven += speed * step if tick >= 100 else 0.0
+    return driven / (100 * 0.1)
 
 
 def test_the_speeds_of_a_simulated_board_are_those_of_the_table() -> None:

@@ -14,6 +14,7 @@ from faulty_link import IDEAL, Faults, FaultyLink
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from roverlink.drive.drive_parameters import PARAMETERS
 from roverlink.driving.arcs import Arc
 from roverlink.driving.board_commands import STOP, BoardCommand
 from roverlink.driving.rover_model import RoverSettings
@@ -100,6 +101,21 @@ def test_a_stream_of_commands_gives_the_distance(seed: int, faults: Faults) -> N
     link = FaultyLink(seed, faults)
     _stream(link, 6)
     assert _distance_error(link) < 0.05 * link.model.rolled + 0.15
+
+
+@given(_seeds, st.sampled_from([0.0005, 0.005, 0.012]))
+@settings(max_examples=5)
+def test_a_stream_of_equal_commands_gives_the_distance(seed: int, delay: float) -> None:
+    """At the rate of `roverlink drive`, whose commands do not differ while the velocity stays the same."""
+    link = FaultyLink(seed, Faults(delay=delay))
+    rate, _, _ = PARAMETERS["rate"]
+    link.run(1)
+    while link.model.rolled < 10:
+        link.command(BoardCommand(0.16, 1.1))
+        link.run(1 / float(rate))
+    _stop(link)
+    driven = sum(metres for _, metres in _steps(link))
+    assert driven == pytest.approx(link.model.rolled, rel=0.04)
 
 
 @given(_seeds, st.booleans())

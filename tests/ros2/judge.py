@@ -172,8 +172,11 @@ class Bridge:
     def send(self, **payload: Any) -> None:
         """Send one payload, in an envelope, as its peer does."""
         handler = next(one for one in REGISTRY.handlers if one.route.name in payload)
-        datagram = REGISTRY.envelope(**payload).SerializeToString()
-        self.peers[handler.route.peer].sendto(datagram, self._address)
+        self.send_datagram(handler.route.peer, REGISTRY.envelope(**payload).SerializeToString())
+
+    def send_datagram(self, peer: str, datagram: bytes) -> None:
+        """Send a datagram, as a peer does."""
+        self.peers[peer].sendto(datagram, self._address)
 
     def arrived(self, peer: str) -> Iterator[Any]:
         """The envelopes that have arrived at a peer since the last call."""
