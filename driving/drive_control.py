@@ -116,8 +116,8 @@ class _Path:
 class DriveControl:
     """Control of one rover.
 
-    `step` returns what is to be sent now; call it periodically, and after each event that cannot wait. At the start, the
-    mode is manual.
+    `step` returns what is to be sent now; call it periodically, and after each event that cannot wait. The mode is first
+    manual.
     """
 
     def __init__(self, settings: Callable[[], DriveSettings], say: Callable[[str], None]) -> None:

@@ -108,6 +108,6 @@ def test_velocities_and_paths_of_a_real_node(
         assert drive.interrupt() == 0
     entries = [json.loads(line) for line in drive.output]
     distances = [one["distance_to_go"] for one in entries if "distance_to_go" in one]
-    assert entries[-1]["state"] == "manual"
-    assert entries[-2]["distance_to_go"] == 0
+    assert [one["reason"] for one in entries[-2:]] == ["control_mode is MANUAL", "this program ends"]
+    assert entries[-3]["distance_to_go"] == 0
     assert distances[-2] > 0
