@@ -65,6 +65,8 @@ class DriveSettings:
     """Largest speed in m/s; also the speed on a path."""
     acceleration: float = 0.5
     """Largest change of the speed in m/s^2. A stop for safety is not limited."""
+    period: float = 0.1
+    """Time from one command to the next while nothing changes."""
     horizon: float = 0.4
     """Time for which a command is enough."""
     timeout: float = 0.5
@@ -116,8 +118,9 @@ class _Path:
 class DriveControl:
     """Control of one rover.
 
-    `step` returns what is to be sent now; call it periodically, and after each event that cannot wait. The mode is first
-    manual.
+    `step` returns what is to be sent now; call it often, and after each event. A change is sent at once, otherwise a
+    command follows after each period: a board that gets a command before it has reported its progress on the last one
+    leaves the odometry to guess. At the start, the mode is manual.
     """
 
     def __init__(self, settings: Callable[[], DriveSettings], say: Callable[[str], None]) -> None:
@@ -132,7 +135,8 @@ class DriveControl:
         self._localization: Localization | None = None
         self._speed = 0.0  # that the rover is to have now
         self._curvature = 0.0
-        self._commanded: _Motion | None = None  # by the last command; None for the stop
+        self._commanded: _Motion | None = None  # by the last command; None after a change that is to be sent at once
+        self._commanded_at = 0
         self._lag = 0.0  # metres that are added to commands, because the rover is slower than it is to be
         self._moves = False  # true if the last command was not the stop
         self.status = Status(State.MANUAL, "no control_mode has come yet")
@@ -158,7 +162,9 @@ class DriveControl:
             self.tell("the path is abandoned, because a velocity came", now)
         self._velocity_at = now
         try:
-            self._velocity = self._motion(linear, angular, now)
+            self._velocity = velocity = self._motion(linear, angular, now)
+            if self._commanded is not None and not _is_similar(velocity, self._commanded):
+                self._commanded = None
         except ValueError as error:
             self._refuse_velocity(error, now)
 
@@ -175,7 +181,8 @@ class DriveControl:
         except ValueError as error:
             self.tell(f"the path is refused: {error}", now)
             return
-        self._velocity, self._path = None, path
+        self._velocity = self._commanded = None
+        self._path = path
         self._check_frame(now)
 
     def localize(self, localization: Localization, now: int) -> None:
@@ -189,20 +196,6 @@ class DriveControl:
             self._say(message)
         self._said[message] = now
 
-    @property
-    def can_wait(self) -> bool:
-        """True if the wanted velocity is nearly that of the last command, so that it need not be sent at once.
-
-        A board that gets a command before it has reported its progress on the last one leaves the odometry to guess.
-        """
-        wanted, sent = self._velocity, self._commanded
-        return (
-            wanted is not None
-            and sent is not None
-            and abs(wanted.speed - sent.speed) <= _SIMILAR_SPEED * abs(sent.speed)
-            and abs(wanted.curvature - sent.curvature) <= _SIMILAR_CURVATURE
-        )
-
     # --- decisions ------------------------------------------------------------------------------------------------
 
     def step(self, now: int) -> BoardCommand | None:
@@ -210,23 +203,25 @@ class DriveControl:
         if now < self._now:
             self._automatic, self._localization, self._said = False, None, {}
             self._end(Status(State.MANUAL, "the time has jumped back; waiting for control_mode"))
-        seconds = min((now - self._now) / 1e9, _LONGEST_STEP_S)
         self._now = now
         motion = self._wanted(now)
         if motion is None:
             return self._stop()
+        seconds = (now - self._commanded_at) / 1e9
+        if self._commanded is not None and seconds < self._settings().period:
+            return None
         try:
-            command = self._command(motion, seconds)
+            command = self._command(motion, min(seconds, _LONGEST_STEP_S))
         except BoardLimitError as error:  # a parameter has changed since the velocity came
             self._refuse_velocity(error, now)
             return self._stop()
-        self._moves, self._commanded = command.distance_to_go != 0, motion
+        self._moves, self._commanded, self._commanded_at = command.distance_to_go != 0, motion, now
         return command
 
     def _stop(self) -> BoardCommand | None:
         """Return the stop if the last command moves the rover, else None."""
         self._speed = self._lag = 0.0
-        self._commanded = None
+        self._commanded, self._commanded_at = None, self._now
         stops, self._moves = self._moves, False
         return STOP if stops else None
 
@@ -331,8 +326,16 @@ class DriveControl:
 
     def _end(self, status: Status) -> None:
         """Forget the velocity and the path."""
-        self._velocity = self._path = None
+        self._velocity = self._path = self._commanded = None
         self.status = status
+
+
+def _is_similar(wanted: _Motion, commanded: _Motion) -> bool:
+    """Return true if a velocity need not be sent before the next command is due."""
+    return (
+        abs(wanted.speed - commanded.speed) <= _SIMILAR_SPEED * abs(commanded.speed)
+        and abs(wanted.curvature - commanded.curvature) <= _SIMILAR_CURVATURE
+    )
 
 
 def _travel(speed: float, wanted: float, acceleration: float, seconds: float) -> float:

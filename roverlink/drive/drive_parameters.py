@@ -74,8 +74,6 @@ class DriveProgramSettings:
     """Meaning of the parameters."""
 
     control: DriveSettings
-    period: float
-    """Time in seconds from one command to the next."""
     base_frame: str
 
 
@@ -101,4 +99,4 @@ def _read(values: Mapping[str, Any]) -> DriveProgramSettings:
     own = dict(values)
     board = DrivingBoard(own.pop("smallest_radius"), own.pop("reverse"), own.pop("straight_radius"))
     limits = {name: own[name] for name in DriveSettings.__dataclass_fields__ if name in own}
-    return DriveProgramSettings(DriveSettings(board, **limits), 1 / own["rate"], own["base_frame"])
+    return DriveProgramSettings(DriveSettings(board, period=1 / own["rate"], **limits), own["base_frame"])

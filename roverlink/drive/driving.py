@@ -45,6 +45,9 @@ VELOCITY, PATH, POSE, STATE = "cmd_vel", "path", "odometry/global", "drive/state
 _MODE_PRIORITY = 9
 """The mode is served before velocities, so that a flood of them does not keep a person from driving."""
 
+_TICK_NS = 20_000_000
+"""Time after which it is looked again at what is due, such as a stop because a topic is silent."""
+
 Event = Callable[[int], None]
 """Something that has happened, with the time in nanoseconds at which the control takes it."""
 
@@ -109,10 +112,10 @@ class Driving:
         self.tick()  # report the first state
 
     def run(self) -> None:
-        """Send commands periodically, until a signal interrupts this."""
+        """Send what is due, again and again, until a signal interrupts this."""
         while True:
             now = self._clock.now()
-            self._clock.sleep_until(now + round(self._parameters.meaning.period * 1e9), now)
+            self._clock.sleep_until(now + _TICK_NS, now)
             self.tick()
 
     def tick(self) -> None:
@@ -133,18 +136,13 @@ class Driving:
                 self._send(command)
             self._report(Status(State.MANUAL, "this program ends"))
 
-    def _happen(self, event: Event, *, can_wait: bool = False) -> None:
-        """Let the control take an event and decide, and send what it decides.
-
-        With ``can_wait``, the control decides only if the command must not wait for the next tick.
-        """
+    def _happen(self, event: Event) -> None:
+        """Let the control take an event and decide, and send what it decides."""
         with self._lock:
             if self._ended:
                 return
             now = self._clock.now()  # with the lock, so that the control's time goes forwards
             event(now)
-            if can_wait and self._control.can_wait:
-                return
             command = self._control.step(now)
             if command is not None:
                 self._send(command)
@@ -168,7 +166,7 @@ class Driving:
         except ConversionError as error:
             self._tell(f"ignoring a velocity: {error}")
             return
-        self._happen(lambda now: self._control.drive(linear, angular, now), can_wait=True)
+        self._happen(lambda now: self._control.drive(linear, angular, now))
 
     def _take_path(self, messages: Sequence[bytes]) -> None:
         try:

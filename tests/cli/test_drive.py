@@ -200,9 +200,9 @@ class _Drive:
 
 @pytest.fixture
 def drive() -> Iterator[_Drive]:
-    """The node, with its parameters' defaults."""
+    """The node, which sends a command at each tick."""
     with ExitStack() as held:
-        yield _Drive(held)
+        yield _Drive(held, "rate:=20.0")
 
 
 def test_a_path_is_followed_in_simulated_time(drive: _Drive) -> None:
@@ -231,7 +231,7 @@ def test_simulated_time_that_stands_still_ends_nothing(drive: _Drive) -> None:
     for _ in range(100):
         drive.driving.tick()
     assert drive.states[-1] == "driving"
-    assert len(drive.sent) == before + 100
+    assert len(drive.sent) == before
     drive.publish("/clock", Clock(Time.since_1970(_S)))
     drive.driving.tick()
     assert drive.sent[-1] == DrivingBoardMotorMessage()
@@ -375,7 +375,7 @@ def test_parameters_change_while_the_rover_drives(drive: _Drive) -> None:
     assert drive.sent[-1].distance_to_go == pytest.approx(0.08)
     assert drive.sent[-1].turning_radius == pytest.approx(1e5)
     for changes, reason in (
-        ({"horizon": 0.05}, "it must be at least 2 / rate = 0.2 s, or the rover stops when one command is lost"),
+        ({"horizon": 0.05}, "it must be at least 2 / rate = 0.1 s, or the rover stops when one command is lost"),
         ({"speed": 0.0}, "the parameter 'speed' is 0.0; it must be above 0"),
         ({"smallest_radius": -1.0}, "the parameter 'smallest_radius' is -1.0; it must be 0 or more"),
         ({"acceleration": math.inf}, "the parameter 'acceleration' is inf; it must be above 0"),
@@ -386,11 +386,12 @@ def test_parameters_change_while_the_rover_drives(drive: _Drive) -> None:
 
 
 def test_a_velocity_is_sent_at_once_only_if_it_differs(drive: _Drive) -> None:
-    """Others wait until the next command is due, so that the board can report its progress before."""
+    """Others wait until the next command is due, so that the board can report its progress before; so does the mode."""
     drive.drive(_twist(0.3, 0.15), 40)
     count = len(drive.sent)
     for speed, turn in ((0.3, 0.15), (0.31, 0.15), (0.3, 0.16)):
         drive.publish("/cmd_vel", _twist(speed, turn))
+        drive.publish("/control_mode", BasestationControlMode(1))
     assert len(drive.sent) == count
     for speed, turn in ((0.25, 0.125), (0.25, -0.125), (0.0, 0.0)):
         count += 1
