@@ -97,6 +97,7 @@ def test_scripts_get_json(images: Path, tmp_path: Path, capsys: pytest.CaptureFi
     assert all(doubt["text"] for doubt in found["judgement"]["doubts"])
 
 
+@pytest.mark.slow
 def test_an_image_that_cannot_be_read_is_skipped(
     images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -113,6 +114,7 @@ def test_an_image_that_cannot_be_read_is_skipped(
     assert named == [*(f"view{index}.png" for index in range(1, IMAGES)), "wall.png"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("board", "options"),
     [
@@ -132,6 +134,7 @@ def test_other_boards_calibrate_too(board: CalibrationBoard, options: list[str],
     assert read_parameters(out).focal == pytest.approx(MATRIX.diagonal()[:2], rel=2e-3)
 
 
+@pytest.mark.slow
 def test_parameters_that_must_not_be_used_replace_no_good_ones(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -214,6 +214,7 @@ def test_a_replay_keeps_order_and_pace(run: Path, done: Start, peer: socket.sock
     assert _numbers(peer, _COUNT) == list(range(_COUNT))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
 def test_a_replay_begins_where_it_is_told(run: Path, done: Start, peer: socket.socket) -> None:
     """What was before is left out; a start after the end is an error that names the length."""

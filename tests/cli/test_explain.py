@@ -31,6 +31,7 @@ def project(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("word", ["imu_info", "13", "imu_data", "SensorBoardIMUInfo", "ImuSensorInformation"])
 def test_a_row_is_found_by_whatever_it_is_called(word: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Name, number, topic, proto and ROS message all lead to the row, told with sizes, fields and bytes."""

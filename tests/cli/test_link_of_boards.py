@@ -47,6 +47,7 @@ def _board(hashes: dict[int, int]) -> Iterator[tuple[int, Callable[[int], None]]
         thread.join()
 
 
+@pytest.mark.slow
 def test_doctor_names_the_board_with_another_schema(done: Start, tmp_path: Path) -> None:
     """It exchanges link messages: a row that differs is an error, and a peer that tells nothing is none."""
     registry = linked_registry()

@@ -80,6 +80,7 @@ def _is_size(scene: RockScene, result: BasestationRockMeasureResult) -> bool:
 # --- the whole loop -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @needs_dds
 def test_a_line_of_the_basestation_gives_a_size(
     start: Start, scene: RockScene, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch

@@ -283,6 +283,7 @@ def signed_project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_project(tmp_path_factory.mktemp("signed") / "rover", _SIGNED)
 
 
+@pytest.mark.slow
 def test_attacks_are_refused_each_for_its_reason(done: Start, signed_project: Path) -> None:
     """The bridge and the peers have keys of this run alone, and all counts are those that the attacks should give."""
     scenarios = ("reboot", "old-schema", "stale", "flood", "padded", "hostile")

@@ -97,6 +97,7 @@ def test_a_recording_that_ends_ends_the_sender(images: Path, port: int) -> None:
     assert main([*_SEND, str(images), "--port", str(port), "--rate", "60", *_ALONE]) == 0
 
 
+@pytest.mark.slow
 def test_the_page_shows_all_streams(start: Start, images: Path, port: int) -> None:
     """The newest image of each; a stream that has ended is marked as stale, and one that never came says its port."""
     receiver = start(*_RECEIVE, f"front={port}", "arm=0", "--page", "0")
@@ -180,6 +181,7 @@ def test_images_of_a_topic_come_out_of_a_topic(
     assert len([line for line in sender.errors if "yuv999" in line]) == 1
 
 
+@pytest.mark.slow
 def test_a_camera_that_disappears_comes_back(start: Start, port: int) -> None:
     """The receiver marks its stream as old meanwhile."""
     jpeg = cv2.imencode(".jpg", np.full((48, 64, 3), 90, np.uint8))[1].tobytes()
@@ -208,6 +210,7 @@ def test_without_an_encoder_nothing_is_sent(
     assert error.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_the_launch_file_starts_three_streams(start: Start, images: Path) -> None:
     """Those of its file, with the cameras and bitrates of its arguments; an argument that is empty changes nothing."""
     *arguments, group = yaml.safe_load((_NAVIGATION / "launch" / "video_launch.yaml").read_text())["launch"]
@@ -235,6 +238,7 @@ def test_the_launch_file_starts_three_streams(start: Start, images: Path) -> Non
     assert [line for line in sender.errors if "[WARN]" in line] == []
 
 
+@pytest.mark.slow
 @needs_dds
 def test_running_streams_are_changed(start: Start, done: Start, images: Path, port: int) -> None:
     """Stopped, started, and given another size and another camera, by the name of the stream."""
@@ -274,6 +278,7 @@ def test_running_streams_are_changed(start: Start, done: Start, images: Path, po
     assert "front.rate: 30.0" in changed()
 
 
+@pytest.mark.slow
 @needs_dds
 def test_a_stream_whose_recording_has_ended_gets_another_source(
     start: Start, done: Start, images: Path, port: int
@@ -297,6 +302,7 @@ def test_a_stream_whose_recording_has_ended_gets_another_source(
     webcam.close()
 
 
+@pytest.mark.slow
 @needs_dds
 def test_a_change_that_is_not_possible_is_told(
     start: Start,
@@ -435,6 +441,7 @@ def test_the_receiver_tells_mistakes(port: int, tmp_path: Path, capsys: pytest.C
     ]
 
 
+@pytest.mark.slow
 def test_a_camera_that_is_missing_does_not_stop_the_others(start: Start, images: Path, port: int) -> None:
     """It is tried again and again; an address that the network refuses is told, too, and the rest goes on."""
     streams = {

@@ -40,6 +40,7 @@ def own_domain(environment: dict[str, str], monkeypatch: pytest.MonkeyPatch) -> 
         monkeypatch.setenv(name, environment[name])
 
 
+@pytest.mark.slow
 @needs_dds
 @pytest.mark.usefixtures("own_domain")
 def test_the_quality_of_the_link_is_that_of_the_bridge(tmp_path: Path) -> None:
@@ -80,6 +81,7 @@ def test_the_line_about_the_link_has_what_is_known() -> None:
     assert link_text(LinkQuality(0.0, 0.0234)) == "link: 0% lost, 23 ms"
 
 
+@pytest.mark.slow
 @needs_dds
 @pytest.mark.usefixtures("own_domain")
 def test_objects_and_the_link_are_drawn(start: Start, tmp_path: Path) -> None:

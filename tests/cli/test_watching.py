@@ -184,6 +184,7 @@ class _Terminal:
         os.close(self.theirs)
 
 
+@pytest.mark.slow
 @needs_dds
 def test_top_obeys_keys_on_a_small_terminal(start: Start, environment: dict[str, str]) -> None:
     """Arrows scroll to the last row, letters sort and filter, `q` ends it, and the terminal is as it was before."""
@@ -454,6 +455,7 @@ def test_a_foxglove_port_in_use_is_told(capsys: pytest.CaptureFixture[str]) -> N
     assert f"cannot serve Foxglove on TCP port {port} of 127.0.0.1" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @needs_dds
 def test_top_serves_the_page(start: Start) -> None:
     """`top --web` shows the rows of a bridge in another process, and the log that it publishes."""

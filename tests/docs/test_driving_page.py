@@ -25,6 +25,7 @@ def test_a_velocity_reaches_the_board_step_by_step(tmp_path: Path) -> None:
         reader.follow(blocks(_PAGE, "Try it"))
 
 
+@pytest.mark.slow
 def test_the_lint_accepts_the_proposed_fields(tmp_path: Path) -> None:
     """In a copy of the project, compared with the message as it is."""
     with Reader.in_copy(tmp_path) as reader:

@@ -14,6 +14,7 @@ _PAGE = ROOT / "docs" / "rocks.md"
 _PROPOSAL = "Add a camera and a reason to the messages"
 
 
+@pytest.mark.slow
 def test_the_lint_accepts_the_proposed_fields(tmp_path: Path) -> None:
     """In a copy of the project, compared with the messages as they are."""
     with Reader.in_copy(tmp_path) as reader:

@@ -116,6 +116,7 @@ def _check(path: Path) -> None:
     assert (np.abs(middle.astype(int) - 125) < 12).all()
 
 
+@pytest.mark.slow
 def test_gstreamer_encodes_our_images(start: Start, tmp_path: Path, port: int) -> None:
     """With the rover's earlier pipeline, by its name; it ends with the sender."""
     _needs("gst-launch-1.0", "gstreamer1.0-tools")

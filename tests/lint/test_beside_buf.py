@@ -246,6 +246,7 @@ def test_no_error_without_a_reason(pairs: list[Pair]) -> None:
     assert {id for pair in pairs for id in pair.graver()} <= ONLY_OURS
 
 
+@pytest.mark.slow
 def test_harmless_mutations_find_nothing(tmp_path: Path) -> None:
     """What is harmless gives no finding."""
     assert Pair(together(HARMLESS), tmp_path).ours == []

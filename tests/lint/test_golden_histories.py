@@ -87,6 +87,7 @@ def test_what_cannot_be_followed_is_said_once(
     assert [(one["id"], one["severity"], commit in _text(one)) for one in found] == [("STA108", "hint", True)]
 
 
+@pytest.mark.slow
 def test_files_of_many_megabytes_are_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

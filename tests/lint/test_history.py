@@ -608,6 +608,7 @@ def _add_or_take(random: Random, members: set[str]) -> None:
             members ^= {f"Message{number} member_{number} = {number};"}
 
 
+@pytest.mark.slow
 @settings(_EXAMPLES, max_examples=20)
 @given(st.randoms(use_true_random=False))
 def test_histories_without_reuse_give_nothing(random: Random) -> None:
@@ -636,6 +637,7 @@ def _give_away(random: Random, members: set[str]) -> None:
     members.update(kept.values())
 
 
+@pytest.mark.slow
 @settings(_EXAMPLES, max_examples=20)
 @given(st.randoms(use_true_random=False))
 def test_every_use_is_found_where_it_came(random: Random) -> None:

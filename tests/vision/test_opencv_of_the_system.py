@@ -7,12 +7,14 @@ import sys
 from pathlib import Path
 
 import cv2
+import pytest
 
 from tests.vision.board_frames import frames
 
 ROOT = Path(__file__).parents[2]
 
 
+@pytest.mark.slow
 def test_an_opencv_of_the_system_is_enough(tmp_path: Path) -> None:
     """Every camera command runs with a cv2 that no package of pip's brought, such as JetPack's."""
     for entry in Path(cv2.__file__).parents[1].iterdir():
