@@ -18,7 +18,7 @@ from roverlink.driving.fusion.slipping_motion import STATES, SlippingMotion
 _POSE, _SLIP = slice(0, 3), slice(3, STATES)
 
 
-def moved(start: int, end: int, motion: SlippingMotion) -> Any:
+def motion_factor(start: int, end: int, motion: SlippingMotion) -> Any:
     """Return the factor of a motion between two states."""
     expected = pose2(motion.pose)
 
@@ -37,7 +37,7 @@ def moved(start: int, end: int, motion: SlippingMotion) -> Any:
     return gtsam.CustomFactor(gtsam.noiseModel.Gaussian.Covariance(motion.covariance), [start, end], error)
 
 
-def seen(key: int, landmark: int, place: PlanarPose, noise: Any) -> Any:
+def sighting_factor(key: int, landmark: int, place: PlanarPose, noise: Any) -> Any:
     """Return the factor of a landmark with a place in the frame of the rover."""
     expected = pose2(place)
 
@@ -53,7 +53,7 @@ def seen(key: int, landmark: int, place: PlanarPose, noise: Any) -> Any:
     return gtsam.CustomFactor(noise, [key, landmark], error)
 
 
-def known(key: int, first: int, expected: Floats, noise: Any) -> Any:
+def state_factor(key: int, first: int, expected: Floats, noise: Any) -> Any:
     """Return the factor of components of a state that are known, from the ``first`` one."""
     part = slice(first, first + len(expected))
 

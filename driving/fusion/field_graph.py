@@ -4,6 +4,8 @@ GTSAM's iSAM2 (Kaess and others, 2012) solves it anew with each image. A landmar
 by the survey with the survey's accuracy. So the error of a survey is estimated, and does not count as a new error in
 each image. Landmarks that do not agree with the others have no place by the survey: somebody has moved them.
 
+The slip of the wheels is a part of each pose's variable, because it goes on from one motion to the next one.
+
 The images that are used are some distance apart. The errors of images from one place are the same, so these images tell
 nothing new. The graph grows with the distance that the rover drives, by up to 5 poses a metre.
 """
@@ -18,7 +20,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from roverlink.driving.arcs import PlanarPose
-from roverlink.driving.fusion.field_factors import known, moved, pose2, seen
+from roverlink.driving.fusion.field_factors import motion_factor, pose2, sighting_factor, state_factor
 from roverlink.driving.fusion.gtsam_library import gtsam
 from roverlink.driving.fusion.landmark_agreement import agreeing
 from roverlink.driving.fusion.odometry_track import OdometryPoint
@@ -101,7 +103,7 @@ class FieldGraph(Generic[T]):
             best = min(sightings, key=lambda one: float(np.trace(sightings[one].covariance)))
             self._trusted = frozenset({best})
             start = state_of(self._surveyed[best].pose @ sightings[best].pose.inverse(), np.zeros(2))
-            factors.add(known(gtsam.symbol("x", 0), 3, start[3:], _ANY_SLIP))
+            factors.add(state_factor(gtsam.symbol("x", 0), 3, start[3:], _ANY_SLIP))
         else:
             start = self._follow(point, factors)
         key = self._add_pose(point, start, values)
@@ -109,7 +111,7 @@ class FieldGraph(Generic[T]):
             if one not in self._keys:
                 self._keys[one] = gtsam.symbol("l", len(self._keys))
                 values.insert(self._keys[one], pose2(pose_of(start) @ place.pose))
-            factors.add(seen(key, self._keys[one], place.pose, _robust(place.covariance)))
+            factors.add(sighting_factor(key, self._keys[one], place.pose, _robust(place.covariance)))
         self._solve(factors, values)
         self._last_seen = frozenset(sightings)
         self._seen.update(sightings.keys())
@@ -129,7 +131,7 @@ class FieldGraph(Generic[T]):
             return
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         key = self._add_pose(point, self._follow(point, factors), values)
-        factors.add(known(key, 0, position, _robust(covariance)))
+        factors.add(state_factor(key, 0, position, _robust(covariance)))
         self._last_gps = point
         self._solve(factors, values)
 
@@ -150,7 +152,7 @@ class FieldGraph(Generic[T]):
         assert self._last is not None  # noqa: S101  # callers have checked it
         motion = self._last.motion_to(point)
         last = gtsam.symbol("x", self._poses - 1)
-        factors.add(moved(last, last + 1, motion))
+        factors.add(motion_factor(last, last + 1, motion))
         return motion.state_after(self._solver.calculateEstimateVector(last))
 
     def _add_pose(self, point: OdometryPoint, start: Floats, values: Any) -> int:
@@ -176,7 +178,7 @@ class FieldGraph(Generic[T]):
         values = self._solver.calculateEstimate()
         held = gtsam.NonlinearFactorGraph(self._measured)
         first = gtsam.symbol("x", 0)
-        held.add(known(first, 0, values.atVector(first)[:3], _HELD))
+        held.add(state_factor(first, 0, values.atVector(first)[:3], _HELD))
         joint = gtsam.Marginals(held, values).jointMarginalCovariance(list(self._keys.values()))
         trusted = agreeing(
             {one: self._place(key) for one, key in self._keys.items()},
