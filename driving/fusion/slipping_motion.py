@@ -33,6 +33,8 @@ STATES = 5
 """Size of the rover's state: x, y, yaw, and the slip ahead and sideways."""
 _FLOOR = np.diag([1e-3, 1e-3, 5e-4, 1e-3, 1e-3]) ** 2
 """Least covariance of a motion: a millimetre and half a milliradian. GTSAM cannot invert that of an exact motion."""
+_MOST_SLIP = 0.3
+"""Standard deviation of the slip that no rover has. What grows faster is not slip: a silent board, for example."""
 _SHORTEST = 1e-3
 """Least distance in correlation lengths: below, rounding is larger than the error of the motion."""
 
@@ -67,10 +69,11 @@ def slipping_motion(pose: PlanarPose, growth: Floats, distance: float) -> Slippi
 
     ``distance`` is what the rover has driven, in metres.
     """
-    # A silent board makes the odometry uncertain until it speaks again, and rounding leaves negative values, too.
+    # The uncertainty by a silent board ends when it speaks again, and rounding leaves negative variances, too.
     grown = (whole := _root(growth)) @ whole
     by_yaw = np.outer(grown[2], grown[2]) / (grown[2, 2] + _FLOOR[2, 2])
     root = math.copysign(1.0, pose.x) * _root(grown - by_yaw)[:, :2]
+    root *= min(1.0, _MOST_SLIP * math.sqrt(2 * SLIP_LENGTH_M * distance) / (float(np.linalg.norm(root)) or 1.0))
     length = max(distance / SLIP_LENGTH_M, _SHORTEST)
     kept = math.exp(-length)
     scale = (1 - kept) / math.sqrt(2 * length)

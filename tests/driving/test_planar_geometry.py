@@ -83,6 +83,12 @@ def test_motions_add_up_in_any_order(one: PlanarGaussian, two: PlanarGaussian, t
     assert left.covariance == pytest.approx(right.covariance, rel=1e-6, abs=1e-6)
 
 
+def test_uncertainty_that_is_no_slip_stays() -> None:
+    """While the board is silent, nobody knows how far the rover has driven."""
+    motion = slipping_motion(PlanarPose(), np.diag([0.25, 0.25, 0.0]), 0.0)
+    assert motion.covariance[:2, :2] == pytest.approx(0.25 * np.eye(2), abs=1e-5)
+
+
 @given(_poses, _rotations, st.tuples(_metres, _metres, _metres), _rotations)
 @settings(max_examples=50)
 def test_a_sighting_leads_from_the_rover_to_the_surveyed_place(
