@@ -52,6 +52,8 @@ class WheelOdometry:
         self._gyroscope = _Gyroscope()
         self._curvature: float | None = 0.0
         self._yaw_rate = 0.0
+        self._unseen = 0.0
+        """Variance of the angular velocity because of lost readings."""
         self._reported_at: int | None = None
         self.uses_gyroscope = True
         """False if the turn of the last distance is that of the steering, because the gyroscope sent nothing."""
@@ -112,6 +114,7 @@ class WheelOdometry:
             return
         self.uses_gyroscope = True
         self._yaw_rate = turn.rate - self._reckoning.bias
+        self._unseen = turn.variance / seconds**2
         if self._wheels.stands(rolled.until) and self._reckoning.stand(turn.angle / seconds, seconds):
             self._yaw_rate = 0.0
         else:
@@ -134,7 +137,7 @@ class WheelOdometry:
             covariance[axis][axis] += unreported**2
         moving = (noise.slip * speed) ** 2 + _SPEED_DEVIATION**2
         turning = (
-            self._reckoning.bias_variance + noise.gyro_noise**2 / _REGULAR_S
+            self._reckoning.bias_variance + noise.gyro_noise**2 / _REGULAR_S + self._unseen
             if self.uses_gyroscope
             else (noise.yaw_slip * speed) ** 2 / _STEERING_M + _SPEED_DEVIATION**2
         )

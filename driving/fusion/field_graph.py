@@ -4,6 +4,8 @@ GTSAM's iSAM2 (Kaess and others, 2012) solves it anew with each image. A landmar
 by the survey with the survey's accuracy. So the error of a survey is estimated, and does not count as a new error in
 each image. Landmarks that do not agree with the others have no place by the survey: somebody has moved them.
 
+The slip of the wheels is a part of each pose's variable, because it goes on from one motion to the next one.
+
 The images that are used are some distance apart. The errors of images from one place are the same, so these images tell
 nothing new. The graph grows with the distance that the rover drives, by up to 5 poses a metre.
 """
@@ -18,10 +20,12 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from roverlink.driving.arcs import PlanarPose
+from roverlink.driving.fusion.field_factors import motion_factor, pose2, sighting_factor, state_factor
 from roverlink.driving.fusion.gtsam_library import gtsam
 from roverlink.driving.fusion.landmark_agreement import agreeing
 from roverlink.driving.fusion.odometry_track import OdometryPoint
 from roverlink.driving.fusion.planar_gaussian import Floats, PlanarGaussian
+from roverlink.driving.fusion.slipping_motion import pose_of, state_of
 
 _APART_M = 0.25
 _APART_RAD = 0.15
@@ -34,6 +38,8 @@ _ENOUGH = 2
 """Landmarks that must agree before there is a pose, if the survey has more: a single one may have been moved."""
 _HELD = gtsam.noiseModel.Isotropic.Sigma(3, 1e-3)
 """Uncertainty of the first pose while landmarks are compared: without the survey, nothing else holds the graph."""
+_ANY_SLIP = gtsam.noiseModel.Unit.Create(2)
+"""Uncertainty of the slip at the first pose, in its standard deviations."""
 _ROUNDS = 3
 """Steps in which the solution converges after all has moved."""
 
@@ -66,7 +72,7 @@ class FieldGraph(Generic[T]):
         if len(self._trusted) < _ENOUGH:
             return {}
         return {
-            one: self._surveyed[one].pose.distance_to(self._pose(self._keys[one]))
+            one: self._surveyed[one].pose.distance_to(self._place(self._keys[one]))
             for one in self._keys
             if one not in self._trusted
         }
@@ -80,8 +86,8 @@ class FieldGraph(Generic[T]):
         if self._last is None or len(self._trusted) < min(_ENOUGH, len(self._surveyed) - 1):
             return None
         last = gtsam.symbol("x", self._poses - 1)
-        known = PlanarGaussian(self._pose(last), self._solver.marginalCovariance(last))
-        return known if point.stamp == self._last.stamp else known @ self._last.motion_to(point)
+        state, covariance = self._solver.calculateEstimateVector(last), self._solver.marginalCovariance(last)
+        return self._last.motion_to(point).pose_after(state, covariance)
 
     def see(self, sightings: Mapping[T, PlanarGaussian], point: OdometryPoint) -> None:
         """Add an image: the places of landmarks in the frame of the rover, and the odometry at its time.
@@ -96,16 +102,16 @@ class FieldGraph(Generic[T]):
             # The landmark that is seen best is believed until others contradict.
             best = min(sightings, key=lambda one: float(np.trace(sightings[one].covariance)))
             self._trusted = frozenset({best})
-            start = self._surveyed[best].pose @ sightings[best].pose.inverse()
+            start = state_of(self._surveyed[best].pose @ sightings[best].pose.inverse(), np.zeros(2))
+            factors.add(state_factor(gtsam.symbol("x", 0), 3, start[3:], _ANY_SLIP))
         else:
             start = self._follow(point, factors)
         key = self._add_pose(point, start, values)
         for one, place in sightings.items():
             if one not in self._keys:
                 self._keys[one] = gtsam.symbol("l", len(self._keys))
-                values.insert(self._keys[one], _pose2(start @ place.pose))
-            noise = _robust(gtsam.noiseModel.Gaussian.Covariance(place.covariance))
-            factors.add(gtsam.BetweenFactorPose2(key, self._keys[one], _pose2(place.pose), noise))
+                values.insert(self._keys[one], pose2(pose_of(start) @ place.pose))
+            factors.add(sighting_factor(key, self._keys[one], place.pose, _robust(place.covariance)))
         self._solve(factors, values)
         self._last_seen = frozenset(sightings)
         self._seen.update(sightings.keys())
@@ -125,8 +131,7 @@ class FieldGraph(Generic[T]):
             return
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         key = self._add_pose(point, self._follow(point, factors), values)
-        noise = _robust(gtsam.noiseModel.Gaussian.Covariance(covariance))
-        factors.add(gtsam.PoseTranslationPrior2D(key, position, noise))
+        factors.add(state_factor(key, 0, position, _robust(covariance)))
         self._last_gps = point
         self._solve(factors, values)
 
@@ -142,18 +147,17 @@ class FieldGraph(Generic[T]):
             or abs(turn) >= _APART_RAD
         )
 
-    def _follow(self, point: OdometryPoint, factors: Any) -> PlanarPose:
-        """Add the motion since the last pose to the factors, and return the pose that follows from it."""
+    def _follow(self, point: OdometryPoint, factors: Any) -> Floats:
+        """Add the motion since the last pose to the factors, and return the state that follows from it."""
         assert self._last is not None  # noqa: S101  # callers have checked it
         motion = self._last.motion_to(point)
         last = gtsam.symbol("x", self._poses - 1)
-        noise = gtsam.noiseModel.Gaussian.Covariance(motion.covariance)
-        factors.add(gtsam.BetweenFactorPose2(last, last + 1, _pose2(motion.pose), noise))
-        return self._pose(last) @ motion.pose
+        factors.add(motion_factor(last, last + 1, motion))
+        return motion.state_after(self._solver.calculateEstimateVector(last))
 
-    def _add_pose(self, point: OdometryPoint, start: PlanarPose, values: Any) -> int:
+    def _add_pose(self, point: OdometryPoint, start: Floats, values: Any) -> int:
         key: int = gtsam.symbol("x", self._poses)
-        values.insert(key, _pose2(start))
+        values.insert(key, start)
         self._last = point
         self._poses += 1
         return key
@@ -174,10 +178,10 @@ class FieldGraph(Generic[T]):
         values = self._solver.calculateEstimate()
         held = gtsam.NonlinearFactorGraph(self._measured)
         first = gtsam.symbol("x", 0)
-        held.add(gtsam.PriorFactorPose2(first, values.atPose2(first), _HELD))
+        held.add(state_factor(first, 0, values.atVector(first)[:3], _HELD))
         joint = gtsam.Marginals(held, values).jointMarginalCovariance(list(self._keys.values()))
         trusted = agreeing(
-            {one: self._pose(key) for one, key in self._keys.items()},
+            {one: self._place(key) for one, key in self._keys.items()},
             lambda one, other: joint.at(self._keys[one], self._keys[other]),
             self._surveyed,
             self._trusted,
@@ -185,9 +189,12 @@ class FieldGraph(Generic[T]):
         if trusted == self._trusted:
             return
         anchor = next(one for one in self._keys if one in (trusted & self._trusted or trusted))
-        move = self._surveyed[anchor].pose @ self._pose(self._keys[anchor]).inverse()
-        for key in values.keys():  # noqa: SIM118  # these values are no mapping
-            values.update(key, _pose2(move @ _planar(values.atPose2(key))))
+        move = self._surveyed[anchor].pose @ self._place(self._keys[anchor]).inverse()
+        for key in self._keys.values():
+            values.update(key, pose2(move @ self._place(key)))
+        for number in range(self._poses):
+            state = values.atVector(key := gtsam.symbol("x", number))
+            values.update(key, state_of(move @ pose_of(state), state[3:]))
         self._trusted = trusted
         self._restart(values)
 
@@ -198,14 +205,15 @@ class FieldGraph(Generic[T]):
             if one in self._trusted:
                 place = self._surveyed[one]
                 noise = gtsam.noiseModel.Gaussian.Covariance(place.covariance)
-                factors.add(gtsam.PriorFactorPose2(self._keys[one], _pose2(place.pose), noise))
+                factors.add(gtsam.PriorFactorPose2(self._keys[one], pose2(place.pose), noise))
         self._solver = _solver()
         self._solver.update(factors, values)
         for _ in range(_ROUNDS):
             self._solver.update()
 
-    def _pose(self, key: int) -> PlanarPose:
-        return _planar(self._solver.calculateEstimatePose2(key))
+    def _place(self, landmark: int) -> PlanarPose:
+        place = self._solver.calculateEstimatePose2(landmark)
+        return PlanarPose(place.x(), place.y(), place.theta())
 
 
 def _solver() -> Any:
@@ -215,16 +223,9 @@ def _solver() -> Any:
     return gtsam.ISAM2(parameters)
 
 
-def _robust(noise: Any) -> Any:
+def _robust(covariance: Floats) -> Any:
+    noise = gtsam.noiseModel.Gaussian.Covariance(covariance)
     return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), noise)
-
-
-def _pose2(pose: PlanarPose) -> Any:
-    return gtsam.Pose2(pose.x, pose.y, pose.yaw)
-
-
-def _planar(pose: Any) -> PlanarPose:
-    return PlanarPose(pose.x(), pose.y(), pose.theta())
 
 
 def _is_power_of_two(number: int) -> bool:

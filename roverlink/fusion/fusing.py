@@ -122,13 +122,14 @@ class Fusion:
                 except ConversionError as error:
                     self._say_once(f"ignoring odometry: {error}")
                     continue
+                before = self._track.newest
                 if not self._track.add(point):
                     self._logger.warning("the time or the pose of %s has jumped; beginning again", ODOMETRY)
                     self._start()
                     self._track.add(point)
                 self._catch_up(point.stamp)
-                if point is self._track.newest:
-                    self._publish(point, message)
+                if (newest := self._track.newest) is not None and newest is not before:
+                    self._publish(newest, message)
 
     def _take_detections(self, messages: Sequence[bytes], mount: Pose | None) -> None:
         with self._lock:
@@ -212,14 +213,18 @@ class Fusion:
 
 
 def _point_of(message: Odometry) -> OdometryPoint:
-    """Return the odometry of a message. Raises `ConversionError` if it has no usable pose or covariance."""
+    """Return the odometry of a message. Raises `ConversionError` if it has no usable pose or covariance.
+
+    By ROS 2's convention, a variance of 0 is unknown.
+    """
     place = message.pose.pose
     covariance = np.reshape(message.pose.covariance, (6, 6))[_PLANAR]
-    numbers = [place.position.x, place.position.y, *covariance.ravel().tolist()]
-    if not all(map(math.isfinite, numbers)) or not stamp_of(message.header):
+    turning = message.twist.covariance[-1] or UNKNOWN_VARIANCE
+    numbers = [place.position.x, place.position.y, *covariance.ravel().tolist(), turning]
+    if not all(map(math.isfinite, numbers)) or turning < 0 or not stamp_of(message.header):
         raise ConversionError("it has no stamp, or a value that is not a number")
     pose = PlanarPose(place.position.x, place.position.y, angles(place.orientation)[2])
-    return OdometryPoint(stamp_of(message.header), pose, covariance)
+    return OdometryPoint(stamp_of(message.header), pose, covariance, turning)
 
 
 def _on_field(fix: sensor_msgs.NavSatFix, latitude: float, longitude: float, heading: float) -> tuple[Any, Any]:

@@ -117,10 +117,12 @@ class FieldDrive:
         return _apart(pose, self.model.pose), covariance
 
     @property
-    def odometry_error(self) -> float:
-        """Distance in metres between the true position and that of the odometry alone."""
+    def odometry_error(self) -> tuple[np.ndarray, np.ndarray]:
+        """Error (3,) of the newest pose of the odometry alone in the frame odom, and its covariance (3, 3)."""
         assert self.by_odometry is not None
-        return (self.start @ self.by_odometry.pose).distance_to(self.model.pose)
+        pose, truth = self.by_odometry.pose, self.start.inverse() @ self.model.pose
+        turned = math.remainder(truth.yaw - pose.yaw, 2 * math.pi)
+        return np.array([truth.x - pose.x, truth.y - pose.y, turned]), self.by_odometry.covariance
 
     def _steer(self) -> None:
         x, y = _CORNERS[self._corner % len(_CORNERS)]

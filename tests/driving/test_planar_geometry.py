@@ -16,7 +16,8 @@ pytest.importorskip("gtsam", reason=NO_GTSAM)
 from roverlink.driving.arcs import PlanarPose
 from roverlink.driving.fusion.landmark_agreement import agreeing
 from roverlink.driving.fusion.odometry_track import OdometryPoint, OdometryTrack
-from roverlink.driving.fusion.planar_gaussian import PlanarGaussian
+from roverlink.driving.fusion.planar_gaussian import PlanarGaussian, adjoint
+from roverlink.driving.fusion.slipping_motion import slipping_motion
 from roverlink.fusion.planar_landmarks import planar_sightings
 from roverlink.runtime.interfaces import geometry_msgs, vision_msgs
 from roverlink.runtime.ros_time.headers import header_of
@@ -33,17 +34,45 @@ _gaussians = st.builds(PlanarGaussian, _poses, _covariances)
 _rotations = st.tuples(_angles, _angles, _angles).map(lambda angles: rotation_of(np.array(angles) / 2))
 
 
-def _point(place: PlanarGaussian) -> OdometryPoint:
-    return OdometryPoint(0, place.pose, place.outer_covariance)
+def _point(place: PlanarGaussian, rolled: float = 0.0, turn_deviation: float = 0.0) -> OdometryPoint:
+    return OdometryPoint(0, place.pose, place.outer_covariance, 0.0, rolled, turn_deviation)
 
 
 @given(_gaussians, _gaussians)
-def test_a_motion_is_what_odometry_has_added(start: PlanarGaussian, motion: PlanarGaussian) -> None:
+def test_a_long_motion_is_what_odometry_has_added(start: PlanarGaussian, motion: PlanarGaussian) -> None:
     """The motion between a pose and the pose with a motion added is that motion, with its covariance."""
-    found = _point(start).motion_to(_point(start @ motion))
+    found = _point(start).motion_to(_point(start @ motion, 1e7, 1e3))
     assert (found.pose.x, found.pose.y) == pytest.approx((motion.pose.x, motion.pose.y), abs=1e-9)
     assert math.remainder(found.pose.yaw - motion.pose.yaw, 2 * math.pi) == pytest.approx(0, abs=1e-9)
-    assert found.covariance == pytest.approx(motion.covariance, abs=2e-6)  # the least covariance is added
+    assert found.covariance[:3, :3] == pytest.approx(motion.covariance, abs=2e-6)  # the least covariance is added
+    assert found.kept == 0
+
+
+@given(_gaussians, _gaussians, st.floats(0.0, 0.1))
+def test_the_error_of_a_turn_is_limited_by_that_of_the_angular_velocity(
+    start: PlanarGaussian, motion: PlanarGaussian, most: float
+) -> None:
+    """A constant bias of a gyroscope lets the variance of the yaw grow ever faster, but not the error of one turn."""
+    found = _point(start).motion_to(_point(start @ motion, 1.0, most))
+    assert found.covariance[2, 2] == pytest.approx(min(motion.covariance[2, 2], most**2), abs=1e-6)
+    assert (np.linalg.eigvalsh(found.covariance) > 0).all()
+
+
+@given(st.floats(0.01, 3), st.floats(0.01, 3), st.sampled_from([1, -1]))
+def test_successive_motions_are_one_motion(first: float, second: float, direction: int) -> None:
+    """On a straight line, the slip at the end of one motion is that at the start of the next one."""
+
+    def moved(distance: float) -> tuple[np.ndarray, np.ndarray]:
+        growth = np.diag([0.05, 0.01, 0.0]) ** 2 * distance
+        motion = slipping_motion(PlanarPose(direction * distance), growth, distance)
+        carried = np.eye(5)
+        carried[:3, :3] = adjoint(motion.pose.inverse())
+        carried[:3, 3:], carried[3:, 3:] = motion.by_slip, motion.kept * np.eye(2)
+        return carried, motion.covariance
+
+    (one, before), (two, after), (both, whole) = moved(first), moved(second), moved(first + second)
+    assert two @ one == pytest.approx(both, abs=1e-9)
+    assert two @ before @ two.T + after == pytest.approx(whole, abs=5e-6)  # the least covariance is added twice
 
 
 @given(_gaussians, _gaussians, _gaussians)
@@ -52,6 +81,12 @@ def test_motions_add_up_in_any_order(one: PlanarGaussian, two: PlanarGaussian, t
     left, right = (one @ two) @ three, one @ (two @ three)
     assert (left.pose.x, left.pose.y) == pytest.approx((right.pose.x, right.pose.y), abs=1e-9)
     assert left.covariance == pytest.approx(right.covariance, rel=1e-6, abs=1e-6)
+
+
+def test_uncertainty_that_is_no_slip_stays() -> None:
+    """While the board is silent, nobody knows how far the rover has driven."""
+    motion = slipping_motion(PlanarPose(), np.diag([0.25, 0.25, 0.0]), 0.0)
+    assert motion.covariance[:2, :2] == pytest.approx(0.25 * np.eye(2), abs=1e-5)
 
 
 @given(_poses, _rotations, st.tuples(_metres, _metres, _metres), _rotations)
@@ -109,11 +144,11 @@ def test_forty_landmarks_that_agree_are_compared_in_no_time() -> None:
 def test_odometry_that_was_started_again_begins_a_new_track() -> None:
     """Its pose jumps, or its time; a repeated point changes nothing."""
     track = OdometryTrack()
-    at = [OdometryPoint(10**9 * second, PlanarPose(2.0 * second), np.eye(3)) for second in range(20)]
+    at = [OdometryPoint(10**9 * second, PlanarPose(2.0 * second), np.eye(3), 1.0) for second in range(20)]
     assert all(track.add(point) for point in at)
     assert track.add(at[-1])
     assert track.at(12_500_000_000) is not None
-    assert not track.add(OdometryPoint(at[-1].stamp + 10**8, PlanarPose(), np.eye(3)))
+    assert not track.add(OdometryPoint(at[-1].stamp + 10**8, PlanarPose(), np.eye(3), 1.0))
     assert track.at(12_500_000_000) is None
     assert track.newest is not None
-    assert not track.add(OdometryPoint(10**9, PlanarPose(), np.eye(3)))
+    assert not track.add(OdometryPoint(10**9, PlanarPose(), np.eye(3), 1.0))

@@ -225,11 +225,11 @@ def test_without_a_gyroscope_the_steering_tells_the_turn() -> None:
 def test_readings_that_are_lost_make_the_turn_less_certain() -> None:
     """A gap of a tenth of a second is bridged."""
 
-    def turned(lost: range) -> OdometryEstimate:
+    def turned(lost: range, steps: int = 300) -> OdometryEstimate:
         odometry = WheelOdometry()
         odometry.command(0, Arc(10.0, 0.5))
         estimates = []
-        for step in range(300):
+        for step in range(steps):
             at = step * 10**7
             if step not in lost:
                 odometry.angular_velocity(at, 0.25)
@@ -242,6 +242,8 @@ def test_readings_that_are_lost_make_the_turn_less_certain() -> None:
     whole, gap = turned(range(0)), turned(range(100, 112))
     assert gap.pose.yaw == pytest.approx(whole.pose.yaw, abs=0.01)
     assert gap.covariance[2][2] > whole.covariance[2][2]
+    assert gap.yaw_rate_variance == whole.yaw_rate_variance
+    assert turned(range(100, 112), 111).yaw_rate_variance > 10 * whole.yaw_rate_variance
 
 
 def test_silence_makes_the_position_uncertain() -> None:
