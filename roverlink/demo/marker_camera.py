@@ -40,7 +40,7 @@ class MarkerCamera(CameraProgram):
         super().__init__(project, middleware, folder)
 
     def _words(self, folder: Path) -> Sequence[str]:
-        write_cameras(folder, self.images.url(_TRACKER))
+        write_cameras(folder, {"source": self.images.url(_TRACKER)})
         known = str(folder / "landmarks.yaml")
         return ["aruco", "track", str(folder / "cameras.yaml"), "--side", str(SIDE), "--landmarks", known]
 
