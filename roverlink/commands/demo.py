@@ -285,7 +285,10 @@ class _Rig:
 
 
 def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
-    pace, steps = Pace(1.0, console.print), 0
+    pace, steps = (
+        Pace(1.0, lambda _: console.print("this computer is too slow, so the time of the rover has paused")),
+        0,
+    )
     start = time.monotonic()
     next_send = next_report = start
     with Live(console=console, refresh_per_second=_REFRESH_HZ, auto_refresh=False) as live:
