@@ -50,6 +50,13 @@ class RosConnection:
         self.arguments, self.topic = arguments, arguments.topic
         self._name, self._stack, self._say, self._parameters = middleware, stack, say, parameters
 
+    @classmethod
+    def over(cls, middleware: Middleware, arguments: RosArguments, say: Callable[[str], None]) -> RosConnection:
+        """Return the connection of a node that shares a middleware, which is open already."""
+        connection = cls(arguments, "", ExitStack(), say)
+        connection.middleware = middleware
+        return connection
+
     @cached_property
     def middleware(self) -> Middleware:
         """Middleware of the node."""

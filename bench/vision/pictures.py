@@ -14,7 +14,8 @@ import numpy as np
 
 from bench.report import draw as draw_charts
 from bench.vision.accuracy import SIZES, measure
-from roverlink.demo.field import RATE_HZ, SIDE, Film, landmarks, parameters, render_film, write_cameras, write_field
+from bench.vision.circling_film import RATE_HZ, Film, render_film
+from roverlink.demo.field import SIDE, landmarks, parameters, write_cameras, write_field
 from roverlink.vision import Landmarks, MarkerSet, Tracker, localize
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.field.view import Eye, Lookout, View
@@ -65,7 +66,7 @@ def write_recording(folder: Path, film: Film) -> None:
         for frame in film:
             writer.add(frame.image, frame.stamp)
     write_field(folder)
-    write_cameras(folder, "drive.mp4")
+    write_cameras(folder, {"source": "drive.mp4"})
 
 
 def draw_detections(path: Path) -> None:

@@ -7,20 +7,22 @@ import contextlib
 import importlib.util
 import tempfile
 import time
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.live import Live
 
 from roverlink import topic_types
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, isolate_ros, project_folder, seconds
+from roverlink.demo.demo_rover import DemoRover
+from roverlink.driving.rover_model import STEP_NS
 from roverlink.generated_code import load_project
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry, SetupError
-from roverlink.runtime.client import BlockingPeer
+from roverlink.runtime.client import BlockingPeer, Received
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.middleware import Middleware, Publisher
@@ -30,6 +32,7 @@ from roverlink.simulation.bridge_host import bridge_with
 from roverlink.simulation.crossings import Crossing
 from roverlink.simulation.peers import on_loopback
 from roverlink.simulation.simulated_keys import make_throw_away_keys
+from roverlink.simulation.simulated_rover import Pace
 
 if TYPE_CHECKING:
     from roverlink.demo.camera_program import CameraProgram
@@ -37,8 +40,6 @@ if TYPE_CHECKING:
     from roverlink.demo.marker_camera import MarkerCamera
 
 _RATE_HZ = 20.0
-_TICK_S = 0.01
-_VIDEO_HZ = 10.0
 _REFRESH_HZ = 4
 _PLAIN_REPORT_S = 5.0
 _SHOWN_COUNTERS = ("received", "published", "sent", "forwarded", "dropped", "kernel_drops")
@@ -52,10 +53,12 @@ def add(commands: Subparsers) -> None:
         "run the bridge with simulated boards and a simulated basestation, and show the traffic live",
         "roverlink demo --seconds 5",
         "Run the bridge with simulated boards, a simulated basestation and a ROS 2 node on this computer, to see what\n"
-        "roverlink does without a rover. No message leaves this computer. If OpenCV is installed, a simulated camera\n"
-        "computes the position of the rover from rendered images of markers. With ONNX Runtime, another one detects\n"
-        "the parts of a rendered panel. With PyAV, a page in the browser shows the video of the first camera, as it\n"
-        "arrives at the basestation, and a map with the true and the estimated path of the rover.\n\n"
+        "roverlink does without a rover. No message leaves this computer. A simulated rover drives as the messages on\n"
+        "drive_motor say; its wheels slip, and its boards measure. If OpenCV is installed, the images of its camera\n"
+        "are rendered, and roverlink computes its position from the markers in them. With ONNX Runtime, another\n"
+        "camera detects the parts of a rendered panel. With PyAV, a page in the browser shows the video of the\n"
+        "rover's camera, as it arrives at the basestation, and a map with the true path of the rover, the path that\n"
+        "its camera gives, and that of its wheel odometry.\n\n"
         "The live table has a row for each message of mapping.yaml: its number, its direction, messages a second,\n"
         "messages since the start, and the last value. The last lines say how many of these messages were bridged,\n"
         "and what the bridge counted. Exit code 0: each message of mapping.yaml was bridged at least once; 1: one or\n"
@@ -82,10 +85,17 @@ def run(arguments: argparse.Namespace) -> int:
     project = project_folder(arguments.project)
     registry = load_project(project)
     console = Console()
+    rover = _rover(console, registry)
     with contextlib.ExitStack() as stack:
-        cameras = list(_cameras(console, project, arguments.middleware, stack))
-        stream = _stream(console, cast("MarkerCamera", cameras[0]), stack) if cameras else None
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="roverlink-demo-")))
+        # The rover's camera is the second one: the first renders all its images at once, which would hold it up.
+        objects = _object_camera(console, project, arguments.middleware, _new(folder / "objects"), stack)
+        markers = stream = None
+        if rover is not None:
+            markers = _rover_camera(console, project, arguments.middleware, _new(folder / "markers"), rover, stack)
+        if rover is not None and markers is not None:
+            stream = _stream(console, markers, rover, stack)
+        cameras = [camera for camera in (markers, objects) if camera is not None]
         keys = make_throw_away_keys(registry, folder)
         peers = {peer.name: stack.enter_context(_on_loopback(peer.name, registry, keys)) for peer in registry.peers}
         given = on_loopback(registry, {name: peers[name.peer].port for name in registry.ends})
@@ -94,15 +104,14 @@ def run(arguments: argparse.Namespace) -> int:
         for peer in peers.values():
             peer.direct_to("127.0.0.1", host.port)
         middleware = stack.enter_context(host.middleware(topic_types.identity("demo")))
-        rig = _Rig(registry, middleware, peers, {row for camera in cameras for row in camera.rows})
+        rig = _Rig(registry, middleware, peers, rover, {row for camera in cameras for row in camera.rows})
         for camera in cameras if arguments.middleware == "memory" else ():
             camera.publish_on(middleware, registry, topic_types.full_topic)
         _show(rig, console, arguments.seconds, f"roverlink over {arguments.middleware}")
         account = host.stop()  # at once: the commanding topics are silent from now on, and the watchdogs would fire
-        for camera in cameras:
-            console.print(camera.stop(), soft_wrap=True)
-        if stream is not None:
-            console.print(stream.stop(), soft_wrap=True)
+        for part in (rover, *cameras, stream):
+            if part is not None:
+                console.print(part.stop(), soft_wrap=True)
     missing = [crossing.handler.route.name for crossing in rig.crossings if not crossing.count]
     crossed = sum(crossing.count for crossing in rig.crossings)
     console.print(
@@ -116,24 +125,57 @@ def run(arguments: argparse.Namespace) -> int:
     return FINDINGS if missing else OK
 
 
-def _cameras(console: Console, project: Path, middleware: str, stack: contextlib.ExitStack) -> Iterator[CameraProgram]:
-    """Start the simulated cameras, and yield them: one sees markers, the other one objects.
+def _rover(console: Console, registry: Registry) -> DemoRover | None:
+    """Return the simulated rover. If the table lacks one of its rows, the user is told."""
+    try:
+        return DemoRover(registry)
+    except SetupError as error:
+        console.print(f"running without a rover: {error}", soft_wrap=True, markup=False)
+        return None
+
+
+def _new(folder: Path) -> Path:
+    folder.mkdir()
+    return folder
+
+
+def _object_camera(
+    console: Console, project: Path, middleware: str, folder: Path, stack: contextlib.ExitStack
+) -> CameraProgram | None:
+    """Start the camera that sees objects, with its files in a folder.
 
     Without OpenCV or ONNX Runtime, the user is told what is missing.
     """
     try:
-        from roverlink.demo.marker_camera import MarkerCamera
-
-        yield stack.enter_context(MarkerCamera(project, middleware))
         from roverlink.demo.object_camera import ObjectCamera
 
-        yield stack.enter_context(ObjectCamera(project, middleware))
+        return stack.enter_context(ObjectCamera(project, middleware, folder))
     except SetupError as error:
-        console.print(f"running without a camera: {error}", soft_wrap=True, markup=False)
+        console.print(f"running without a camera that sees objects: {error}", soft_wrap=True, markup=False)
+        return None
 
 
-def _stream(console: Console, camera: MarkerCamera, stack: contextlib.ExitStack) -> CameraStream | None:
-    """Start the video of a camera, and the page that shows it and the path of the rover.
+def _rover_camera(
+    console: Console, project: Path, middleware: str, folder: Path, rover: DemoRover, stack: contextlib.ExitStack
+) -> MarkerCamera | None:
+    """Start the camera of the rover, with its files in a folder. Without OpenCV, the user is told what is missing."""
+    try:
+        from roverlink.demo.marker_camera import MarkerCamera
+        from roverlink.demo.rover_images import RoverImages
+
+        images = stack.enter_context(RoverImages(rover, folder))
+        camera = MarkerCamera(project, middleware, folder, rover, images)
+        stack.enter_context(camera)
+    except SetupError as error:
+        console.print(f"running without a camera on the rover: {error}", soft_wrap=True, markup=False)
+        return None
+    return camera
+
+
+def _stream(
+    console: Console, camera: MarkerCamera, rover: DemoRover, stack: contextlib.ExitStack
+) -> CameraStream | None:
+    """Start the video of a camera, and the page that shows it and the paths of the rover.
 
     Without PyAV, the user is told what is missing.
     """
@@ -144,10 +186,10 @@ def _stream(console: Console, camera: MarkerCamera, stack: contextlib.ExitStack)
     except SetupError as error:
         console.print(f"running without video: {error}", soft_wrap=True, markup=False)
         return None
-    stream = stack.enter_context(CameraStream(camera.frames, _VIDEO_HZ))
+    stream = stack.enter_context(CameraStream(camera.images.url("video")))
     streams = {stream.received.name: stream.received}
-    page = stack.enter_context(StreamsServer("127.0.0.1", 0, streams, demo_handler(camera.driven)))
-    console.print(f"page with the video of the camera and the path of the rover: {page.url}", soft_wrap=True)
+    page = stack.enter_context(StreamsServer("127.0.0.1", 0, streams, demo_handler(rover.driven)))
+    console.print(f"page with the video of the camera and the paths of the rover: {page.url}", soft_wrap=True)
     return stream
 
 
@@ -164,28 +206,37 @@ class _Rig:
         registry: Registry,
         middleware: Middleware,
         peers: dict[str, BlockingPeer],
-        published_elsewhere: Collection[str] = (),
+        rover: DemoRover | None,
+        published_elsewhere: Collection[str],
     ) -> None:
         """Create the ROS 2 publishers and subscribers.
 
         ``peers`` holds a program in place of each peer with all its boards. ``published_elsewhere`` holds the names of
-        rows on whose topics another ROS 2 node publishes, so this object does not.
+        rows on whose topics another program publishes. This object sends example values for all rows but these, and
+        those of the rover.
         """
-        self._registry, self._peers = registry, peers
-        self._published_elsewhere = published_elsewhere
+        self._peers, self._rover = peers, rover
+        self._elsewhere = {*published_elsewhere, *(rover.rows if rover else ())}
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
+        self._inbound = [
+            handler
+            for handler in registry.handlers
+            if handler.route.inbound and handler.route.name not in self._elsewhere
+        ]
         self.crossings = [Crossing(handler) for handler in registry.handlers]
         self.forwarded = 0
         self._by_number = {crossing.handler.route.number: crossing for crossing in self.crossings}
         for crossing in self.crossings:
             self._join(crossing, middleware)
+        if rover is not None:
+            rover.join(middleware)
 
     def _join(self, crossing: Crossing, middleware: Middleware) -> None:
         """Create the ROS 2 node's subscriber for a row that comes from a peer, or its publisher for a row to a peer."""
         handler = crossing.handler
         topic = topic_types.full_topic(handler.route.topic)
         if not handler.route.inbound:
-            if handler.route.name in self._published_elsewhere:
+            if handler.route.name in self._elsewhere:
                 return
             self._publishers.append((handler, middleware.publisher(topic, handler.message_type, handler.route.qos)))
             return
@@ -202,28 +253,42 @@ class _Rig:
     def send(self, seconds: float) -> None:
         """Send one datagram for each row that comes from a peer; publish one message for each row that goes to a peer.
 
-        The values in the messages depend on ``seconds``, the time since the start.
+        The values in the messages depend on ``seconds``, the time since the start. The messages of the rover are not
+        among them; see `step`.
         """
-        for handler in self._registry.handlers:
-            if handler.route.inbound:
-                self._peers[handler.route.peer].send(payload_at(handler.payload_type, seconds), handler.route.name)
+        for handler in self._inbound:
+            self._peers[handler.route.peer].send(payload_at(handler.payload_type, seconds), handler.route.name)
         for handler, publisher in self._publishers:
             publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
 
-    def receive(self) -> None:
-        """Read the payloads that have arrived at the simulated peers, and count them by row, or as forwarded."""
-        for peer in self._peers.values():
-            for number, payload in peer.arrived():
-                crossing = self._by_number.get(number)
-                if crossing is None:
-                    continue  # a link message of the bridge
-                if crossing.handler.route.inbound:
-                    self.forwarded += 1
-                else:
-                    crossing.add(partial(payload_to_values, payload))
+    def step(self) -> None:
+        """Read the payloads that have arrived, and advance the rover's time by a step.
+
+        Payloads at the simulated peers are counted by row, or as forwarded.
+        """
+        for name, peer in self._peers.items():
+            for received in peer.arrived():
+                self._take(name, received)
+        if self._rover is not None:
+            self._rover.step(self._peers[self._rover.peer])
+
+    def _take(self, peer: str, received: Received) -> None:
+        if self._rover is not None and peer == self._rover.peer:
+            self._rover.receive(received)
+        crossing = self._by_number.get(received.number)
+        if crossing is None:
+            return  # a link message of the bridge
+        if crossing.handler.route.inbound:
+            self.forwarded += 1
+        else:
+            crossing.add(partial(payload_to_values, received.payload))
 
 
 def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
+    pace, steps = (
+        Pace(1.0, lambda _: console.print("this computer is too slow, so the time of the rover has paused")),
+        0,
+    )
     start = time.monotonic()
     next_send = next_report = start
     with Live(console=console, refresh_per_second=_REFRESH_HZ, auto_refresh=False) as live:
@@ -231,7 +296,7 @@ def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
             if now >= next_send:
                 next_send += 1 / _RATE_HZ
                 rig.send(now - start)
-            rig.receive()
+            rig.step()
             if now >= next_report:
                 next_report += 1 / _REFRESH_HZ if console.is_terminal else _PLAIN_REPORT_S
                 if console.is_terminal:
@@ -241,7 +306,8 @@ def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
                 else:
                     crossed = sum(bool(crossing.count) for crossing in rig.crossings)
                     console.print(f"{now - start:4.0f} s: {crossed} of {len(rig.crossings)} messages were bridged")
-            time.sleep(_TICK_S)
+            steps += 1
+            pace.wait(steps * STEP_NS)
         live.update(crossings.table(rig.crossings, title), refresh=True)
     if not console.is_terminal:
         console.print()  # outside a terminal, the last table ends without a line break

@@ -1,1 +1,1 @@
-"""Simulated cameras of ``roverlink demo``, the rendered scene that one of them sees, and the page with its video."""
+"""Rover of ``roverlink demo`` with its driver, the simulated cameras, and the page with the video and a map."""

@@ -1,4 +1,4 @@
-"""Camera program of ``roverlink demo``: a child process that reads rendered images in a loop, and prints JSON.
+"""Camera program of ``roverlink demo``: a child process that reads rendered images, and prints JSON.
 
 It is a process of its own, as on a rover, so its computations do not delay the demo's messages to peers.
 """
@@ -10,16 +10,13 @@ import subprocess
 import sys
 import threading
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import IO, Any, ClassVar, cast
 
 from roverlink.console import NO_MIDDLEWARE
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.middleware import Middleware
-from roverlink.vision.markers.detection import Image
-from roverlink.vision.opencv import cv2
 
 _TIMEOUT_S = 20.0
 
@@ -30,29 +27,19 @@ class CameraProgram(ABC):
     rows: ClassVar[tuple[str, ...]]
     """Names of the rows on whose topics the program publishes, so the demo does not simulate their messages."""
 
-    def __init__(self, project: Path, middleware: str) -> None:
-        """Render the images, write the files for the child process, and prepare its command line.
+    def __init__(self, project: Path, middleware: str, folder: Path) -> None:
+        """Write the files for the child process into an empty folder, and prepare its command line.
 
         With the middleware ``memory``, call `publish_on`, because the child process has no access to the topics of
         this process. With any other middleware, the child process publishes its results itself.
         """
-        self._folder = TemporaryDirectory(prefix="roverlink-camera-")
-        self.frames = frames = Path(self._folder.name) / "frames"
-        """Folder with the images that the camera sees."""
-        frames.mkdir()
-        for number, image in enumerate(self._images()):
-            cv2.imwrite(str(frames / f"{number}.png"), image)
-        self._command = [sys.executable, "-m", "roverlink", *self._words(frames), "--loop", "--json"]
+        self._command = [sys.executable, "-m", "roverlink", *self._words(folder), "--json"]
         self._command += ["--middleware", NO_MIDDLEWARE if middleware == "memory" else middleware]
         self._command += ["--project", str(project), "--ros-args", "--log-level", "warn"]
 
     @abstractmethod
-    def _images(self) -> Iterable[Image]:
-        """Return the images that the camera sees."""
-
-    @abstractmethod
-    def _words(self, frames: Path) -> Sequence[str]:
-        """Return the words of the child's command line, for the folder of images. Files may be written beside it."""
+    def _words(self, folder: Path) -> Sequence[str]:
+        """Write the files for the child process into a folder, and return the words of its command line."""
 
     @abstractmethod
     def _take(self, view: dict[str, Any]) -> None:
@@ -95,7 +82,6 @@ class CameraProgram(ABC):
             self._child.kill()
             self._child.wait()
         self._output.close()
-        self._folder.cleanup()
 
     def _listen(self) -> None:
         for line in self._output:

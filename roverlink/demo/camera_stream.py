@@ -9,7 +9,6 @@ import roverlink.vision  # noqa: F401  # first: it explains how to install numpy
 import subprocess
 import sys
 from contextlib import ExitStack
-from pathlib import Path
 
 from roverlink.console import NO_MIDDLEWARE
 from roverlink.video.received_stream import ReceivedStream
@@ -20,16 +19,16 @@ _TIMEOUT_S = 20.0
 
 
 class CameraStream:
-    """Stream of a folder of images. A context manager: the images are sent, decoded and counted inside the block."""
+    """Stream of a camera. A context manager: the images are sent, decoded and counted inside the block."""
 
-    def __init__(self, frames: Path, rate: float) -> None:
-        """Prepare to send the images of a folder again and again, `rate` images a second."""
+    def __init__(self, images: str) -> None:
+        """Prepare to send the images that come from a URL."""
         self._receiver = RtpReceiver(_HOST, 0)
         self.received = ReceivedStream("camera", self._receiver, lambda _: None, lambda *_: None)
         """Stream as it arrives."""
-        self._command = [sys.executable, "-m", "roverlink", "video", "send", str(frames), "--loop", "--overlay", "time"]
-        self._command += ["--rate", str(rate), "--port", str(self._receiver.port), "--middleware", NO_MIDDLEWARE]
-        self._command += ["--ros-args", "--log-level", "warn"]
+        self._command = [sys.executable, "-m", "roverlink", "video", "send", images, "--overlay", "time"]
+        self._command += ["--port", str(self._receiver.port), "--middleware", NO_MIDDLEWARE, "--ros-args"]
+        self._command += ["--log-level", "warn"]
 
     def stop(self) -> str:
         """End the sender, and return a text for the user about the stream."""

@@ -1,4 +1,4 @@
-"""Camera of ``roverlink demo`` that sees markers: ``roverlink aruco track`` computes the rover's position."""
+"""Camera of the demo's rover: it sees landmarks, and ``roverlink aruco track`` computes the rover's position."""
 
 from __future__ import annotations
 
@@ -6,44 +6,41 @@ import roverlink.vision  # noqa: F401  # first: it explains how to install numpy
 
 # isort: split
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from roverlink.demo.camera_program import CameraProgram
-from roverlink.demo.driven_path import DrivenPath, Point
-from roverlink.demo.field import SIDE, landmarks, render_film, rover_position, write_cameras, write_field
+from roverlink.demo.demo_rover import DemoRover
+from roverlink.demo.driven_path import Point
+from roverlink.demo.field import SIDE, landmarks, write_cameras
+from roverlink.demo.rover_images import RoverImages
 from roverlink.runtime import Registry
 from roverlink.runtime.middleware import Middleware
 from roverlink.vision.camera.camera_model import Floats
-from roverlink.vision.markers.detection import Image
 from roverlink.vision.ros.rover_position import ROW, position_publisher
+
+_TRACKER = "tracker"
 
 
 class MarkerCamera(CameraProgram):
-    """Camera before a field with landmarks."""
+    """Camera on the rover, before a field with landmarks."""
 
     rows = (ROW,)
 
-    def __init__(self, project: Path, middleware: str) -> None:
-        """Render the film, write the files for the child process, and prepare its command line."""
-        self._film = render_film()
-        self.driven = DrivenPath({str(name): _on_map(one.pose.translation) for name, one in landmarks().places.items()})
-        """True path of the rover, and the one that the child process computes."""
+    def __init__(self, project: Path, middleware: str, folder: Path, rover: DemoRover, images: RoverImages) -> None:
+        """Write the files for the child process beside those of ``images``, and prepare its command line."""
+        self.images, self._driven = images, rover.driven
+        self._driven.landmarks = {str(name): _on_map(one.pose.translation) for name, one in landmarks().places.items()}
         self._publish_position: Callable[[Floats], None] = lambda _: None
         self._frames = 0
         self._worst = 0.0
-        super().__init__(project, middleware)
+        super().__init__(project, middleware, folder)
 
-    def _images(self) -> Iterable[Image]:
-        return (frame.image for frame in self._film)
-
-    def _words(self, frames: Path) -> Sequence[str]:
-        folder = frames.parent
-        write_field(folder)
-        write_cameras(folder)
+    def _words(self, folder: Path) -> Sequence[str]:
+        write_cameras(folder, {"source": self.images.url(_TRACKER)})
         known = str(folder / "landmarks.yaml")
         return ["aruco", "track", str(folder / "cameras.yaml"), "--side", str(SIDE), "--landmarks", known]
 
@@ -54,9 +51,9 @@ class MarkerCamera(CameraProgram):
     @property
     def result(self) -> str:
         """Number of images, and the largest error of the position."""
-        known = len(landmarks().places)
+        known = len(self._driven.landmarks)
         return (
-            f"the simulated camera located the rover in {self._frames} frames with {known} landmarks; "
+            f"the camera of the rover located the rover in {self._frames} frames with {known} landmarks; "
             f"largest error {1e3 * self._worst:.0f} mm"
         )
 
@@ -65,9 +62,9 @@ class MarkerCamera(CameraProgram):
             return
         place = np.array(view["rover"]["position"])
         self._publish_position(place)
-        truth = rover_position(self._film.truth[view["frame"] % len(self._film.truth)])
-        self.driven.add(_on_map(truth), _on_map(place))
-        self._worst = max(self._worst, float(np.linalg.norm(place - truth)))
+        pose = self.images.sent(_TRACKER).pose(view["frame"], view["stamp"])
+        self._driven.camera.add(_on_map(place), (pose.x, pose.y))
+        self._worst = max(self._worst, float(np.linalg.norm(place - (pose.x, pose.y, 0.0))))
         self._frames += 1
 
 

@@ -6,7 +6,7 @@ import roverlink.vision  # noqa: F401  # first: it explains how to install numpy
 
 # isort: split
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +14,12 @@ from roverlink.demo.camera_program import CameraProgram
 from roverlink.objects.object_rows import DETECTED, DetectedObjectRow
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.middleware import Middleware
-from roverlink.vision.markers.detection import Image
 from roverlink.vision.objects.detected_objects import Box, TrackedObject
 from roverlink.vision.objects.metrics import overlap
 from roverlink.vision.objects.object_types import ClassesFile, ObjectTypes
 from roverlink.vision.objects.runtime_session import import_runtime
 from roverlink.vision.objects.scenes import CLASSES, SIZE, sequence
+from roverlink.vision.opencv import cv2
 
 _FRAMES = 30
 _SEED = 4
@@ -32,19 +32,18 @@ class ObjectCamera(CameraProgram):
 
     rows = (DETECTED,)
 
-    def __init__(self, project: Path, middleware: str) -> None:
+    def __init__(self, project: Path, middleware: str, folder: Path) -> None:
         """Render the images, and prepare the command line. Raises `SetupError` if ONNX Runtime is not installed."""
         import_runtime()
         self._scenes = list(sequence(_SEED, _FRAMES, panel=True))
         self._publish: Callable[[list[TrackedObject]], None] = lambda _: None
         self._frames = self._there = self._found = 0
-        super().__init__(project, middleware)
+        super().__init__(project, middleware, folder)
 
-    def _images(self) -> Iterable[Image]:
-        return (scene.image for scene in self._scenes)
-
-    def _words(self, frames: Path) -> Sequence[str]:
-        return ["objects", "track", str(frames), "--rate", "10"]
+    def _words(self, folder: Path) -> Sequence[str]:
+        for number, scene in enumerate(self._scenes):
+            cv2.imwrite(str(folder / f"{number}.png"), scene.image)
+        return ["objects", "track", str(folder), "--rate", "10", "--loop"]
 
     def publish_on(self, middleware: Middleware, registry: Registry, topic: Callable[[str], str]) -> None:
         """Publish the objects that the child process detects."""

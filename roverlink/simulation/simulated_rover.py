@@ -123,6 +123,26 @@ class Boards(Protocol):
         """Send a serialized envelope to the bridge."""
 
 
+class RoverBoards:
+    """Boards of a rover: they take what the bridge sends, and measure in each step of the rover's time."""
+
+    def __init__(self, rover: RoverModel, datagrams: RoverDatagrams) -> None:
+        self._rover, self._datagrams = rover, datagrams
+
+    def receive(self, received: Received) -> None:
+        """Let the driving board take a command; one that is no number is ignored, as by a real board."""
+        command = self._datagrams.command(received.number, received.payload)
+        if command is not None:
+            with contextlib.suppress(ValueError):
+                self._rover.command(command)
+
+    def step(self) -> Stream:
+        """Advance the time by a step, and yield what the boards send meanwhile."""
+        for measured in self._rover.advance(STEP_NS / 1e9):
+            name, datagram = self._datagrams.datagram(measured)
+            yield Emission(measured.at / 1e9, self._datagrams.peer, name, datagram)
+
+
 class RoverSimulation:
     """Rover whose boards exchange datagrams with a bridge, as fast as ``pace`` lets its time go."""
 
@@ -135,7 +155,7 @@ class RoverSimulation:
         publish: Callable[[RoverModel], None] | None = None,
     ) -> None:
         """Prepare; ``publish``, if given, is called after each step of the rover's time."""
-        self._rover, self._datagrams, self._boards = rover, datagrams, boards
+        self._rover, self._rover_boards, self._boards = rover, RoverBoards(rover, datagrams), boards
         self._pace, self._publish = pace, publish
         self.sent = Counter[str]()
         """Number of sent datagrams by the name of the row."""
@@ -164,22 +184,13 @@ class RoverSimulation:
         while rover.now < seconds * 1e9:
             self._pace.wait(rover.now)
             for received in self._boards.arrived():
-                self._receive(received)
+                self._rover_boards.receive(received)
             if rover.now >= next_restart:
                 rover.restart_board()
                 next_restart = _next_restart(rover.now, restarts)
-            for measured in rover.advance(STEP_NS / 1e9):
-                name, datagram = self._datagrams.datagram(measured)
-                yield Emission(measured.at / 1e9, self._datagrams.peer, name, datagram)
+            yield from self._rover_boards.step()
             if self._publish is not None:
                 self._publish(rover)
-
-    def _receive(self, received: Received) -> None:
-        """Let the driving board take a command; one that is no number is ignored, as by a real board."""
-        command = self._datagrams.command(received.number, received.payload)
-        if command is not None:
-            with contextlib.suppress(ValueError):
-                self._rover.command(command)
 
 
 def _next_restart(now: int, restarts: random.Random | None) -> float:

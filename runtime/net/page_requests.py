@@ -82,6 +82,11 @@ def not_found(why: str = "not found") -> Answer:
     return Answer(HTTPStatus.NOT_FOUND, body=f"{why}\n".encode())
 
 
+def image_part(jpeg: bytes) -> bytes:
+    """Return an image as a part of an `IMAGE_STREAM`."""
+    return f"--image\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n".encode() + jpeg + b"\r\n"
+
+
 def file_answer(file: Path) -> Answer:
     """Return the answer with a file of a page (HTML, CSS or JavaScript) that loads nothing from other sites."""
     return Answer(HTTPStatus.OK, _TYPES[file.suffix], file.read_bytes(), {"Content-Security-Policy": _PAGE_POLICY})

@@ -21,8 +21,9 @@ from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middlewa
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 
+from bench.vision.circling_film import FOLDER, Film, render_film, rover_position  # noqa: E402
 from generated.messages import BasestationRoverLocalization  # noqa: E402  # they need OpenCV
-from roverlink.demo.field import SIDE, Film, render_film, rover_position, write_cameras, write_field  # noqa: E402
+from roverlink.demo.field import SIDE, write_cameras, write_field  # noqa: E402
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs  # noqa: E402
 from roverlink.vision.frames import TopicSets  # noqa: E402
 from tests.vision.d435i import COLOUR, DEPTH, INFO, RenderedD435i  # noqa: E402
@@ -43,7 +44,7 @@ def folder(film: Film, tmp_path: Path) -> Path:
     for frame in film:
         cv2.imwrite(str(tmp_path / "frames" / f"{frame.number}.png"), frame.image)
     write_field(tmp_path)
-    write_cameras(tmp_path)
+    write_cameras(tmp_path, FOLDER)
     return tmp_path
 
 

@@ -23,7 +23,8 @@ from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middlewa
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 
-from roverlink.demo.field import SIDE, Film, parameters, render_film, write_field  # noqa: E402  # they need OpenCV
+from bench.vision.circling_film import Film, render_film  # noqa: E402  # they need OpenCV
+from roverlink.demo.field import SIDE, parameters, write_field  # noqa: E402
 from roverlink.runtime.interfaces import sensor_msgs, tf2_msgs, vision_msgs  # noqa: E402
 from tests.vision import board_frames  # noqa: E402
 from tests.vision.ros_images import FRAME, Camera, camera_info, image  # noqa: E402

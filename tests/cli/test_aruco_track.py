@@ -29,15 +29,8 @@ from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middlewa
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 
-from roverlink.demo.field import (  # noqa: E402  # they need OpenCV
-    SIDE,
-    Film,
-    landmarks,
-    render_film,
-    rover_position,
-    write_cameras,
-    write_field,
-)
+from bench.vision.circling_film import FOLDER, Film, render_film, rover_position  # noqa: E402  # they need OpenCV
+from roverlink.demo.field import SIDE, landmarks, write_cameras, write_field  # noqa: E402
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs  # noqa: E402
 
 _FRAMES = 6
@@ -439,7 +432,7 @@ def test_the_basestation_hears_where_the_rover_is(field: Field, start: Start) ->
         port = f"dst_a_port:={basestation.getsockname()[1]}"
         bridge = start("run", "--middleware", "dds", "--ros-args", "-p", "listen_port:=0", "-p", port)
         bridge.wait_for("on UDP port")
-        write_cameras(field.folder)
+        write_cameras(field.folder, FOLDER)
         given = ("--side", SIDE, "--landmarks", field.folder / "landmarks.yaml")
         tracker = start(*("aruco", "track", field.folder / "cameras.yaml", *given, "--middleware", "dds", "--loop"))
         for _ in range(20):

@@ -95,12 +95,12 @@ class Mission:
 
     def _start_nodes(self, stack: ExitStack, landmarks: Landmarks) -> None:
         self._drive = Driving(
-            self._connection(stack), DriveRows(REGISTRY), DriveParameters(_ARGUMENTS, _LOGGER), _LOGGER, as_json=False
+            self._connection(), DriveRows(REGISTRY), DriveParameters(_ARGUMENTS, _LOGGER), _LOGGER, as_json=False
         )
         self._drive.receive()
         stack.callback(self._drive.end)
         self._odometry = OdometryNode(
-            self._connection(stack),
+            self._connection(),
             OdometryRows(REGISTRY),
             OdometryParameters(_ARGUMENTS, _LOGGER),
             _LOGGER,
@@ -108,7 +108,7 @@ class Mission:
         )
         self._odometry.receive()
         arguments = argparse.Namespace(base_frame="base_link", json=False, datum=None)
-        Fusion(self._connection(stack), landmarks, arguments, _LOGGER).receive(DETECTIONS, MOUNT)
+        Fusion(self._connection(), landmarks, arguments, _LOGGER).receive(DETECTIONS, MOUNT)
         graph = self._bridge.middleware(NodeIdentity("controller"))
         self._detections = graph.publisher(f"/{DETECTIONS}", vision_msgs.Detection3DArray, Qos())
         self._velocities = graph.publisher(f"/{VELOCITY}", geometry_msgs.Twist, Qos())
@@ -118,9 +118,8 @@ class Mission:
         mode = REGISTRY.by_name["control_mode"]
         graph.subscribe(f"/{mode.route.topic}", mode.message_type, Qos(), lambda _: self._mode_came.set())
 
-    def _connection(self, stack: ExitStack) -> RosConnection:
-        connection = RosConnection(_ARGUMENTS, "memory", stack, _LOGGER.warning)
-        connection.middleware = self._bridge.middleware(NodeIdentity("node"))
+    def _connection(self) -> RosConnection:
+        connection = RosConnection.over(self._bridge.middleware(NodeIdentity("node")), _ARGUMENTS, _LOGGER.warning)
         connection.clock = self._clock
         return connection
 

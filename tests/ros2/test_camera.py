@@ -22,7 +22,8 @@ from rclpy.parameter import Parameter  # noqa: E402
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: E402
 from rclpy.serialization import deserialize_message  # noqa: E402
 
-from roverlink.demo.field import SIDE, parameters, render_film, write_field  # noqa: E402
+from bench.vision.circling_film import render_film  # noqa: E402
+from roverlink.demo.field import SIDE, parameters, write_field  # noqa: E402
 from roverlink.runtime.core import cdr  # noqa: E402
 from roverlink.runtime.core.messages import Message  # noqa: E402
 from roverlink.runtime.interfaces.builtin_interfaces import Time  # noqa: E402

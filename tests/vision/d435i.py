@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from roverlink.demo.field import SIDE, landmarks, parameters, render_film
+from bench.vision.circling_film import render_film
+from roverlink.demo.field import SIDE, landmarks, parameters
 from roverlink.runtime.interfaces import geometry_msgs, tf2_msgs
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, Image
 from roverlink.vision.camera.camera_model import Floats

@@ -95,9 +95,11 @@ def test_the_demo_does_without_video() -> None:
 @pytest.mark.parametrize("missing", ["cv2", "numpy"])
 @pytest.mark.slow
 def test_the_demo_does_without_a_camera(missing: str) -> None:
-    """It shows the rest, and says how to get the camera."""
+    """It shows the rest, a rover that drives among it, and says how to get the cameras."""
     done = _main(["demo", "--seconds", "1", "--middleware", "memory"], missing, ROOT)
     assert done.returncode == 0, done.stderr
-    assert "without a camera: " in done.stdout
+    for camera in ("a camera that sees objects", "a camera on the rover"):
+        assert f"running without {camera}: " in done.stdout
+    assert "the rover drove" in done.stdout
     assert "pip install 'opencv-contrib-python-headless>=4.8'" in done.stdout
     assert "21 of 21 messages were bridged" in done.stdout

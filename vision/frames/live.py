@@ -27,7 +27,7 @@ OPENING_S = 5.0
 """Longest time in seconds that a stream may take to answer."""
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.5, 8.0
 _OLDEST_S = 1.0  # an older driver stamp comes from another clock
-_CLOSING_S = 1.0
+_CLOSING_S = STALLED_S + 1.0  # the process would abort if it ended while a thread still waits for a stream
 _NEWEST_SINK = "videoconvert ! video/x-raw, format=BGR ! appsink drop=true max-buffers=1 sync=false"
 
 Say = Callable[[str], None]

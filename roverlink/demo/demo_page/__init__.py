@@ -1,4 +1,4 @@
-"""Web page of ``roverlink demo``: the stream of the simulated camera, and a map with the path of the rover."""
+"""Web page of ``roverlink demo``: the stream of the rover's camera, and a map with the paths of the rover."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ function drawGrid(map, left, top, width, height) {
 
 function draw(field) {
   const map = document.getElementById("map");
-  const places = [...field.landmarks.map((one) => one.place), ...field.true, ...field.estimated];
+  const places = [...field.landmarks.map((one) => one.place), ...field.true, ...field.estimated, ...field.odometry];
   const xs = places.map(([x]) => x);
   const ys = places.map(([, y]) => -y);
   const left = Math.min(...xs) - MARGIN_M;
@@ -39,8 +39,9 @@ function draw(field) {
   map.replaceChildren();
   map.setAttribute("viewBox", `${left} ${top} ${width} ${height}`);
   drawGrid(map, left, top, width, height);
-  map.append(drawing("path", { class: "true", d: pathData(field.true) }));
-  map.append(drawing("path", { class: "estimated", d: pathData(field.estimated) }));
+  for (const path of ["odometry", "true", "estimated"]) {
+    map.append(drawing("path", { class: path, d: pathData(field[path]) }));
+  }
   for (const { name, place } of field.landmarks) {
     map.append(drawing("rect", { class: "landmark", x: place[0] - 0.06, y: -place[1] - 0.06, width: 0.12, height: 0.12 }));
     map.append(drawing("text", { x: place[0] + 0.1, y: -place[1] + 0.06, "font-size": 0.18 }, name));
@@ -50,10 +51,11 @@ function draw(field) {
 }
 
 function note(field) {
-  const [now, truth] = [field.estimated.at(-1), field.true.at(-1)];
+  const now = field.estimated.at(-1);
   if (!now) return "no position yet";
-  const off = 1000 * Math.hypot(now[0] - truth[0], now[1] - truth[1]);
-  return `rover at x ${now[0].toFixed(2)} m, y ${now[1].toFixed(2)} m; the estimate is ${off.toFixed(0)} mm beside the truth`;
+  const beside = (path) => `${(1000 * field.errors[path]).toFixed(0)} mm beside the truth`;
+  const camera = `rover at x ${now[0].toFixed(2)} m, y ${now[1].toFixed(2)} m, ${beside("estimated")}`;
+  return field.errors.odometry === null ? camera : `${camera}; wheel odometry ${beside("odometry")}`;
 }
 
 async function update() {

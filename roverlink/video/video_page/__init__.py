@@ -19,6 +19,7 @@ from roverlink.runtime.net.page_requests import (
     Answer,
     PageHandler,
     file_answer,
+    image_part,
     not_found,
     refusal,
 )
@@ -81,8 +82,7 @@ class StreamsHandler(PageHandler):
             elif not jpeg or time.monotonic() - sent < _SILENT_S:
                 continue
             sent = time.monotonic()
-            head = f"--image\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
-            self.wfile.write(head.encode() + jpeg + b"\r\n")
+            self.wfile.write(image_part(jpeg))
 
 
 class StreamsServer(HttpServer):
