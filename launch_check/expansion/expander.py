@@ -6,11 +6,9 @@ import itertools
 import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-
-import yaml
 
 from roverlink.launch_check.expansion.actions import (
     Action,
@@ -38,10 +36,9 @@ from roverlink.launch_check.expansion.launch_context import Context, Packages, p
 from roverlink.launch_check.expansion.parameter_files import (
     UNKNOWN,
     GivenValue,
+    ParameterFile,
     Section,
-    read_parameter_file,
     rewritten,
-    sections_of,
     typed,
 )
 from roverlink.launch_check.expansion.places import Place
@@ -177,11 +174,14 @@ class Expander:
             self._python[path] = PythonFile(Path(path), self._shown(path), self._packages)
         return self._python[path]
 
-    def parameter_file(self, path: str) -> yaml.Node | None:
-        """Return the nodes of a parameter file. Raises `UnreadableFileError`."""
+    def sections(self, path: str, text_of: Callable[[str], str | None] | None) -> list[Section]:
+        """Return the sections of a parameter file; ``text_of`` replaces substitutions, if the file may have them.
+
+        Raises `UnreadableFileError`.
+        """
         if path not in self._parameter_files:
-            self._parameter_files[path] = read_parameter_file(Path(path), self._shown(path))
-        return self._parameter_files[path]
+            self._parameter_files[path] = ParameterFile(Path(path), self._shown(path))
+        return self._parameter_files[path].sections(text_of)
 
     def stored(self, package: str, path: str) -> Any:
         """Return the description of a launch file that is not there; None if there is none."""
@@ -482,18 +482,8 @@ class _Run:
                 self.result.skipped.setdefault(missing[0], given.place)
             return None
         shown = self._expander.shown(path)
-        key = (
-            path,
-            given.has_substitutions,
-            str(self.context.configurations),
-            str(given.rewrites),
-            str(given.root_key),
-        )
-        if key in self._files:
-            return replace(self._files[key], place=given.place)
         try:
-            root = self._expander.parameter_file(path)
-            sections = sections_of(root, shown, self._file_text if given.has_substitutions else lambda text: text)
+            sections = self._expander.sections(path, self._file_text if given.has_substitutions else None)
         except UnreadableFileError as error:
             place = error.place if error.place.line else given.place
             self._report("parameter-file", place, str(error) if error.place.line else f"{shown}: {error}")
@@ -504,8 +494,7 @@ class _Run:
                 text = self._text(value)
                 rewrites[parameter] = UNKNOWN if text is None else typed(text) if text else ""
         namespace = self._text(given.root_key) or ""
-        self._files[key] = FileUse(given.place, shown, tuple(rewritten(sections, namespace, rewrites)))
-        return self._files[key]
+        return FileUse(given.place, shown, tuple(rewritten(sections, namespace, rewrites)))
 
     def _file_text(self, text: str) -> str | None:
         try:

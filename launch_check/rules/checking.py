@@ -13,7 +13,7 @@ from roverlink.launch_check.expansion.actions import Problem
 from roverlink.launch_check.expansion.entities import UnreadableFileError
 from roverlink.launch_check.expansion.expander import Expander, Expansion, variations
 from roverlink.launch_check.expansion.launch_context import Packages
-from roverlink.launch_check.expansion.parameter_files import is_parameter_file, read_parameter_file, sections_of
+from roverlink.launch_check.expansion.parameter_files import ParameterFile, is_parameter_file
 from roverlink.launch_check.rules.frame_findings import frame_findings
 from roverlink.launch_check.rules.launch_rules import (
     NOT_EXPANDED,
@@ -84,8 +84,7 @@ class Checker:
                 if path.name.endswith(LAUNCH_ENDINGS):
                     used |= self._check_launch_file(path, arguments, checked)
                 elif shown_path(str(path)) not in used:
-                    shown = shown_path(str(path))
-                    sections = sections_of(read_parameter_file(path, shown), shown, _known_text)
+                    sections = ParameterFile(path, shown_path(str(path))).sections(_known_text)
                     checked.findings += standalone_findings(sections, self._catalogue)
             except UnreadableFileError as error:
                 checked.findings.append(UNREADABLE.at(span(error.place), str(error)))

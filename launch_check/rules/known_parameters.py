@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from functools import cache
 from typing import Any
 
 from roverlink.launch_check.catalogue.facts import Catalogue, Endpoint, NodeClass, Parameter, PluginSlot
@@ -275,7 +276,8 @@ class _Unknown:
     __hash__ = None  # type: ignore[assignment]  # a class with __eq__ and no hash
 
 
-def _is_of(name: str, groups: Iterable[str]) -> bool:
+@cache
+def _is_of(name: str, groups: tuple[str, ...]) -> bool:
     """Return true if a name of RTAB-Map is of one of the groups, such as ``Grid``, ``Odom*`` or ``Kp/ByteToFloat``."""
     group = name.partition("/")[0]
     return any(

@@ -23,7 +23,7 @@ from roverlink.launch_check.rules.launch_rules import (
     UNUSED_SECTION,
     WRONG_TYPE,
 )
-from roverlink.launch_check.rules.misspellings import distance
+from roverlink.launch_check.rules.misspellings import is_near
 from roverlink.launch_check.rules.system import RunningNode, System, Use, Variants, span
 
 _OF_RCL = re.compile(r"(?:qos_overrides\..*|use_sim_time)")
@@ -255,7 +255,7 @@ def _spare(plugin: LoadedPlugin, view: ParameterView) -> Iterator[Diagnostic]:
         and not one.is_spare
         and not any(key.startswith(f"{one.name}.") for key in view.given)
     ]
-    near = [name for name in bare if distance(plugin.name, name) <= 2]
+    near = [name for name in bare if is_near(plugin.name, name, 2)]
     if plugin.place is not None and near:
         message = f"the plugin '{plugin.name}' is not in '{plugin.slot.parameter}'"
         yield UNKNOWN_PLUGIN.at(span(plugin.place), message, f"did you mean '{near[0]}'?")

@@ -15,7 +15,7 @@ from roverlink.launch_check.rules.launch_rules import (
     OUTSIDE,
     UNKNOWN_REMAPPING,
 )
-from roverlink.launch_check.rules.misspellings import distance
+from roverlink.launch_check.rules.misspellings import is_near
 from roverlink.launch_check.rules.system import (
     Connection,
     RunningNode,
@@ -212,13 +212,13 @@ def _is_misspelling(topic: str, other: str, is_named: bool) -> bool:
         return False
     first, second = topic.split("/"), other.split("/")
     if len(first) != len(second):
-        return distance(topic, other) <= 1
+        return is_near(topic, other, 1)
     different = [(a, b) for a, b in zip(first, second, strict=True) if a != b]
     if len(different) != 1:
         return False
     a, b = different[0]
     is_numbered = a.rstrip("0123456789") == b.rstrip("0123456789") and a[-1:].isdigit() and b[-1:].isdigit()
-    return not is_numbered and distance(a, b) <= (1 if min(len(a), len(b)) < _SHORT else 2)
+    return not is_numbered and is_near(a, b, 1 if min(len(a), len(b)) < _SHORT else 2)
 
 
 def _behind(node: RunningNode, system: System) -> list[str]:
