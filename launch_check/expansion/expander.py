@@ -151,12 +151,13 @@ class Expander:
         self._packages, self._shown, self._stored, self.known = packages, shown, stored, known
         self._declarative: dict[str, tuple[list[Action], list[Problem]]] = {}
         self._python: dict[str, PythonFile] = {}
-        self._parameter_files: dict[str, yaml.Node | None] = {}
+        self._parameter_files: dict[str, ParameterFile] = {}
 
     def expand(self, path: Path, arguments: Mapping[str, str | None]) -> Expansion:
         """Return what a launch file starts with some values of its arguments. Raises `UnreadableFileError`."""
-        run = _Run(self, self._packages, arguments)
-        run.include(str(path.resolve()), Place(self._shown(str(path.resolve()))))
+        run, file = _Run(self, self._packages, arguments), str(path.resolve())
+        run.context.file = file
+        run.include(file, Place(self._shown(file)))
         run.result.undeclared = list(dict.fromkeys(run.context.undeclared))
         return run.result
 
@@ -200,20 +201,20 @@ class _Run:
         self.context = Context(packages, dict(arguments))
         self.result = Expansion(dict(arguments))
         self._depth = 0
-        self._files: dict[tuple[object, ...], FileUse] = {}
+        self._path = ""  # path of the launch file whose actions are expanded
 
     def include(self, path: str, place: Place) -> None:
         """Expand the actions of a launch file."""
         self._depth += 1
         if self._depth > _DEEPEST:
             raise UnreadableFileError(place, "launch files include each other without end")
-        before, self.context.file = self.context.file, path
+        before, self._path = self._path, path
         try:
             actions, problems = self._actions(path, place)
             self.result.problems += problems
             self._run(actions)
         finally:
-            self.context.file = before
+            self._path = before
             self._depth -= 1
 
     def _actions(self, path: str, place: Place) -> tuple[list[Action], list[Problem]]:
@@ -344,15 +345,20 @@ class _Run:
             )
 
     def _include(self, action: Include) -> None:
-        context = self.context
+        """Set the arguments and expand the included file.
+
+        `$(dirname)` is the folder of the included file already in the values of the arguments, and still in the actions
+        after the include: IncludeLaunchDescription of `launch` sets it first, and does not restore it.
+        """
+        path = self._text(action.path)
+        if path is not None:
+            self.context.file = path = self._absolute(path)
         for name, value, _ in action.arguments:
             if text := self._text(name):
-                context.configurations[text] = self._text(value)
-        path = self._text(action.path)
+                self.context.configurations[text] = self._text(value)
         if path is None:
             self._report("needs", action.place, "the path of an included launch file is known at run time only")
             return
-        path = self._absolute(path)
         before = set(self.result.declared)
         problems = len(self.result.problems)
         try:
@@ -385,7 +391,7 @@ class _Run:
         if found := package_of_share(path):
             share = self.context.packages.share(found[0])
             return path if package_of_share(share) else self.context.packages.existing(os.path.join(share, found[1]))
-        return self.context.packages.existing(os.path.join(os.path.dirname(self.context.file), path))
+        return self.context.packages.existing(os.path.join(os.path.dirname(self._path), path))
 
     def _is_used(self, path: str, name: str) -> bool:
         """Return true if a launch file names an argument anywhere, such as in a function that adds more arguments."""
@@ -396,8 +402,8 @@ class _Run:
 
     def _call(self, action: Opaque) -> None:
         try:
-            if self.context.file.endswith(".py"):
-                self._run(self._expander.python(self.context.file).called(action.function, self.context))
+            if self._path.endswith(".py"):
+                self._run(self._expander.python(self._path).called(action.function, self.context))
         except NeedsMoreError as error:
             self._report("needs", error.place, str(error))
         except UnknownTextError as error:

@@ -128,7 +128,7 @@ class FindPackagePrefix(FindPackageShare):
 
 
 class ThisLaunchFileDir(Substitution):
-    """The folder of the launch file."""
+    """The folder of the launch file, or of the one that was included last."""
 
     def perform(self, context: Surroundings) -> str:
         return str(Path(context.file).parent)
@@ -138,7 +138,7 @@ class ThisLaunchFileDir(Substitution):
 
 
 class ThisLaunchFile(Substitution):
-    """The path of the launch file."""
+    """The path of the launch file, or of the one that was included last."""
 
     def perform(self, context: Surroundings) -> str:
         return context.file

@@ -265,6 +265,34 @@ def test_the_three_kinds_of_launch_files_say_the_same(
     capsys.readouterr()
 
 
+def test_dirname_stays_that_of_an_included_file_as_in_ros2(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In the arguments of an include, and after it, $(dirname) is the folder of the included file."""
+    (tmp_path / "inner").mkdir()
+    node = "  - node: {pkg: rtabmap_slam, exec: rtabmap, name: NAME, param: [{from: FILE}]}\n"
+    _write(
+        tmp_path,
+        {
+            "a_launch.yaml": "launch:\n"
+            + node.replace("NAME", "before").replace("FILE", "$(dirname)/p.yaml")
+            + "  - include: {file: inner/b_launch.yaml, arg: [{name: config, value: $(dirname)/q.yaml}]}\n"
+            + node.replace("NAME", "after").replace("FILE", "$(dirname)/p.yaml"),
+            "p.yaml": _parameters("before", "frame_id: a", "of_before: 1") + _parameters("after", "of_after: 1"),
+            "inner/b_launch.yaml": "launch:\n  - arg: {name: config}\n"
+            + node.replace("NAME", "inner").replace("FILE", "$(var config)"),
+            "inner/p.yaml": _parameters("after", "of_after_the_include: 1"),
+            "inner/q.yaml": _parameters("inner", "of_the_argument: 1"),
+        },
+    )
+    monkeypatch.chdir(tmp_path)
+    assert _check(capsys, "a_launch.yaml")[1] == [
+        "inner/p.yaml:3:5: PAR101",
+        "inner/q.yaml:3:5: PAR101",
+        "p.yaml:4:5: PAR101",
+    ]
+
+
 def test_arguments_are_set_as_for_ros2_launch(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
