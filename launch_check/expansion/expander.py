@@ -271,6 +271,11 @@ class _Run:
         except UnknownTextError:
             return None
 
+    def _path_of_file(self, value: Any) -> str | None:
+        """Return the text of a path; what a file says depends on the arguments in its path."""
+        self._note_use(value, is_condition=True)
+        return self._text(value)
+
     def _one(self, action: Action) -> None:
         context = self.context
         if isinstance(action, DeclareArgument):
@@ -350,7 +355,7 @@ class _Run:
         `$(dirname)` is the folder of the included file already in the values of the arguments, and still in the actions
         after the include: IncludeLaunchDescription of `launch` sets it first, and does not restore it.
         """
-        path = self._text(action.path)
+        path = self._path_of_file(action.path)
         if path is not None:
             self.context.file = path = self._absolute(path)
         for name, value, _ in action.arguments:
@@ -479,7 +484,7 @@ class _Run:
         return text if is_text or not text else typed(text)  # also a text of a YAML or XML launch file
 
     def _file(self, given: GivenFile) -> FileUse | None:
-        text = self._text(given.path)
+        text = self._path_of_file(given.path)
         if not text:
             return None
         path = self._absolute(text)

@@ -16,6 +16,7 @@ from roverlink.launch_check.expansion.substitutions import UnknownTextError, eva
 
 _LIST = re.compile(r"\{([^{}#*]+)\}")
 _VALUE = re.compile(r"\$\(([^()|]+)(?:\|([^()]*))?\)")
+_NUMBER = r"(0|[1-9]\d*)"
 _ANY_NAME = r"[^.]+"
 _SIMILAR = 0.85
 
@@ -148,7 +149,7 @@ class ParameterView:
         if "{#}" not in text or match is None:
             yield text
             return
-        pattern = re.compile(re.escape(prefix + match[1]).replace(r"\{\#\}", r"(\d+)"))
+        pattern = re.compile(re.escape(prefix + match[1]).replace(r"\{\#\}", _NUMBER))
         for name in self.given:
             if found := pattern.fullmatch(name):
                 yield text.replace("{#}", found[1])
@@ -190,7 +191,7 @@ class ParameterView:
             if len(parts) <= 3 and "#" not in one and _ANY_NAME not in one:
                 self.exact.setdefault(prefix + re.sub(r"\\(.)", r"\1", one.replace("\0", "")), parameter)
             else:
-                self.patterns.append((re.compile(re.escape(prefix) + text.replace(r"\{\#\}", r"(\d+)")), parameter))
+                self.patterns.append((re.compile(re.escape(prefix) + text.replace(r"\{\#\}", _NUMBER)), parameter))
 
     def _add_slot(self, slot: PluginSlot, facts: NodeClass, prefix: str, seen: set[str]) -> None:
         full = prefix + slot.parameter

@@ -58,6 +58,24 @@ _CASES: Mapping[str, tuple[dict[str, str], list[str]]] = {
         {"a_launch.yaml": _RTABMAP, "p.yaml": _parameters("rtabmap", "frame_id: a", "frame_id: b")},
         ["p.yaml:3:5: PAR106"],
     ),
+    "a parameter of the y axis alone": (
+        {
+            "a_launch.yaml": _CONTROLLER,
+            "p.yaml": _parameters("controller_server", "FollowPath:", "  plugin: dwb_core::DWBLocalPlanner")
+            + "      max_vel_y: 0.3\n",
+        },
+        ["p.yaml:5:7: PAR107 did you mean 'FollowPath.max_vel_x'?"],
+    ),
+    "a file that another value of an argument chooses": (
+        {
+            "a_launch.yaml": _RTABMAP.replace("p.yaml", "$(dirname)/$(var mode).yaml").replace(
+                "launch:\n", "launch:\n  - arg: {name: mode, default: p, choice: [{value: p}, {value: q}]}\n"
+            ),
+            "p.yaml": _parameters("rtabmap", "frame_id: a"),
+            "q.yaml": _parameters("rtabmap", "frame_di: a"),
+        },
+        ["q.yaml:3:5: PAR101 did you mean 'frame_id'?"],
+    ),
     "an unknown plugin": (
         {
             "a_launch.yaml": _CONTROLLER,
