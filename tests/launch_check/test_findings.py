@@ -325,14 +325,42 @@ def test_arguments_are_set_as_for_ros2_launch(
 def test_a_launch_file_that_starts_everything_has_no_loose_ends(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With --complete, topics that come from nowhere or lead to nowhere are errors, if a node needs them."""
-    _write(tmp_path, {"a_launch.yaml": "launch:\n  - node: {pkg: nav2_velocity_smoother, exec: velocity_smoother}\n"})
+    """With --complete or a comment, needed topics that come from nowhere or lead to nowhere are errors."""
+    node = "  - node: {pkg: nav2_velocity_smoother, exec: velocity_smoother}\n"
+    _write(
+        tmp_path,
+        {"a_launch.yaml": f"launch:\n{node}", "b_launch.yaml": f"launch:  # all\n  # check-launch: complete\n{node}"},
+    )
     monkeypatch.chdir(tmp_path)
     assert _check(capsys, "a_launch.yaml") == (0, [])
     assert _check(capsys, "a_launch.yaml", "--complete")[1] == [
         "a_launch.yaml:2:5: TOP102 topics of this type: /cmd_vel_smoothed",
         "a_launch.yaml:2:5: TOP103 topics of this type: /cmd_vel",
     ]
+    assert _check(capsys, "b_launch.yaml")[1] == [
+        "b_launch.yaml:3:5: TOP102 topics of this type: /cmd_vel_smoothed",
+        "b_launch.yaml:3:5: TOP103 topics of this type: /cmd_vel",
+    ]
+
+
+def test_a_display_that_shows_nothing_is_found_in_a_complete_system(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """If everything is started, displays of RViz need publishers. Updates of a map and unused tools do not count."""
+    display = "    - {Class: rviz_default_plugins/%s, Topic: {Value: /%s}}\n"
+    _write(
+        tmp_path,
+        {
+            "a_launch.yaml": "launch:\n  - node: {pkg: rviz2, exec: rviz2, args: -d $(dirname)/a.rviz}\n",
+            "a.rviz": "Visualization Manager:\n  Displays:\n"
+            + display % ("Image", "image")
+            + "    - {Class: rviz_default_plugins/Map, Update Topic: {Value: /map_updates}}\n  Tools:\n"
+            + display % ("SetGoal", "goal_pose"),
+        },
+    )
+    monkeypatch.chdir(tmp_path)
+    assert _check(capsys, "a_launch.yaml") == (0, [])
+    assert _check(capsys, "a_launch.yaml", "--complete")[1] == ["a.rviz:3:58: TOP102 topics of this type: /goal_pose"]
 
 
 def test_unknown_packages_are_named_and_skipped(
