@@ -93,7 +93,7 @@ def test_the_shipped_launch_file_is_the_same_with_the_real_packages(real: str, t
 @pytest.mark.parametrize("distribution", ["humble", "jazzy"])
 def test_the_examples_of_others_are_the_same_with_the_real_packages(distribution: str, real: str) -> None:
     """Each finding, with its line and column, is the one that the stand-ins give."""
-    arguments = ("--distribution", distribution, "--packages", ".", *_EXAMPLES)
+    arguments = ("--distribution", distribution, *_EXAMPLES, "--packages", ".")
     folder = Path(_FOLDER) / distribution
     with_stand_ins = _checked(folder, "", *arguments)
     assert _checked(folder, real.replace("DISTRIBUTION", distribution), *arguments) == with_stand_ins
