@@ -7,9 +7,11 @@ from itertools import groupby
 
 from roverlink.generator.diagnostics import Rule
 from roverlink.generator.rule_catalogue import rules
+from roverlink.launch_check.rules.launch_rules import launch_rules
 
 INDEX = "reference/rules/index.md"
-IDS = frozenset(rules())
+_RULES = dict(sorted({**rules(), **launch_rules()}.items()))
+IDS = frozenset(_RULES)
 _SUBJECTS = {
     "ADO": "taking over a tree of protos",
     "BUF": "buf",
@@ -17,14 +19,18 @@ _SUBJECTS = {
     "CPP": "C++ handlers",
     "ENV": "numbers of the envelope",
     "FIX": "fixed sizes",
+    "FRM": "frames of launch files",
     "HIS": "history",
+    "LCH": "launch files",
     "LED": "the ledger",
     "LNK": "the link message",
     "MAP": "reading mapping.yaml",
     "NAM": "names in the protos",
     "NPB": "nanopb",
     "OUT": "writing files",
+    "PAR": "parameters of nodes",
     "PIN": "pinned commits",
+    "PLG": "plugins of nodes",
     "PRO": "reading the protos",
     "RET": "editing the table",
     "ROS": "names in ROS 2",
@@ -32,6 +38,7 @@ _SUBJECTS = {
     "STA": "states to compare with",
     "STD": "standard messages",
     "TAB": "rows and peers",
+    "TOP": "topics of launch files",
     "WIR": "changes on the wire",
 }
 
@@ -43,14 +50,14 @@ def path(id: str) -> str:
 
 def paths() -> list[str]:
     """Return the paths of all pages, in the order of the ids."""
-    return list(dict.fromkeys(path(id) for id in rules()))
+    return list(dict.fromkeys(path(id) for id in _RULES))
 
 
 def pages() -> dict[str, str]:
     """Return the pages of all rules, and the list of them, by path."""
-    groups = [(prefix, list(group)) for prefix, group in groupby(rules().values(), lambda rule: rule.id[:3])]
+    groups = [(prefix, list(group)) for prefix, group in groupby(_RULES.values(), lambda rule: rule.id[:3])]
     texts = {f"reference/rules/{prefix}.md": "\n".join(_page(prefix, group)) for prefix, group in groups}
-    rows = [_row(rule) for rule in rules().values()]
+    rows = [_row(rule) for rule in _RULES.values()]
     head = ["# Rules", "", _INTRODUCTION, "", "| rule | severity | finds |", "|---|---|---|"]
     return {INDEX: "\n".join([*head, *rows, ""]), **texts}
 
@@ -87,6 +94,8 @@ def _language(example: str) -> str:
     first = example.strip()
     if first.startswith("$"):
         return "console"
+    if first.startswith(("import ", "from ")) and '"' not in first:
+        return "python"
     if first.startswith(("syntax", "message", "//", "enum", "import")):
         return "proto"
     return "text" if "[" in first.partition(":")[2][:40] and "error[" in first else "yaml"

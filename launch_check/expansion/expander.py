@@ -6,11 +6,9 @@ import itertools
 import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-
-import yaml
 
 from roverlink.launch_check.expansion.actions import (
     Action,
@@ -38,10 +36,9 @@ from roverlink.launch_check.expansion.launch_context import Context, Packages, p
 from roverlink.launch_check.expansion.parameter_files import (
     UNKNOWN,
     GivenValue,
+    ParameterFile,
     Section,
-    read_parameter_file,
     rewritten,
-    sections_of,
     typed,
 )
 from roverlink.launch_check.expansion.places import Place
@@ -154,12 +151,13 @@ class Expander:
         self._packages, self._shown, self._stored, self.known = packages, shown, stored, known
         self._declarative: dict[str, tuple[list[Action], list[Problem]]] = {}
         self._python: dict[str, PythonFile] = {}
-        self._parameter_files: dict[str, yaml.Node | None] = {}
+        self._parameter_files: dict[str, ParameterFile] = {}
 
     def expand(self, path: Path, arguments: Mapping[str, str | None]) -> Expansion:
         """Return what a launch file starts with some values of its arguments. Raises `UnreadableFileError`."""
-        run = _Run(self, self._packages, arguments)
-        run.include(str(path.resolve()), Place(self._shown(str(path.resolve()))))
+        run, file = _Run(self, self._packages, arguments), str(path.resolve())
+        run.context.file = file
+        run.include(file, Place(self._shown(file)))
         run.result.undeclared = list(dict.fromkeys(run.context.undeclared))
         return run.result
 
@@ -177,11 +175,14 @@ class Expander:
             self._python[path] = PythonFile(Path(path), self._shown(path), self._packages)
         return self._python[path]
 
-    def parameter_file(self, path: str) -> yaml.Node | None:
-        """Return the nodes of a parameter file. Raises `UnreadableFileError`."""
+    def sections(self, path: str, text_of: Callable[[str], str | None] | None) -> list[Section]:
+        """Return the sections of a parameter file; ``text_of`` replaces substitutions, if the file may have them.
+
+        Raises `UnreadableFileError`.
+        """
         if path not in self._parameter_files:
-            self._parameter_files[path] = read_parameter_file(Path(path), self._shown(path))
-        return self._parameter_files[path]
+            self._parameter_files[path] = ParameterFile(Path(path), self._shown(path))
+        return self._parameter_files[path].sections(text_of)
 
     def stored(self, package: str, path: str) -> Any:
         """Return the description of a launch file that is not there; None if there is none."""
@@ -200,20 +201,20 @@ class _Run:
         self.context = Context(packages, dict(arguments))
         self.result = Expansion(dict(arguments))
         self._depth = 0
-        self._files: dict[tuple[object, ...], FileUse] = {}
+        self._path = ""  # path of the launch file whose actions are expanded
 
     def include(self, path: str, place: Place) -> None:
         """Expand the actions of a launch file."""
         self._depth += 1
         if self._depth > _DEEPEST:
             raise UnreadableFileError(place, "launch files include each other without end")
-        before, self.context.file = self.context.file, path
+        before, self._path = self._path, path
         try:
             actions, problems = self._actions(path, place)
             self.result.problems += problems
             self._run(actions)
         finally:
-            self.context.file = before
+            self._path = before
             self._depth -= 1
 
     def _actions(self, path: str, place: Place) -> tuple[list[Action], list[Problem]]:
@@ -269,6 +270,11 @@ class _Run:
             return text_of(value, self.context)
         except UnknownTextError:
             return None
+
+    def _path_of_file(self, value: Any) -> str | None:
+        """Return the text of a path; what a file says depends on the arguments in its path."""
+        self._note_use(value, is_condition=True)
+        return self._text(value)
 
     def _one(self, action: Action) -> None:
         context = self.context
@@ -344,15 +350,20 @@ class _Run:
             )
 
     def _include(self, action: Include) -> None:
-        context = self.context
+        """Set the arguments and expand the included file.
+
+        `$(dirname)` is the folder of the included file already in the values of the arguments, and still in the actions
+        after the include: IncludeLaunchDescription of `launch` sets it first, and does not restore it.
+        """
+        path = self._path_of_file(action.path)
+        if path is not None:
+            self.context.file = path = self._absolute(path)
         for name, value, _ in action.arguments:
             if text := self._text(name):
-                context.configurations[text] = self._text(value)
-        path = self._text(action.path)
+                self.context.configurations[text] = self._text(value)
         if path is None:
             self._report("needs", action.place, "the path of an included launch file is known at run time only")
             return
-        path = self._absolute(path)
         before = set(self.result.declared)
         problems = len(self.result.problems)
         try:
@@ -385,7 +396,7 @@ class _Run:
         if found := package_of_share(path):
             share = self.context.packages.share(found[0])
             return path if package_of_share(share) else self.context.packages.existing(os.path.join(share, found[1]))
-        return self.context.packages.existing(os.path.join(os.path.dirname(self.context.file), path))
+        return self.context.packages.existing(os.path.join(os.path.dirname(self._path), path))
 
     def _is_used(self, path: str, name: str) -> bool:
         """Return true if a launch file names an argument anywhere, such as in a function that adds more arguments."""
@@ -396,8 +407,8 @@ class _Run:
 
     def _call(self, action: Opaque) -> None:
         try:
-            if self.context.file.endswith(".py"):
-                self._run(self._expander.python(self.context.file).called(action.function, self.context))
+            if self._path.endswith(".py"):
+                self._run(self._expander.python(self._path).called(action.function, self.context))
         except NeedsMoreError as error:
             self._report("needs", error.place, str(error))
         except UnknownTextError as error:
@@ -473,7 +484,7 @@ class _Run:
         return text if is_text or not text else typed(text)  # also a text of a YAML or XML launch file
 
     def _file(self, given: GivenFile) -> FileUse | None:
-        text = self._text(given.path)
+        text = self._path_of_file(given.path)
         if not text:
             return None
         path = self._absolute(text)
@@ -482,18 +493,8 @@ class _Run:
                 self.result.skipped.setdefault(missing[0], given.place)
             return None
         shown = self._expander.shown(path)
-        key = (
-            path,
-            given.has_substitutions,
-            str(self.context.configurations),
-            str(given.rewrites),
-            str(given.root_key),
-        )
-        if key in self._files:
-            return replace(self._files[key], place=given.place)
         try:
-            root = self._expander.parameter_file(path)
-            sections = sections_of(root, shown, self._file_text if given.has_substitutions else lambda text: text)
+            sections = self._expander.sections(path, self._file_text if given.has_substitutions else None)
         except UnreadableFileError as error:
             place = error.place if error.place.line else given.place
             self._report("parameter-file", place, str(error) if error.place.line else f"{shown}: {error}")
@@ -504,8 +505,7 @@ class _Run:
                 text = self._text(value)
                 rewrites[parameter] = UNKNOWN if text is None else typed(text) if text else ""
         namespace = self._text(given.root_key) or ""
-        self._files[key] = FileUse(given.place, shown, tuple(rewritten(sections, namespace, rewrites)))
-        return self._files[key]
+        return FileUse(given.place, shown, tuple(rewritten(sections, namespace, rewrites)))
 
     def _file_text(self, text: str) -> str | None:
         try:

@@ -81,6 +81,7 @@ class Context:
     """Value of each argument and variable; None if only the user knows it."""
     environment: dict[str, str] = field(default_factory=dict)
     file: str = ""
+    """Path of the launch file that was included last."""
     namespace: str = ""
     remappings: list[Any] = field(default_factory=list)
     parameters: list[Any] = field(default_factory=list)

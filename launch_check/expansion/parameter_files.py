@@ -57,26 +57,49 @@ class Section:
         return self.pattern.rpartition("/")[2]
 
 
-def read_parameter_file(path: Path, shown: str) -> yaml.Node | None:
-    """Read a parameter file for `sections_of`; None if it is empty. Raises `UnreadableFileError`."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise UnreadableFileError(Place(shown), f"cannot read the file: {reason}") from error
-    return compose(text, shown)
+class ParameterFile:
+    """A parameter file. It keeps its sections, because a launch file is expanded with many values of its arguments."""
+
+    def __init__(self, path: Path, shown: str) -> None:
+        """Read the file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise UnreadableFileError(Place(shown), f"cannot read the file: {reason}") from error
+        self._root, self._shown = compose(text, shown), shown
+        self._with_substitutions = list(dict.fromkeys(_with_substitutions(self._root)))
+        self._sections: dict[tuple[str | None, ...], list[Section]] = {}
+
+    def sections(self, text_of: Callable[[str], str | None] | None) -> list[Section]:
+        """Return the sections of the file. Raises `UnreadableFileError`.
+
+        ``text_of`` replaces the substitutions in a text, and returns None if the text is not known; with None, the file
+        has no substitutions.
+        """
+        if self._root is None:
+            return []
+        if not isinstance(self._root, yaml.MappingNode):
+            raise UnreadableFileError(place_of(self._root, self._shown), "a parameter file is a mapping of nodes")
+        texts = {text: text_of(text) for text in self._with_substitutions} if text_of else {}
+        key = tuple(texts.values())
+        if key not in self._sections:
+            found = _sections(self._root, "", self._shown, lambda text: texts.get(text, text))
+            self._sections[key] = list(found)
+        return self._sections[key]
 
 
-def sections_of(root: yaml.Node | None, shown: str, text_of: Callable[[str], str | None]) -> list[Section]:
-    """Return the sections of a parameter file. Raises `UnreadableFileError`.
-
-    ``text_of`` replaces the substitutions in a text; it returns None if the text is not known.
-    """
-    if root is None:
-        return []
-    if not isinstance(root, yaml.MappingNode):
-        raise UnreadableFileError(place_of(root, shown), "a parameter file is a mapping of nodes")
-    return list(_sections(root, "", shown, text_of))
+def _with_substitutions(node: yaml.Node | None) -> Iterator[str]:
+    """Yield the texts in a file in which substitutions may stand."""
+    if isinstance(node, yaml.MappingNode):
+        for key, value in node.value:
+            yield from _with_substitutions(key)
+            yield from _with_substitutions(value)
+    elif isinstance(node, yaml.SequenceNode):
+        for one in node.value:
+            yield from _with_substitutions(one)
+    elif isinstance(node, yaml.ScalarNode) and "$(" in node.value:
+        yield node.value
 
 
 def is_parameter_file(path: Path) -> bool:
@@ -149,6 +172,8 @@ def typed(text: str) -> Any:
 
 def rewritten(sections: list[Section], root: str, rewrites: Mapping[str, Any]) -> list[Section]:
     """Return sections whose values and namespace nav2_common's RewrittenYaml has replaced."""
+    if not rewrites and not root.strip("/"):
+        return sections
     prefix = f"/{root.strip('/')}" if root.strip("/") else ""
     return [
         Section(

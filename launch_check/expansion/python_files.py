@@ -11,6 +11,7 @@ from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Any
 
+from roverlink.launch_check.expansion import real_launch
 from roverlink.launch_check.expansion.actions import Action
 from roverlink.launch_check.expansion.entities import UnreadableFileError
 from roverlink.launch_check.expansion.launch_context import UNKNOWN_SHARE, Context, Packages
@@ -69,7 +70,7 @@ class PythonFile:
         hidden = {name: sys.modules.pop(name) for name in list(sys.modules) if name.partition(".")[0] in _REPLACED}
         before = set(sys.modules)
         path = list(sys.path)
-        sys.modules.update(modules)
+        sys.modules.update({**(hidden if real_launch.is_installed() else {}), **modules})
         try:
             with redirect_stdout(io.StringIO()):
                 yield

@@ -1,8 +1,9 @@
 """Stand-ins for the Python packages launch, launch_ros, nav2_common and ament_index_python.
 
-A Python launch file gets them also where ROS 2 is installed: the real packages keep no places, and give no values for
-arguments that only the user knows. The stand-ins have the constructors that launch files
-use. An object that they do not know is replaced by `Ignored`, which accepts everything and starts nothing.
+A Python launch file gets them where ROS 2 is not installed. Where it is, subclasses of the real classes create them
+(see `real_launch`): the real objects keep no places, and give no values for arguments that only the user knows. The
+stand-ins have the constructors that launch files use. An object that they do not know is replaced by `Ignored`, which
+accepts everything and starts nothing.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from typing import Any
 
 import yaml
 
-from roverlink.launch_check.expansion import substitutions
+from roverlink.launch_check.expansion import real_launch, substitutions
 from roverlink.launch_check.expansion.actions import (
     Action,
     DeclareArgument,
@@ -260,12 +261,16 @@ class StandIns:
                 return share(package)
 
         of_substitutions["FindPackageShare"] = FindPackageShare
-        own = {
-            "LaunchDescription": LaunchDescription,
-            "Substitution": Substitution,
-            "LaunchContext": Context,
-            "Action": Action,
-        }
+        own = (
+            {}  # what a launch file derives its own classes from
+            if real_launch.is_installed()
+            else {
+                "LaunchDescription": LaunchDescription,
+                "Substitution": Substitution,
+                "LaunchContext": Context,
+                "Action": Action,
+            }
+        )
         actions = {
             "DeclareLaunchArgument": self._declare,
             "SetLaunchConfiguration": self._set_configuration,
@@ -342,6 +347,8 @@ class StandIns:
             "ament_index_python.packages": found,
         }
         modules = {name: _module(name, names) for name, names in contents.items()}
+        if real_launch.is_installed():
+            modules = {name: real_launch.recording(name, contents[name]) or one for name, one in modules.items()}
         for name, module in modules.items():
             if "." in name:
                 setattr(modules[name.rpartition(".")[0]], name.rpartition(".")[2], module)
@@ -487,6 +494,7 @@ def _actions(values: Iterable[Any]) -> list[Action]:
 
 def actions_of(value: Any) -> list[Action]:
     """Return the actions in what a launch file, or a function of it, has returned."""
+    value = real_launch.stand_in_of(value)
     if isinstance(value, LaunchDescription):
         return _actions(value.entities)
     if isinstance(value, Action):
@@ -507,7 +515,7 @@ def _handler(
 
 def _module(name: str, contents: Mapping[str, Any]) -> ModuleType:
     module = ModuleType(name)
-    vars(module).update(contents)
+    vars(module).update({name: real_launch.derived(one) for name, one in contents.items()})
     vars(module)["__getattr__"] = _unknown
     vars(module)["__path__"] = []
     return module

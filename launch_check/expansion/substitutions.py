@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -127,7 +128,7 @@ class FindPackagePrefix(FindPackageShare):
 
 
 class ThisLaunchFileDir(Substitution):
-    """The folder of the launch file."""
+    """The folder of the launch file, or of the one that was included last."""
 
     def perform(self, context: Surroundings) -> str:
         return str(Path(context.file).parent)
@@ -137,7 +138,7 @@ class ThisLaunchFileDir(Substitution):
 
 
 class ThisLaunchFile(Substitution):
-    """The path of the launch file."""
+    """The path of the launch file, or of the one that was included last."""
 
     def perform(self, context: Surroundings) -> str:
         return context.file
@@ -392,9 +393,15 @@ _CALCULATED: Mapping[type[ast.operator], Any] = {
 def evaluated(text: str, names: Mapping[str, Any] = _NAMES) -> Any:
     """Return the value of a Python expression (see `PythonExpression`). Raises `UnknownTextError` for any other."""
     try:
-        return _value(ast.parse(text.strip(), mode="eval").body, names)
+        return _value(_parsed(text.strip()), names)
     except (SyntaxError, TypeError, ValueError, ZeroDivisionError, AttributeError, RecursionError, KeyError) as error:
         raise UnknownTextError(text) from error
+
+
+@lru_cache(1000)
+def _parsed(text: str) -> ast.expr:
+    """Parse an expression; the conditions of the catalogue come again for each node."""
+    return ast.parse(text, mode="eval").body
 
 
 def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:

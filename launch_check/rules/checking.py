@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,7 +14,7 @@ from roverlink.launch_check.expansion.actions import Problem
 from roverlink.launch_check.expansion.entities import UnreadableFileError
 from roverlink.launch_check.expansion.expander import Expander, Expansion, variations
 from roverlink.launch_check.expansion.launch_context import Packages
-from roverlink.launch_check.expansion.parameter_files import is_parameter_file, read_parameter_file, sections_of
+from roverlink.launch_check.expansion.parameter_files import ParameterFile, is_parameter_file
 from roverlink.launch_check.rules.frame_findings import frame_findings
 from roverlink.launch_check.rules.launch_rules import (
     NOT_EXPANDED,
@@ -33,6 +34,8 @@ from roverlink.launch_check.rules.system import System, Variants, span, system_o
 from roverlink.launch_check.rules.topic_findings import ends_of, topic_findings, used_remappings
 
 LAUNCH_ENDINGS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch")
+_COMPLETE = re.compile(r"^[ \t]*(?:#|<!--)[ \t]*check-launch: complete\b", re.MULTILINE)
+"""Comment in a launch file that starts everything."""
 _RULES: Mapping[str, Rule] = {
     "element": UNKNOWN_ACTION,
     "text": UNKNOWN_ACTION,
@@ -58,7 +61,7 @@ class Checker:
     """Checks files with the facts of a catalogue."""
 
     def __init__(self, catalogue: Catalogue, packages: Iterable[Path], complete: bool = False) -> None:
-        """``packages`` are folders with packages; ``complete`` says that the launch files start everything."""
+        """``packages`` are folders with packages; ``complete`` says that each launch file starts everything."""
         self._catalogue, self._complete = catalogue, complete
         stored = {
             (name, path): actions
@@ -84,8 +87,7 @@ class Checker:
                 if path.name.endswith(LAUNCH_ENDINGS):
                     used |= self._check_launch_file(path, arguments, checked)
                 elif shown_path(str(path)) not in used:
-                    shown = shown_path(str(path))
-                    sections = sections_of(read_parameter_file(path, shown), shown, _known_text)
+                    sections = ParameterFile(path, shown_path(str(path))).sections(_known_text)
                     checked.findings += standalone_findings(sections, self._catalogue)
             except UnreadableFileError as error:
                 checked.findings.append(UNREADABLE.at(span(error.place), str(error)))
@@ -105,11 +107,12 @@ class Checker:
             frozenset().union(*map(used_remappings, systems)),
             frozenset().union(*map(ends_of, systems)),
         )
+        complete = self._complete or _COMPLETE.search(path.read_text(encoding="utf-8")) is not None
         known: set[tuple[object, ...]] = set()
         for one, system in zip(expansions, systems, strict=True):
             varied = ((name, value) for name, value in one.arguments.items() if name not in arguments)
             chosen = " ".join(f"{name}:={'...' if value is None else value}" for name, value in varied)
-            for finding in self._of_expansion(one, system, variants):
+            for finding in self._of_expansion(one, system, variants, complete):
                 if _key(finding) in known or (chosen and finding.severity is Severity.HINT):
                     continue
                 known.add(_key(finding))
@@ -118,7 +121,9 @@ class Checker:
                 )
         return {use.shown for system in systems for node in system.nodes for use in node.started.files}
 
-    def _of_expansion(self, expansion: Expansion, system: System, variants: Variants) -> Iterator[Diagnostic]:
+    def _of_expansion(
+        self, expansion: Expansion, system: System, variants: Variants, complete: bool
+    ) -> Iterator[Diagnostic]:
         yield from (_of_problem(one) for one in expansion.problems)
         for name, place in expansion.undeclared:
             yield UNDECLARED_ARGUMENT.at(span(place), f"the argument '{name}' is not declared", "declare it with `arg`")
@@ -127,8 +132,8 @@ class Checker:
             yield NOT_EXPANDED.at(span(place), message)
         yield from system.findings
         yield from parameter_findings(system, self._catalogue, variants)
-        yield from topic_findings(system, variants, self._known, self._complete)
-        yield from frame_findings(system, self._complete)
+        yield from topic_findings(system, variants, self._known, complete)
+        yield from frame_findings(system, complete)
 
 
 def _key(finding: Diagnostic) -> tuple[object, ...]:

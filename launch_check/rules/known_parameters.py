@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from functools import cache
 from typing import Any
 
 from roverlink.launch_check.catalogue.facts import Catalogue, Endpoint, NodeClass, Parameter, PluginSlot
@@ -15,6 +16,7 @@ from roverlink.launch_check.expansion.substitutions import UnknownTextError, eva
 
 _LIST = re.compile(r"\{([^{}#*]+)\}")
 _VALUE = re.compile(r"\$\(([^()|]+)(?:\|([^()]*))?\)")
+_NUMBER = r"(0|[1-9]\d*)"
 _ANY_NAME = r"[^.]+"
 _SIMILAR = 0.85
 
@@ -147,7 +149,7 @@ class ParameterView:
         if "{#}" not in text or match is None:
             yield text
             return
-        pattern = re.compile(re.escape(prefix + match[1]).replace(r"\{\#\}", r"(\d+)"))
+        pattern = re.compile(re.escape(prefix + match[1]).replace(r"\{\#\}", _NUMBER))
         for name in self.given:
             if found := pattern.fullmatch(name):
                 yield text.replace("{#}", found[1])
@@ -189,7 +191,7 @@ class ParameterView:
             if len(parts) <= 3 and "#" not in one and _ANY_NAME not in one:
                 self.exact.setdefault(prefix + re.sub(r"\\(.)", r"\1", one.replace("\0", "")), parameter)
             else:
-                self.patterns.append((re.compile(re.escape(prefix) + text.replace(r"\{\#\}", r"(\d+)")), parameter))
+                self.patterns.append((re.compile(re.escape(prefix) + text.replace(r"\{\#\}", _NUMBER)), parameter))
 
     def _add_slot(self, slot: PluginSlot, facts: NodeClass, prefix: str, seen: set[str]) -> None:
         full = prefix + slot.parameter
@@ -275,7 +277,8 @@ class _Unknown:
     __hash__ = None  # type: ignore[assignment]  # a class with __eq__ and no hash
 
 
-def _is_of(name: str, groups: Iterable[str]) -> bool:
+@cache
+def _is_of(name: str, groups: tuple[str, ...]) -> bool:
     """Return true if a name of RTAB-Map is of one of the groups, such as ``Grid``, ``Odom*`` or ``Kp/ByteToFloat``."""
     group = name.partition("/")[0]
     return any(

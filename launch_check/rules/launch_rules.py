@@ -260,6 +260,25 @@ Good::
 """,
 )
 
+ONE_AXIS = Rule(
+    "PAR107",
+    "one-axis",
+    """A parameter is given for the y axis, and its counterpart for the x axis is not.
+
+Both names are right, so that no other rule finds the slip. The node takes its default for x, which is rarely meant: a
+rover drives along x.
+
+Bad::
+
+    FollowPath: {plugin: "dwb_core::DWBLocalPlanner", max_vel_y: 0.3}
+
+Good::
+
+    FollowPath: {plugin: "dwb_core::DWBLocalPlanner", max_vel_x: 0.3}
+""",
+    Severity.WARNING,
+)
+
 UNKNOWN_PLUGIN = Rule(
     "PLG101",
     "unknown-plugin",

@@ -15,6 +15,7 @@ from roverlink.launch_check.expansion.places import Place
 from roverlink.launch_check.rules.known_parameters import LoadedPlugin, ParameterView
 from roverlink.launch_check.rules.launch_rules import (
     MISPLACED_PARAMETER,
+    ONE_AXIS,
     OUT_OF_RANGE,
     REPEATED_PARAMETER,
     UNCHECKED_PLUGIN,
@@ -23,7 +24,7 @@ from roverlink.launch_check.rules.launch_rules import (
     UNUSED_SECTION,
     WRONG_TYPE,
 )
-from roverlink.launch_check.rules.misspellings import distance
+from roverlink.launch_check.rules.misspellings import is_near
 from roverlink.launch_check.rules.system import RunningNode, System, Use, Variants, span
 
 _OF_RCL = re.compile(r"(?:qos_overrides\..*|use_sim_time)")
@@ -78,6 +79,7 @@ def parameter_findings(system: System, catalogue: Catalogue, variants: Variants)
                 continue  # for all nodes of a group; not each of them has it
             if (one.name, one.place) not in variants.parameters or view.known(one.name) is not None:
                 yield from _of_value(one, node, view, system)
+        yield from _of_axes(view)
         yield from _of_arguments(node, view)
     yield from _of_general_values(system)
     yield from _of_sections(system, catalogue, variants)
@@ -98,6 +100,7 @@ def standalone_findings(sections: Iterable[Section], catalogue: Catalogue) -> It
         yield from _of_plugins(view, catalogue)
         for one in section.values:
             yield from _of_value(one, None, view, None, section.node_name)
+        yield from _of_axes(view)
 
 
 def _by_name(catalogue: Catalogue) -> dict[str, NodeClass]:
@@ -255,7 +258,7 @@ def _spare(plugin: LoadedPlugin, view: ParameterView) -> Iterator[Diagnostic]:
         and not one.is_spare
         and not any(key.startswith(f"{one.name}.") for key in view.given)
     ]
-    near = [name for name in bare if distance(plugin.name, name) <= 2]
+    near = [name for name in bare if is_near(plugin.name, name, 2)]
     if plugin.place is not None and near:
         message = f"the plugin '{plugin.name}' is not in '{plugin.slot.parameter}'"
         yield UNKNOWN_PLUGIN.at(span(plugin.place), message, f"did you mean '{near[0]}'?")
@@ -275,6 +278,15 @@ def _unknown_plugin(plugin: LoadedPlugin, at: Any, catalogue: Catalogue) -> Iter
         yield UNCHECKED_PLUGIN.at(
             at, f"the plugin '{type_}' is of a package that is not in the catalogue; its parameters are not checked"
         )
+
+
+def _of_axes(view: ParameterView) -> Iterator[Diagnostic]:
+    """Yield findings about parameters of the y axis whose counterpart of the x axis is not given."""
+    for one in view.given.values():
+        counterparts = (f"{one.name[:at]}x{one.name[at + 1 :]}" for at, letter in enumerate(one.name) if letter == "y")
+        for x in counterparts:
+            if x in view.exact and one.name in view.exact and x not in view.given:
+                yield ONE_AXIS.at(span(one.place), f"'{one.name}' is given, but '{x}' is not", f"did you mean '{x}'?")
 
 
 def _of_arguments(node: RunningNode, view: ParameterView) -> Iterator[Diagnostic]:

@@ -27,9 +27,8 @@ _QOS_VALUES = {"1": "reliable", "2": "best_effort", "0": "reliable"}
 """Values of RTAB-Map's parameters such as `qos_image` (rmw_qos_reliability_policy_t); 0 is reliable, too."""
 _QOS_PROFILES = {"SENSOR_DATA": "best_effort"}
 """Names of QoS profiles of the RealSense driver that are not reliable."""
-
-
-_UPDATES = "map_msgs/msg/OccupancyGridUpdate"
+MAP_UPDATES = "map_msgs/msg/OccupancyGridUpdate"
+"""Type of the messages with which a publisher changes a part of a map."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +148,7 @@ def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> N
     for one in read.topics:
         known = catalogue.plugins.get(one.plugin)
         type_ = known.message_types[0] if known and len(known.message_types) == 1 else ""
-        type_ = _UPDATES if one.is_update else type_
+        type_ = MAP_UPDATES if one.is_update else type_
         kind = "publisher" if one.is_published else "subscription"
         endpoint = Endpoint(kind, one.topic, type_, one.reliability, one.durability)
         topic = full_name(one.topic, node)

@@ -15,8 +15,9 @@ from roverlink.launch_check.rules.launch_rules import (
     OUTSIDE,
     UNKNOWN_REMAPPING,
 )
-from roverlink.launch_check.rules.misspellings import distance
+from roverlink.launch_check.rules.misspellings import is_near
 from roverlink.launch_check.rules.system import (
+    MAP_UPDATES,
     Connection,
     RunningNode,
     System,
@@ -31,6 +32,8 @@ _OF_ALL = frozenset(
     {"/tf", "/tf_static", "/clock", "/rosout", "/parameter_events", "/diagnostics", "/robot_description"}
 )
 _OF_NODES = ("tf", "tf_static", "rosout", "clock", "parameter_events", "diagnostics", "robot_description")
+_OF_TOOLS = frozenset({"clicked_point", "goal_pose", "initialpose"})
+"""Topics that tools of RViz publish unless somebody has named others."""
 _SIMILAR = 0.7
 _SHORT = 6
 """Parts of a name with fewer letters may differ by one letter only to be a misspelling."""
@@ -176,15 +179,24 @@ def _missing(
         end = fitting[near[0]]
         also = [(span(end.place), f"{end.node.name} has '{near[0]}'")]
         return rule.at(span(one.place), message + interruption, f"did you mean '{near[0]}'?", also)
-    has_rviz = one.node.facts is not None and one.node.facts.has_open_topics
-    if is_closed and (one.is_needed or not has_rviz):
+    full = {full_name(name, one.node) for of_kind, name in known if of_kind == kind}
+    if is_closed and (one.is_needed or not _may_be_missing(topic, one, full)):
         help = f"topics of this type: {', '.join(sorted(fitting))}" if fitting else ""
         return rule.at(span(one.place), message + interruption, help)
-    full = {full_name(name, one.node) for of_kind, name in known if of_kind == kind}
     of_programs = [name for name in full if one.is_named and topic not in full and _is_misspelling(topic, name, True)]
     if of_programs:
         return rule.at(span(one.place), message, f"did you mean '{min(of_programs)}'?")
     return OUTSIDE.at(span(one.place), f"{message} in these launch files")
+
+
+def _may_be_missing(topic: str, one: Connection, of_programs: set[str]) -> bool:
+    """Return true for a topic of RViz that is there at times only.
+
+    A map may have no updates, a program of this project may be started later, and not every tool is used.
+    """
+    is_of_rviz = one.node.facts is not None and one.node.facts.has_open_topics
+    is_of_tool = one.endpoint.kind == "publisher" and topic.rpartition("/")[2] in _OF_TOOLS
+    return is_of_rviz and (one.endpoint.type == MAP_UPDATES or topic in of_programs or is_of_tool)
 
 
 def _fits(end: Connection, other: Connection) -> bool:
@@ -212,13 +224,13 @@ def _is_misspelling(topic: str, other: str, is_named: bool) -> bool:
         return False
     first, second = topic.split("/"), other.split("/")
     if len(first) != len(second):
-        return distance(topic, other) <= 1
+        return is_near(topic, other, 1)
     different = [(a, b) for a, b in zip(first, second, strict=True) if a != b]
     if len(different) != 1:
         return False
     a, b = different[0]
     is_numbered = a.rstrip("0123456789") == b.rstrip("0123456789") and a[-1:].isdigit() and b[-1:].isdigit()
-    return not is_numbered and distance(a, b) <= (1 if min(len(a), len(b)) < _SHORT else 2)
+    return not is_numbered and is_near(a, b, 1 if min(len(a), len(b)) < _SHORT else 2)
 
 
 def _behind(node: RunningNode, system: System) -> list[str]:

@@ -1,5 +1,7 @@
 """Start the whole rover. `ros2 launch rtt_slam slam.launch.py --show-args` lists the arguments."""
 
+# check-launch: complete
+
 from pathlib import Path
 
 from launch import LaunchDescription

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from roverlink.diagnostic_text import Sources
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.pinned_states import PinnedStates
+
+if TYPE_CHECKING:  # slow to import: it reads a project's earlier states
+    from roverlink.generator.lint.pinned_states import PinnedStates
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE
 from rich.console import Console
@@ -18,9 +19,11 @@ from rich.table import Table
 from roverlink.console import counted
 from roverlink.diagnostic_text import show
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
-from roverlink.generator.lint.pinned_states import PinnedStates
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE, UNREADABLE_PROTO
 from roverlink.reports.reported import Reported
+
+if TYPE_CHECKING:  # slow to import: it reads a project's earlier states
+    from roverlink.generator.lint.pinned_states import PinnedStates
 
 _CELL = len("compatible") + 3  # a column with its padding and the gap to the next one
 _PADDING_OF_NAMES = 4

@@ -15,6 +15,7 @@ from page import ROOT
 from roverlink.command_line import COMMANDS
 from roverlink.generator.ir import interfaces, model
 from roverlink.generator.rule_catalogue import rules
+from roverlink.launch_check.rules.launch_rules import launch_rules
 
 
 def _build(project: Path, site: Path) -> subprocess.CompletedProcess[str]:
@@ -44,7 +45,7 @@ def test_every_rule_has_a_section(site: Path) -> None:
     """A link to `reference/rules/ENV.html#env101` leads to the rule."""
     pages = {path.stem: path.read_text(encoding="utf-8") for path in (site / "reference" / "rules").glob("*.html")}
 
-    assert [id for id in rules() if f'id="{id.lower()}"' not in pages[id[:3]]] == []
+    assert [id for id in {**rules(), **launch_rules()} if f'id="{id.lower()}"' not in pages[id[:3]]] == []
 
 
 def test_every_command_has_a_page_with_its_options(site: Path) -> None:

@@ -58,6 +58,24 @@ _CASES: Mapping[str, tuple[dict[str, str], list[str]]] = {
         {"a_launch.yaml": _RTABMAP, "p.yaml": _parameters("rtabmap", "frame_id: a", "frame_id: b")},
         ["p.yaml:3:5: PAR106"],
     ),
+    "a parameter of the y axis alone": (
+        {
+            "a_launch.yaml": _CONTROLLER,
+            "p.yaml": _parameters("controller_server", "FollowPath:", "  plugin: dwb_core::DWBLocalPlanner")
+            + "      max_vel_y: 0.3\n",
+        },
+        ["p.yaml:5:7: PAR107 did you mean 'FollowPath.max_vel_x'?"],
+    ),
+    "a file that another value of an argument chooses": (
+        {
+            "a_launch.yaml": _RTABMAP.replace("p.yaml", "$(dirname)/$(var mode).yaml").replace(
+                "launch:\n", "launch:\n  - arg: {name: mode, default: p, choice: [{value: p}, {value: q}]}\n"
+            ),
+            "p.yaml": _parameters("rtabmap", "frame_id: a"),
+            "q.yaml": _parameters("rtabmap", "frame_di: a"),
+        },
+        ["q.yaml:3:5: PAR101 did you mean 'frame_id'?"],
+    ),
     "an unknown plugin": (
         {
             "a_launch.yaml": _CONTROLLER,
@@ -265,6 +283,34 @@ def test_the_three_kinds_of_launch_files_say_the_same(
     capsys.readouterr()
 
 
+def test_dirname_stays_that_of_an_included_file_as_in_ros2(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In the arguments of an include, and after it, $(dirname) is the folder of the included file."""
+    (tmp_path / "inner").mkdir()
+    node = "  - node: {pkg: rtabmap_slam, exec: rtabmap, name: NAME, param: [{from: FILE}]}\n"
+    _write(
+        tmp_path,
+        {
+            "a_launch.yaml": "launch:\n"
+            + node.replace("NAME", "before").replace("FILE", "$(dirname)/p.yaml")
+            + "  - include: {file: inner/b_launch.yaml, arg: [{name: config, value: $(dirname)/q.yaml}]}\n"
+            + node.replace("NAME", "after").replace("FILE", "$(dirname)/p.yaml"),
+            "p.yaml": _parameters("before", "frame_id: a", "of_before: 1") + _parameters("after", "of_after: 1"),
+            "inner/b_launch.yaml": "launch:\n  - arg: {name: config}\n"
+            + node.replace("NAME", "inner").replace("FILE", "$(var config)"),
+            "inner/p.yaml": _parameters("after", "of_after_the_include: 1"),
+            "inner/q.yaml": _parameters("inner", "of_the_argument: 1"),
+        },
+    )
+    monkeypatch.chdir(tmp_path)
+    assert _check(capsys, "a_launch.yaml")[1] == [
+        "inner/p.yaml:3:5: PAR101",
+        "inner/q.yaml:3:5: PAR101",
+        "p.yaml:4:5: PAR101",
+    ]
+
+
 def test_arguments_are_set_as_for_ros2_launch(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -279,14 +325,42 @@ def test_arguments_are_set_as_for_ros2_launch(
 def test_a_launch_file_that_starts_everything_has_no_loose_ends(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With --complete, topics that come from nowhere or lead to nowhere are errors, if a node needs them."""
-    _write(tmp_path, {"a_launch.yaml": "launch:\n  - node: {pkg: nav2_velocity_smoother, exec: velocity_smoother}\n"})
+    """With --complete or a comment, needed topics that come from nowhere or lead to nowhere are errors."""
+    node = "  - node: {pkg: nav2_velocity_smoother, exec: velocity_smoother}\n"
+    _write(
+        tmp_path,
+        {"a_launch.yaml": f"launch:\n{node}", "b_launch.yaml": f"launch:  # all\n  # check-launch: complete\n{node}"},
+    )
     monkeypatch.chdir(tmp_path)
     assert _check(capsys, "a_launch.yaml") == (0, [])
     assert _check(capsys, "a_launch.yaml", "--complete")[1] == [
         "a_launch.yaml:2:5: TOP102 topics of this type: /cmd_vel_smoothed",
         "a_launch.yaml:2:5: TOP103 topics of this type: /cmd_vel",
     ]
+    assert _check(capsys, "b_launch.yaml")[1] == [
+        "b_launch.yaml:3:5: TOP102 topics of this type: /cmd_vel_smoothed",
+        "b_launch.yaml:3:5: TOP103 topics of this type: /cmd_vel",
+    ]
+
+
+def test_a_display_that_shows_nothing_is_found_in_a_complete_system(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """If everything is started, displays of RViz need publishers. Updates of a map and unused tools do not count."""
+    display = "    - {Class: rviz_default_plugins/%s, Topic: {Value: /%s}}\n"
+    _write(
+        tmp_path,
+        {
+            "a_launch.yaml": "launch:\n  - node: {pkg: rviz2, exec: rviz2, args: -d $(dirname)/a.rviz}\n",
+            "a.rviz": "Visualization Manager:\n  Displays:\n"
+            + display % ("Image", "image")
+            + "    - {Class: rviz_default_plugins/Map, Update Topic: {Value: /map_updates}}\n  Tools:\n"
+            + display % ("SetGoal", "goal_pose"),
+        },
+    )
+    monkeypatch.chdir(tmp_path)
+    assert _check(capsys, "a_launch.yaml") == (0, [])
+    assert _check(capsys, "a_launch.yaml", "--complete")[1] == ["a.rviz:3:58: TOP102 topics of this type: /goal_pose"]
 
 
 def test_unknown_packages_are_named_and_skipped(
