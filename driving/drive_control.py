@@ -26,7 +26,6 @@ _FEEDBACK = 1.0
 """Part of the distance that the rover lags behind in a second which is added to commands."""
 _LONGEST_STEP_S = 0.2
 """Longest time in seconds that counts for an acceleration: the rover does not go on to accelerate in a pause."""
-
 _SIMILAR_SPEED = 0.1
 """Change of the speed, as a part of it, for which no command is sent before the next one is due."""
 _SIMILAR_CURVATURE = 0.1

@@ -32,7 +32,11 @@ PARAMETERS: Mapping[str, tuple[float | bool | str, int, str]] = {
         _NUMBER,
         "turning_radius in metres that the driving board takes for a straight line",
     ),
-    "rate": (10.0, _NUMBER, "commands a second; a velocity that differs from the last one sent is also sent at once"),
+    "rate": (
+        1 / _DEFAULTS.period,
+        _NUMBER,
+        "commands a second; a velocity that differs from the last one sent is also sent at once",
+    ),
     "horizon": (_DEFAULTS.horizon, _NUMBER, "time in seconds for which a command is enough"),
     "timeout": (_DEFAULTS.timeout, _NUMBER, "time in seconds without a velocity after which the rover stops"),
     "mode_timeout": (
