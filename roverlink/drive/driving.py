@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import math
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -45,7 +46,7 @@ VELOCITY, PATH, POSE, STATE = "cmd_vel", "path", "odometry/global", "drive/state
 _MODE_PRIORITY = 9
 """The mode is served before velocities, so that a flood of them does not keep a person from driving."""
 
-_TICK_NS = 20_000_000
+_LONGEST_TICK_S = 0.05
 """Time after which it is looked again at what is due, such as a stop because a topic is silent."""
 
 Event = Callable[[int], None]
@@ -114,8 +115,9 @@ class Driving:
     def run(self) -> None:
         """Send what is due, again and again, until a signal interrupts this."""
         while True:
-            now = self._clock.now()
-            self._clock.sleep_until(now + _TICK_NS, now)
+            now, period = self._clock.now(), self._parameters.meaning.control.period
+            ticks = math.ceil(period / _LONGEST_TICK_S)  # a whole number, so that commands have their rate
+            self._clock.sleep_until(now + math.ceil(period * 1e9 / ticks), now)
             self.tick()
 
     def tick(self) -> None:
