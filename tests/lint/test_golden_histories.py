@@ -13,12 +13,6 @@ from repositories import RepositoryBuilder, envelope, git, message
 from roverlink.__main__ import main
 
 
-def _parameter(case: GoldenHistory) -> Any:  # pytest does not export the type of its parameters
-    # The same change as in another history, compared by another option or with more time in between.
-    repeats = case.slow or case.name.endswith(("_against", "_years_apart"))
-    return pytest.param(case, id=case.name, marks=[pytest.mark.slow] if repeats else [])
-
-
 def _findings(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
     """Findings of a command that are more than hints."""
     main([*arguments, "--format", "json"])
@@ -35,21 +29,18 @@ def _text(finding: dict[str, Any]) -> str:
     return " ".join([finding["message"], finding["help"] or "", *(also["text"] for also in finding["also"])])
 
 
-@pytest.mark.parametrize("case", [_parameter(case) for case in golden_histories()])
+@pytest.mark.parametrize("case", golden_histories(), ids=lambda case: case.name)
 def test_golden_history(
     case: GoldenHistory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The lint finds the numbers of the verdict with their severity, says what it has to say once, and no more."""
     monkeypatch.chdir(case.write(tmp_path / "repository"))
-    log = git(Path(), "log", "--all", "--format=%s %H").splitlines()
-    commits = {name: id[:10] for name, id in map(str.split, log)}
     found = _findings(case.command, capsys)
     numbers = {f"{one['severity']} {one['message_type']} {one['number']}" for one in found if _about_a_number(one)}
     assert numbers == case.verdict
     others = [f"{one['severity']} {_text(one)}" for one in found if not _about_a_number(one)]
-    says = case.says(commits)
-    assert [sum(text in other for other in others) for text in says] == [1] * len(says)
-    assert [other for other in others if not any(text in other for text in says)] == []
+    assert [sum(text in other for other in others) for text in case.says] == [1] * len(case.says)
+    assert [other for other in others if not any(text in other for text in case.says)] == []
 
 
 # --- what no text file holds -------------------------------------------------------------------------------------
