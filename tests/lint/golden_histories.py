@@ -56,7 +56,7 @@ class GoldenHistory:
     @property
     def says(self) -> list[str]:
         """Texts of findings that are about no number."""
-        return self.entry.get("says", [])
+        return list(self.entry.get("says", []))
 
     def write(self, folder: Path) -> Path:
         """Play the history into a repository, and return the folder of its working tree."""

@@ -49,12 +49,6 @@ _IDENTITY = ("-c", "user.name=A", "-c", "user.email=a@example.com")
 _ARM = "protos/arm.proto"
 
 
-def _checked_out(repository: RepositoryBuilder) -> Path:
-    root = repository.write()
-    git(root, "checkout", "--quiet", "--force", "main")
-    return root
-
-
 @pytest.mark.parametrize("folder", ["protos", "a[b]/*/\\p?"])
 def test_what_cannot_be_followed_is_said_once(
     folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -62,7 +56,7 @@ def test_what_cannot_be_followed_is_said_once(
     """A proto root that was a submodule has a history elsewhere: one hint names the commit where ours begins."""
     repository = RepositoryBuilder(tmp_path / "repository")
     repository.commit("Begin", {"README.md": "Text.\n"})
-    root = _checked_out(repository)
+    root = repository.write()
     monkeypatch.chdir(root)
     git(root, "update-index", "--add", "--cacheinfo", f"160000,{'1' * 40},{folder}")
     git(root, *_IDENTITY, "commit", "--quiet", "--message", "Add the submodule")
@@ -86,7 +80,7 @@ def test_files_of_many_megabytes_are_read(
     repository, comments = RepositoryBuilder(tmp_path / "repository"), f"// {'-' * 117}\n" * 50_000
     for fields in (["float voltage", "float current"], ["float voltage"], ["float voltage", "float humidity"]):
         repository.commit("Change", {_ARM: comments + message("Arm", *fields)})
-    monkeypatch.chdir(_checked_out(repository))
+    monkeypatch.chdir(repository.write())
     found = _findings(["lint", "--history", "protos"], capsys)
     assert [(one["severity"], one["message_type"], one["number"]) for one in found] == [("error", "Arm", 2)]
 
@@ -99,7 +93,7 @@ def test_a_link_out_of_the_tree_is_named(
     (tmp_path / "secret.proto").write_text('syntax = "proto3";\nmessage Secret { broken }\n')
     repository = RepositoryBuilder(tmp_path / "repository")
     repository.commit("Begin", {_ARM: message("Arm", "float voltage")})
-    root = _checked_out(repository)
+    root = repository.write()
     monkeypatch.chdir(root)
     (root / "protos" / "link.proto").symlink_to("../../secret.proto")
     if committed:
@@ -115,5 +109,5 @@ def test_init_reads_comments_that_are_not_utf_8(tmp_path: Path, monkeypatch: pyt
     imu = message("Imu", "float roll").replace("roll = 1;", "roll = 1;  // up to 90 \udcb0")
     link = envelope("Imu imu = 1;").replace("\n\n", '\n\nimport "imu.proto";\n', 1)
     repository.commit("Begin", {"protos/imu.proto": imu, "protos/envelope.proto": link})
-    monkeypatch.chdir(_checked_out(repository))
+    monkeypatch.chdir(repository.write())
     assert main(["init", "--from", "protos", "--dry-run"]) == 0

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
+from golden_histories import golden_histories
 from golden_lint_cases import LintCase, lint_cases
 
 from roverlink.__main__ import main
@@ -46,3 +48,15 @@ def test_every_rule_has_a_case_that_fails_and_one_that_passes() -> None:
     named = {tuple(case.name.split("_")[:2]) for case in _CASES} | {(id, "good") for id in _GOOD_BY_EXAMPLE}
     ids = modules().keys() - _OF_HISTORY
     assert sorted(f"{id}_{verdict}" for id in ids for verdict in ("bad", "good") if (id, verdict) not in named) == []
+
+
+def test_every_case_says_what_it_proves() -> None:
+    """Cases and histories have a sentence and names of their own, and cases have no keys that nobody reads."""
+    for case in _CASES:
+        assert case.entry["why"].endswith("."), case.name
+        assert case.entry.keys() <= {"why", "now", "before", "finds", "prints"}, case.name
+    assert [history.name for history in golden_histories() if not history.entry["why"].endswith(".")] == []
+    for folder in ("cases", "histories"):
+        for file in (Path(__file__).parent / folder).glob("*.yaml"):
+            names = re.findall(r"^  (\w+):$", file.read_text(encoding="utf-8"), re.MULTILINE)
+            assert sorted(set(names)) == sorted(names), file  # YAML takes the last one of two
