@@ -1,98 +1,109 @@
 """Golden histories, the files below `histories/`: small repositories, each with the verdict that its history deserves.
 
-`case_file` describes the format of the files. The comment gives the reason for the verdict. A section `COMMIT/PATH` is
-a file as a commit leaves it; one without content is deleted. Two states come after the last commit: `staged/PATH` is
-written and added to the index, `working/PATH` is written to the working tree only.
+A file holds a family: its `histories` by name, and what all of them have in common. Keys of a history:
 
-Lines of the comment:
+- `why` gives the reason for the verdict.
+- `run` is the command line; without it, it is the family's, or `lint --history protos`.
+- `verdict` has the numbers with a finding, as `SEVERITY TYPE NUMBER`, joined by commas; hints are left out.
+- `says` has texts that exactly one other finding contains. There may be no other findings.
+- `pins` has the lines of `pins.txt` in the working tree, joined by commas; without it, they are the family's.
+- Each other key is a commit with the files that it changes: `NAME`, `NAME on BRANCH` or `NAME on BRANCH merging OTHER`.
+  A branch begins at the latest commit of main. Two states may follow the last commit: `staged` is written and added to
+  the index, `working` is written to the working tree only.
 
-- `run:` is the command line. Without it, it is `lint --history protos`.
-- `suite: slow` is for a variant of another history, which only the slow suite plays.
-- `commits:` is followed by one line for each commit: `NAME`, `NAME on BRANCH` or `NAME on BRANCH merging OTHER`. A
-  branch begins at the latest commit of main. Without it, the commits are on main, in the order of the sections.
-
-The section `expected/verdict` has one line for each number with a finding: `SEVERITY TYPE NUMBER`, without hints. The
-section `expected/says` has texts that exactly one other finding contains; `{commit NAME}` is the id of a commit.
-There may be no other findings. A verdict follows from the rules that users read, never from what the lint prints today.
+The files of a state are texts by path, as `folded` describes them, null for a file that is deleted; a path without a
+dot is that of a .proto file in `protos/`. A text alone is `protos/arm.proto`. The family's `first` are files of the
+first commit, unless it has them itself. A verdict follows from the rules that users read, never from what the lint
+prints today.
 """
 
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from case_file import CaseFile
+import yaml
+from folded import unfold
 from repositories import RepositoryBuilder, git
 
 _UNCOMMITTED = ("staged", "working")
+_NO_COMMITS = {"why", "run", "verdict", "says", "pins", *_UNCOMMITTED}
 _STEP = re.compile(r"(?P<name>\S+)(?: on (?P<branch>\S+))?(?: merging (?P<other>\S+))?")
 
+Files = dict[str, str | None]
 
-class GoldenHistory(CaseFile):
+
+@dataclass(frozen=True)
+class GoldenHistory:
     """A history in a file, with its verdict."""
+
+    name: str
+    family: dict[str, Any]
+    entry: dict[str, Any]
 
     @property
     def command(self) -> list[str]:
         """Arguments of `roverlink` that ask for the verdict."""
-        given = re.search(r"^run: (.+)$", self._comment, re.MULTILINE)
-        return (given[1] if given else "lint --history protos").split()
-
-    @property
-    def slow(self) -> bool:
-        """True for a history that only the slow suite plays."""
-        return re.search(r"^suite: slow$", self._comment, re.MULTILINE) is not None
+        return str(self.entry.get("run", self.family.get("run", "lint --history protos"))).split()
 
     @property
     def verdict(self) -> set[str]:
         """Numbers that have a finding, as `SEVERITY TYPE NUMBER`."""
-        return set(self._sections["expected/verdict"].decode().splitlines())
+        return set(filter(None, self.entry.get("verdict", "").split(", ")))
 
-    def says(self, commits: dict[str, str]) -> list[str]:
-        """Return the texts of findings that are about no number; `commits` has the id of each commit by name."""
-        said = self._sections.get("expected/says", b"").decode().splitlines()
-        return [re.sub(r"\{commit (\S+)\}", lambda match: commits[match[1]], line) for line in said]
+    @property
+    def says(self) -> list[str]:
+        """Texts of findings that are about no number."""
+        return list(self.entry.get("says", []))
 
     def write(self, folder: Path) -> Path:
         """Play the history into a repository, and return the folder of its working tree."""
         repository = RepositoryBuilder(folder)
         marks: dict[str, int] = {}
-        for step in self._steps:
+        files = _files(self.family.get("first"))
+        for commit in filter(lambda key: key not in _NO_COMMITS, self.entry):
+            step = _STEP.fullmatch(commit)
+            assert step, commit
             branch, other = step["branch"] or "main", step["other"]
             if branch not in marks and "main" in marks:
                 repository.branch(branch, marks["main"])
             parents = [marks[branch], marks[other]] if other else None
-            files = {path: text or None for path, text in self._files(step["name"]).items()}
+            files |= _files(self.entry[commit])
             marks[branch] = repository.commit(step["name"], files, branch=branch, parents=parents)
+            files = {}
         repository.write()
-        git(folder, "checkout", "--quiet", "--force", "main")
         for state in _UNCOMMITTED:
-            self._leave_uncommitted(folder, state)
+            for path, text in _files(self.entry.get(state)).items():
+                _leave(folder / path, text)
+            if state == "staged" and state in self.entry:
+                git(folder, "add", "--all")
+        if pins := self.entry.get("pins", self.family.get("pins")):
+            _leave(folder / "pins.txt", "".join(f"{pin}\n" for pin in pins.split(", ")))
         return folder
 
-    @property
-    def _steps(self) -> list[re.Match[str]]:
-        _, _, given = self._comment.partition("commits:\n")
-        states = dict.fromkeys(name.partition("/")[0] for name in self._sections)
-        lines = given.splitlines() or [name for name in states if name not in (*_UNCOMMITTED, "expected")]
-        return [match for line in lines if (match := _STEP.fullmatch(line.strip()))]
 
-    def _files(self, state: str) -> dict[str, str]:
-        prefix = f"{state}/"
-        return {
-            name.removeprefix(prefix): content.decode("utf-8", "surrogateescape")
-            for name, content in self._sections.items()
-            if name.startswith(prefix)
-        }
+def _files(state: str | Files | None) -> Files:
+    files = {"arm": state} if isinstance(state, str) else state or {}
+    named = {path if "." in path else f"protos/{path}.proto": text for path, text in files.items()}
+    return {path: text and unfold(text) if path.endswith(".proto") else text for path, text in named.items()}
 
-    def _leave_uncommitted(self, folder: Path, state: str) -> None:
-        for path, text in self._files(state).items():
-            file = folder / path
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_bytes(text.encode("utf-8", "surrogateescape")) if text else file.unlink()
-        if state == "staged":
-            git(folder, "add", "--all")
+
+def _leave(file: Path, text: str | None) -> None:
+    if text is None:
+        file.unlink()
+    else:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(text.encode("utf-8", "surrogateescape"))
 
 
 def golden_histories() -> list[GoldenHistory]:
-    """Read all golden histories, sorted by name."""
-    return [GoldenHistory(path) for path in sorted((Path(__file__).parent / "histories").glob("*.txtar"))]
+    """Read all golden histories, sorted by family."""
+    families = sorted((Path(__file__).parent / "histories").glob("*.yaml"))
+    return [
+        GoldenHistory(f"{file.stem}_{name}", family, entry)
+        for file in families
+        for family in [yaml.safe_load(file.read_text(encoding="utf-8"))]
+        for name, entry in family["histories"].items()
+    ]

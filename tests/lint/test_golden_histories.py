@@ -13,12 +13,6 @@ from repositories import RepositoryBuilder, envelope, git, message
 from roverlink.__main__ import main
 
 
-def _parameter(case: GoldenHistory) -> Any:  # pytest does not export the type of its parameters
-    # The same change as in another history, compared by another option or with more time in between.
-    repeats = case.slow or case.name.endswith(("_against", "_years_apart"))
-    return pytest.param(case, id=case.name, marks=[pytest.mark.slow] if repeats else [])
-
-
 def _findings(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
     """Findings of a command that are more than hints."""
     main([*arguments, "--format", "json"])
@@ -35,33 +29,24 @@ def _text(finding: dict[str, Any]) -> str:
     return " ".join([finding["message"], finding["help"] or "", *(also["text"] for also in finding["also"])])
 
 
-@pytest.mark.parametrize("case", [_parameter(case) for case in golden_histories()])
+@pytest.mark.parametrize("case", golden_histories(), ids=lambda case: case.name)
 def test_golden_history(
     case: GoldenHistory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The lint finds the numbers of the verdict with their severity, says what it has to say once, and no more."""
     monkeypatch.chdir(case.write(tmp_path / "repository"))
-    log = git(Path(), "log", "--all", "--format=%s %H").splitlines()
-    commits = {name: id[:10] for name, id in map(str.split, log)}
     found = _findings(case.command, capsys)
     numbers = {f"{one['severity']} {one['message_type']} {one['number']}" for one in found if _about_a_number(one)}
     assert numbers == case.verdict
     others = [f"{one['severity']} {_text(one)}" for one in found if not _about_a_number(one)]
-    says = case.says(commits)
-    assert [sum(text in other for other in others) for text in says] == [1] * len(says)
-    assert [other for other in others if not any(text in other for text in says)] == []
+    assert [sum(text in other for other in others) for text in case.says] == [1] * len(case.says)
+    assert [other for other in others if not any(text in other for text in case.says)] == []
 
 
 # --- what no text file holds -------------------------------------------------------------------------------------
 
 _IDENTITY = ("-c", "user.name=A", "-c", "user.email=a@example.com")
 _ARM = "protos/arm.proto"
-
-
-def _checked_out(repository: RepositoryBuilder) -> Path:
-    root = repository.write()
-    git(root, "checkout", "--quiet", "--force", "main")
-    return root
 
 
 @pytest.mark.parametrize("folder", ["protos", "a[b]/*/\\p?"])
@@ -71,7 +56,7 @@ def test_what_cannot_be_followed_is_said_once(
     """A proto root that was a submodule has a history elsewhere: one hint names the commit where ours begins."""
     repository = RepositoryBuilder(tmp_path / "repository")
     repository.commit("Begin", {"README.md": "Text.\n"})
-    root = _checked_out(repository)
+    root = repository.write()
     monkeypatch.chdir(root)
     git(root, "update-index", "--add", "--cacheinfo", f"160000,{'1' * 40},{folder}")
     git(root, *_IDENTITY, "commit", "--quiet", "--message", "Add the submodule")
@@ -95,7 +80,7 @@ def test_files_of_many_megabytes_are_read(
     repository, comments = RepositoryBuilder(tmp_path / "repository"), f"// {'-' * 117}\n" * 50_000
     for fields in (["float voltage", "float current"], ["float voltage"], ["float voltage", "float humidity"]):
         repository.commit("Change", {_ARM: comments + message("Arm", *fields)})
-    monkeypatch.chdir(_checked_out(repository))
+    monkeypatch.chdir(repository.write())
     found = _findings(["lint", "--history", "protos"], capsys)
     assert [(one["severity"], one["message_type"], one["number"]) for one in found] == [("error", "Arm", 2)]
 
@@ -108,7 +93,7 @@ def test_a_link_out_of_the_tree_is_named(
     (tmp_path / "secret.proto").write_text('syntax = "proto3";\nmessage Secret { broken }\n')
     repository = RepositoryBuilder(tmp_path / "repository")
     repository.commit("Begin", {_ARM: message("Arm", "float voltage")})
-    root = _checked_out(repository)
+    root = repository.write()
     monkeypatch.chdir(root)
     (root / "protos" / "link.proto").symlink_to("../../secret.proto")
     if committed:
@@ -124,5 +109,5 @@ def test_init_reads_comments_that_are_not_utf_8(tmp_path: Path, monkeypatch: pyt
     imu = message("Imu", "float roll").replace("roll = 1;", "roll = 1;  // up to 90 \udcb0")
     link = envelope("Imu imu = 1;").replace("\n\n", '\n\nimport "imu.proto";\n', 1)
     repository.commit("Begin", {"protos/imu.proto": imu, "protos/envelope.proto": link})
-    monkeypatch.chdir(_checked_out(repository))
+    monkeypatch.chdir(repository.write())
     assert main(["init", "--from", "protos", "--dry-run"]) == 0

@@ -1,63 +1,62 @@
-"""Golden cases of the lint: the files below `cases/`, named after the rule that they are about.
-
-`case_file` describes the format. A case is a user's project, or a folder `proto/` without a table, and what
-`roverlink lint` prints of it. A folder `before/` is the earlier state (`--against before`). `<ID>_bad_...` has a
-finding of the rule, `<ID>_good_...` has none. A new case: write the sentence and the project, run
-`pytest tests/lint/test_lint_cases.py --update-cases`, review.
-"""
+"""The lint says what each golden case expects; `golden_lint_cases` describes the files, and how to write a case."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
-from case_file import CaseFile, case_files, outcome
+from golden_histories import golden_histories
+from golden_lint_cases import LintCase, lint_cases
 
 from roverlink.__main__ import main
 from roverlink.generator.lint.rules import modules
 
-_CASES = case_files(Path(__file__).parent / "cases")
+_CASES = lint_cases()
 # A case holds no history: these have their cases in test_past.py, where a test reports each and another does not.
 _OF_HISTORY = {"HIS101", "HIS102", "HIS103", "HIS104", "HIS105", "PIN102"}
+# The good example in the documentation of these is all there is to say; generator/test_rule_examples.py runs it.
+_GOOD_BY_EXAMPLE = {"ENV101", "ENV104", "LNK101", "ROS101", "TAB101", "TAB102", "TAB103", "TAB104", "TAB115", "TAB118"}
+_GOOD_BY_EXAMPLE |= {"TAB119", "WIR102", "WIR103", "WIR105", "WIR106", "WIR107", "WIR115"}
 
 
 @pytest.mark.parametrize("case", _CASES, ids=lambda case: case.name)
 def test_lint_case(
-    case: CaseFile,
+    case: LintCase,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
     request: pytest.FixtureRequest,
 ) -> None:
     """The lint says what the case expects, with the rule's id exactly where the case's name promises it."""
-    monkeypatch.chdir(case.write_inputs(tmp_path))
-    root = [] if "mapping.yaml" in case.inputs else ["proto"]
-    against = ["--against", "before"] if (tmp_path / "before").is_dir() else []
-    code = main(["lint", *root, *against])
+    monkeypatch.chdir(case.write(tmp_path))
+    code = main(["lint", *case.arguments])
     said = capsys.readouterr()
-    found = outcome(code, stdout=said.out, stderr=said.err)
+    assert said.err == ""
     if request.config.getoption("update_cases"):
-        case.update(found)
+        case.update(said.out)
     else:
-        assert found == case.expectations
+        shown, expected = case.expected(said.out)
+        assert shown == expected
     id, verdict = case.name.split("_")[:2]
     assert (f"[{id}]" in said.out) == (verdict == "bad")
     assert code == (1 if "error[" in said.out or "warning[" in said.out else 0)
 
 
 def test_every_rule_has_a_case_that_fails_and_one_that_passes() -> None:
-    """For each rule of the lint there is a bad and a good case."""
-    named = {tuple(case.name.split("_")[:2]) for case in _CASES}
-    missing = [f"{id}_{verdict}" for id in modules() for verdict in ("bad", "good") if (id, verdict) not in named]
-    missing = [name for name in missing if name[:6] not in _OF_HISTORY]
-    assert missing == []
+    """For each rule of the lint there is a bad and a good case, or a good example that is run."""
+    named = {tuple(case.name.split("_")[:2]) for case in _CASES} | {(id, "good") for id in _GOOD_BY_EXAMPLE}
+    ids = modules().keys() - _OF_HISTORY
+    assert sorted(f"{id}_{verdict}" for id in ids for verdict in ("bad", "good") if (id, verdict) not in named) == []
 
 
-@pytest.mark.parametrize("id", modules())
-def test_every_rule_explains_itself(id: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """`roverlink explain ID` says what a rule finds and why that hurts, and shows a bad and a good example."""
-    assert main(["explain", id]) == 0
-    said = capsys.readouterr().out
-    assert said.startswith(f"{id} {modules()[id].RULE.name} (")
-    assert "\nBad::\n" in said
-    assert "\nGood::\n" in said
+def test_every_case_says_what_it_proves() -> None:
+    """Cases and histories have a sentence and names of their own, and cases have no keys that nobody reads."""
+    for case in _CASES:
+        assert case.entry["why"].endswith("."), case.name
+        assert case.entry.keys() <= {"why", "now", "before", "finds", "prints"}, case.name
+    assert [history.name for history in golden_histories() if not history.entry["why"].endswith(".")] == []
+    for folder in ("cases", "histories"):
+        for file in (Path(__file__).parent / folder).glob("*.yaml"):
+            names = re.findall(r"^  (\w+):$", file.read_text(encoding="utf-8"), re.MULTILINE)
+            assert sorted(set(names)) == sorted(names), file  # YAML takes the last one of two
