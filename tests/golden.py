@@ -1,12 +1,20 @@
-"""Golden cases, the files below `generator/cases/`: a user's project and what `roverlink generate` makes of it.
+"""Golden cases, the files below `generator/cases/`: users' projects, and what `roverlink generate` makes of each.
 
-`case_file` describes the format. In a case that compiles, the sections `expected/...` are the generated files that are
-worth reading; the others are made too, and other tests look at them. A case without such a section fails, and leaves
-the project as it was.
+`case_file` describes the format. Of a project that compiles, a case shows:
 
-A new case: write the sentence and the project, add an empty section `expected/...` for each file that is worth reading
-(none where it should fail), run `pytest tests/generator/test_cases.py --update-cases`, and review what was filled in.
-Run the same command after a change of the generator; the diff of the cases is then the change as a user sees it.
+- `expected/PATH`: a whole generated file. The few cases in `.txtar` files do so for each file that is worth reading.
+- `lines/PATH`: the lines of a generated file that the case is about, in the order in which they stand there.
+- a line of `generator/cases/digests.txt`, with one digest for all files of each kind (protoc's excepted): it tells
+  which projects a change of the generator reaches. To see how, run `python tests/golden.py FOLDER` before and after the
+  change: it writes all files of all cases. Then compare the two folders.
+
+Of a project that does not compile, or that draws a warning, a case shows what is printed: `stderr` is the whole text,
+`found` is the text without quoted source lines, blank lines and the summary, and says a help that stands below several
+diagnostics in a row once, as `help for these 3: ...`. The project stays as it was.
+
+A new case: write the sentence and the project, add an empty section `found` where it should fail, run
+`pytest tests/generator/test_cases.py --update-cases`, and review what was filled in. Run the same command after a
+change of the generator; the diff of the cases is then the change as a user sees it.
 """
 
 from __future__ import annotations
@@ -15,10 +23,14 @@ import contextlib
 import io
 import os
 import re
+import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from hashlib import sha256
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 
 from case_file import CaseFile, case_files
@@ -39,7 +51,12 @@ messages:
 """Table of the smallest project: one message of a board."""
 PROBE_PROTO = 'syntax = "proto3";\n\nmessage Probe {\n  float depth_m = 1;\n}\n'
 """The .proto file of this message."""
-CASES = case_files(ROOT / "tests" / "generator" / "cases")
+_FOLDER = ROOT / "tests" / "generator" / "cases"
+CASES = case_files(_FOLDER)
+DIGESTS = _FOLDER / "digests.txt"
+_LEFT_OUT = re.compile(r"^(?: *\d* \|.*|\d+ (?:error|warning).*|)\n", re.MULTILINE)
+"""What the section `found` leaves out: a quoted source line, the summary, a blank line."""
+_DIAGNOSTIC = re.compile(r"^(\S.*\n(?:  (?!help: ).*\n)*)(?:  help: (.*\n))?", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -56,23 +73,46 @@ def case(name: str) -> CaseFile:
     return next(case for case in CASES if case.name == name)
 
 
-def expected_files(case: CaseFile) -> dict[str, str]:
-    """Generated files that a case shows, by path; none in a case that fails."""
-    found = case.expectations.items()
-    return {name.removeprefix("expected/"): text for name, text in found if name.startswith("expected/")}
-
-
 def passing_cases() -> list[CaseFile]:
     """The cases that compile."""
-    return [case for case in CASES if expected_files(case)]
+    return [case for case in CASES if exit_code(_printed(case)) == 0]
+
+
+def exit_code(printed: str) -> int:
+    """The exit code that the severities of the printed diagnostics ask for."""
+    return 2 if ": fatal[" in printed else int(": error[" in printed)
+
+
+def in_brief(printed: str) -> str:
+    """The printed text as a section `found` has it."""
+    brief = ""
+    for help, same in groupby(_DIAGNOSTIC.findall(_LEFT_OUT.sub("", printed)), key=itemgetter(1)):
+        diagnostics = [text for text, _ in same]
+        whose = f" for these {len(diagnostics)}" if len(diagnostics) > 1 else ""
+        brief += "".join(diagnostics) + (f"  help{whose}: {help}" if help else "")
+    return brief
 
 
 def printed_by_cases() -> str:
     """Everything that the cases of generate and of the lint print."""
-    printed = [case.expectations.get(stream, "") for case in CASES for stream in ("stdout", "stderr")]
+    printed = list(map(_printed, CASES))
     for file in sorted((ROOT / "tests" / "lint" / "cases").glob("*.yaml")):
         printed += re.findall(r".*\w\[[A-Z]{3}[0-9]{3}\] .*\n", file.read_text(encoding="utf-8"))
     return "".join(printed)
+
+
+def _printed(case: CaseFile) -> str:
+    return "".join(case.expectations.get(stream, "") for stream in ("stdout", "stderr", "found"))
+
+
+def digests(files: Mapping[str, bytes]) -> str:
+    """Digests of generated files, one for all files with the same suffix; the files that protoc writes do not count."""
+    kinds: dict[str, bytes] = {}
+    for path, content in sorted(files.items()):
+        if "/pb2/" not in path:
+            suffix = Path(path).suffix
+            kinds[suffix] = kinds.get(suffix, b"") + b"%s\n%s" % (path.encode(), content)
+    return " ".join(f"{suffix}:{sha256(content).hexdigest()[:8]}" for suffix, content in sorted(kinds.items()))
 
 
 @cache
@@ -111,3 +151,16 @@ def snapshot(project: Path) -> dict[str, bytes]:
     return {
         path.relative_to(project).as_posix(): path.read_bytes() for path in sorted(project.rglob("*")) if path.is_file()
     }
+
+
+def _write_everything(folder: Path) -> None:
+    """Write what each passing case compiles to into a folder of its own."""
+    for one in passing_cases():
+        for path, text in files_of(one).items():
+            target = folder / one.name / path
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    _write_everything(Path(sys.argv[1]))

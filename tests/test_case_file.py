@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
-from case_file import CaseFile, case_files, outcome, parse, render
+from case_file import USUAL_TABLE, CaseFile, case_files, outcome, parse, render
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -52,15 +53,33 @@ def test_shared_files_are_inputs(tmp_path: Path) -> None:
     assert case.expectations == {"exit": "0\n"}
 
 
+def test_a_file_has_many_cases(tmp_path: Path) -> None:
+    """The cases of a file share what stands before them, add files, change the table, and are updated alone."""
+    file = tmp_path / "many.cases"
+    shared = "use: shared/imu.proto as proto/a.proto\n\n-- table --\nmessages:\n  - {number: 1}\n"
+    first = "== first: One.\n-- table --\n  - {number: 2}\npeers: {}\n-- found --\n"
+    second = "== second: Two.\nuse: shared/drive.proto as proto/b.proto\n-- proto/a.proto (proto3) --\nmessage A {}\n"
+    file.write_text(shared + first + second)
+    one, two = case_files(tmp_path)
+    usual = USUAL_TABLE[: USUAL_TABLE.index("peers:")]
+    assert (
+        one.inputs["mapping.yaml"].decode() == f"{usual}messages:\n  - {{number: 1}}\n  - {{number: 2}}\npeers: {{}}\n"
+    )
+    assert [*two.inputs] == ["proto/a.proto", "mapping.yaml", "proto/b.proto"]
+    assert two.inputs["proto/a.proto"] == b'syntax = "proto3";\nmessage A {}\n'
+    one.update({"found": "new\n"})
+    assert file.read_text() == f"{shared}{first}new\n{second}"
+
+
 def test_cases_are_tidy() -> None:
     """Each case opens with the sentence that it proves, and is spelled as --update-cases spells it."""
-    texts = {case.name: case.path.read_bytes().decode() for case in _CASES}
-    assert [name for name, text in texts.items() if not parse(text)[0].partition("\n\n")[0].endswith(".")] == []
+    texts = {case.name: case.text for case in _CASES}
+    assert [name for name, text in texts.items() if not re.match(r"[^\n].*?\.\n(\n|--|use:)", text, re.DOTALL)] == []
     assert [name for name, text in texts.items() if render(*parse(text)) != text] == []
 
 
 def test_every_shared_file_is_used() -> None:
     """No file is left in tests/shared/ that no case uses."""
-    texts = "".join(case.path.read_text(encoding="utf-8") for case in _CASES)
+    texts = "".join(path.read_text(encoding="utf-8") for path in {case.path for case in _CASES})
     shared = [path.relative_to(_TESTS).as_posix() for path in (_TESTS / "shared").rglob("*") if path.is_file()]
     assert [path for path in shared if f"use: {path} as " not in texts] == []

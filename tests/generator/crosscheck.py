@@ -35,7 +35,7 @@ from roverlink.runtime import ConversionError, load_registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import fields_of
 
-_EXAMPLES = settings(max_examples=15, database=None, suppress_health_check=list(HealthCheck))
+_EXAMPLES = settings(max_examples=15, database=None, deadline=None, suppress_health_check=list(HealthCheck))
 _PLACEHOLDER = "structure_needs_at_least_one_member"  # what ROS 2 puts into a message without fields
 
 # --- rosbags ----------------------------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from roverlink.runtime.interfaces import Time
 
 Plain = Callable[[Any, Typestore], Any]
 
-_EXAMPLES = settings(max_examples=15, database=None, suppress_health_check=list(HealthCheck))
+_EXAMPLES = settings(max_examples=15, database=None, deadline=None, suppress_health_check=list(HealthCheck))
 _REFUSALS = ("is not among the values", "out of range", "infinity", "is too large for float32")
 """Why a number that float64 holds, or an enum's default, may not come back."""
 

@@ -7,11 +7,24 @@ import pkgutil
 from pathlib import Path
 
 import pytest
-from case_file import CaseFile, outcome
-from golden import CASES, ROOT, expected_files, generate, passing_cases, printed_by_cases, snapshot
+from case_file import CaseFile
+from golden import (
+    CASES,
+    DIGESTS,
+    ROOT,
+    digests,
+    exit_code,
+    generate,
+    in_brief,
+    passing_cases,
+    printed_by_cases,
+    snapshot,
+)
 
 from roverlink import generator
 from roverlink.generator.diagnostics import Rule
+
+_DIGESTS = dict(line.split(": ", 1) for line in DIGESTS.read_text(encoding="utf-8").splitlines())
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
@@ -24,17 +37,36 @@ def test_case(case: CaseFile, tmp_path: Path, request: pytest.FixtureRequest) ->
     before = snapshot(project)
     run = generate(project)
     after = snapshot(project)
-    assert (run.code == 0) == bool(expected_files(case)), run.stderr
+    made = {path: content for path, content in after.items() if before.get(path) != content}
+    assert run.code == exit_code(run.stderr)
     assert run.code == 0 or after == before
-    for path, data in after.items():
+    for path, content in made.items():
         if path.endswith((".py", ".pyi")):
-            compile(data, path, "exec")
-    found = outcome(run.code, stderr=run.stderr)
-    found |= {f"expected/{path}": after[path].decode() for path in expected_files(case)}
+            compile(content, path, "exec")
+    found = _found(case, run.stderr, after)
     if request.config.getoption("update_cases"):
         case.update(found)
+        _DIGESTS.update({case.name: digests(made)} if made else {})
+        lines = [f"{one.name}: {_DIGESTS[one.name]}\n" for one in passing_cases() if one.name in _DIGESTS]
+        DIGESTS.write_text("".join(lines), encoding="utf-8")
     else:
         assert found == case.expectations
+        expected = _DIGESTS.get(case.name, "").split()
+        assert digests(made).split() == expected, "golden.py tells how to see what changed"
+
+
+def _found(case: CaseFile, printed: str, files: dict[str, bytes]) -> dict[str, str]:
+    """What a run shows of each thing that a case expects."""
+    brief = "found" in case.expectations
+    found = {"found": in_brief(printed)} if brief else {"stderr": printed} if printed else {}
+    for name, text in case.expectations.items():
+        kind, _, path = name.partition("/")
+        if kind == "expected":
+            found[name] = files[path].decode()
+        elif kind == "lines":
+            rest = iter(files[path].decode().splitlines(keepends=True))
+            found[name] = "".join(line for line in text.splitlines(keepends=True) if line in rest)
+    return found
 
 
 def test_every_rule_has_a_case() -> None:
@@ -62,5 +94,6 @@ def _rules() -> dict[str, list[Rule]]:
 
 
 def test_there_are_passing_cases() -> None:
-    """The tests that run over the passing cases have something to run over."""
-    assert len(passing_cases()) > 10
+    """The tests that run over the passing cases have something to run over, and each of these has its digests."""
+    assert [case.name for case in passing_cases()] == list(_DIGESTS)
+    assert len(_DIGESTS) > 10
