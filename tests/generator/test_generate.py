@@ -88,7 +88,7 @@ def test_the_proto_root_may_be_spelled_in_any_way(root: str, folder: str, tmp_pa
 
 
 def test_the_nearest_table_above_is_compiled(project: Path) -> None:
-    """A project is found from a folder within it; a mapping.yaml on the way that is a folder or a dead link is meant."""
+    """A project is found from a folder within it; a folder or a dead link of that name is not passed over."""
     below = project / "proto" / "deep"
     below.mkdir()
     outcome = generate(below, "--check")
@@ -290,7 +290,7 @@ def test_check_before_the_first_run(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(shutil.which("git") is None, reason="need git (apt-get install git)")
 def test_the_diff_of_check_is_the_cure(project: Path) -> None:
-    """Whatever differs is exit code 1 and part of a diff; applied as a patch, it makes the project as the table says."""
+    """Whatever differs is exit code 1 and part of a diff; applied as a patch, this makes all as the table says."""
     row = "  - {number: 9, name: second_wrist, proto: Wrist, topic: second_wrist, direction: board_to_ros}\n"
     stale, gone = "generated/handlers/leg.py", ("generated/ros/rover/msg/Arm.msg", "generated/registry.py")
     with (project / "mapping.yaml").open("a") as table:

@@ -227,7 +227,7 @@ checksum: 0123456789abcdef
 
 
 def test_a_conflict_keeps_what_both_sides_have(tmp_path: Path) -> None:
-    """Within the markers, a number of one side is contested, and its settings are open; what both have was published."""
+    """Within the markers, a number of one side is contested, a setting of one is open; what both have was published."""
     file = tmp_path / "mapping.lock"
     file.write_text(_CONFLICT.format(shared="\nschema:\n  message Old:\n    1 a int32\n"))
     read, findings = _read(file)
