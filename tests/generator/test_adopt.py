@@ -81,7 +81,7 @@ _DRAFTED = {
         *("    proto: rover.v1.sensor_board.ImuReading", "    topic: imu", "    direction: hardware_to_ros"),
         *("    proto: rover.v1.ground_station.DriveCommand", "    direction: ground_station_to_ros"),
         *("# Numbers that were used before, by git's history.", "retired:"),
-        "  - {number: 2, name: ph, proto: sensor_board.PhReading}  # until 0c4f948fac 2026-03-01 Take it away",
+        "  - {number: 2, name: ph, proto: sensor_board.PhReading}  # until 2a702be2b1 2026-03-01 Take it away",
     ],
     "own": [
         "  owner: mapping  # generate writes the file from the rows, because it contains only the oneof",

@@ -197,9 +197,9 @@ def test_any_rows_can_be_retired_one_after_the_other(numbers: list[int], count: 
     for number in numbers[:count]:
         text = with_retired(text, number, "mapping.yaml")
     after = _parsed(text)
-    gone = {row for row in before.rows if row.number in numbers[:count]}
-    assert [row.name for row in after.rows] == [row.name for row in before.rows if row not in gone]
-    retired = {(row.number, row.name, row.proto) for row in gone}
+    gone = set(numbers[:count])
+    assert [row.name for row in after.rows] == [row.name for row in before.rows if row.number not in gone]
+    retired = {(row.number, row.name, row.proto) for row in before.rows if row.number in gone}
     assert {(row.number, row.name, row.proto) for row in after.retired} == retired
     changed = [line for line in difflib.ndiff(_TABLE.splitlines(), text.splitlines()) if line[0] in "+-"]
     assert [line for line in changed if "#" in line] == []  # no comment is lost
