@@ -55,10 +55,8 @@ def test_folders_of_a_user_disturb_nothing(site: Path, roverlink: Run, tmp_path:
     for command in (["init"], ["generate", "--check"], ["lint"], ["explain", "board_status"]):
         done = roverlink(*command)
         assert (done.returncode, done.stderr) == (0, ""), done.stdout
-    where = "import generated, roverlink.runtime as r; print(r.__file__, generated.__file__)"
-    told = subprocess.run(
-        [sys.executable, "-c", where], cwd=tmp_path, env={"PYTHONPATH": str(site)}, capture_output=True, text=True
-    )
+    where = [sys.executable, "-c", "import generated, roverlink.runtime as r; print(r.__file__, generated.__file__)"]
+    told = subprocess.run(where, cwd=tmp_path, env={"PYTHONPATH": str(site)}, capture_output=True, text=True)
     assert told.stdout.split() == [str(site / "roverlink/runtime/__init__.py"), str(tmp_path / "generated/__init__.py")]
 
 

@@ -141,27 +141,21 @@ def rover(tmp_path: Path) -> Path:
 
 
 def test_a_direction_that_is_turned_around_is_refused(rover: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Both `lint` and `generate` report it, and the ledger stays as it was however often generate runs."""
-    before = (rover / "mapping.lock").read_text()
-    edit(rover / "mapping.yaml", "direction: basestation_to_ros", "direction: ros_to_basestation")
-    assert main(["lint", "--table", str(rover / "mapping.yaml")]) == 1
-    assert "error[TAB109] 'control_mode' has the opposite direction" in capsys.readouterr().out
-    for _ in range(2):
-        run = generate(rover)
-        assert run.code == 1
-        assert "error[TAB109] 'control_mode' has the opposite direction" in run.stderr
-        assert (rover / "mapping.lock").read_text() == before
-
-
-def test_a_direction_changes_on_purpose_once(rover: Path) -> None:
-    """With a reason in the row, generate takes the new direction; afterwards the old one is the change."""
-    table = rover / "mapping.yaml"
-    text = table.read_text()
+    """Both `lint` and `generate` report it; with a reason, generate takes it, and the old direction is the change."""
+    table, ledger = rover / "mapping.yaml", rover / "mapping.lock"
+    before, text = ledger.read_text(), table.read_text()
+    said = "error[TAB109] 'control_mode' has the opposite direction"
     edit(table, "direction: basestation_to_ros", "direction: ros_to_basestation")
     flipped = table.read_text()
+    assert main(["lint", "--table", str(table)]) == 1
+    assert said in capsys.readouterr().out
+    for _ in range(2):
+        run = generate(rover)
+        assert (run.code, said in run.stderr) == (1, True)
+        assert ledger.read_text() == before
     _allow(rover, "TAB109")
     assert generate(rover).code == 0
-    assert "16 BasestationControlMode direction: ros_to_basestation\n" in (rover / "mapping.lock").read_text()
+    assert "16 BasestationControlMode direction: ros_to_basestation\n" in ledger.read_text()
     table.write_text(flipped)
     assert generate(rover).stderr == ""
     table.write_text(text)
