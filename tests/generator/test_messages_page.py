@@ -53,7 +53,17 @@ def _with_pages() -> list[CaseFile]:
     return [case for case in passing_cases() if b"\ntargets:" not in case.inputs["mapping.yaml"]]
 
 
-@pytest.mark.parametrize("case", _with_pages(), ids=lambda case: case.name)
+_DIFFER_MOST = {
+    *("any_of", "comments", "deprecated", "empty_messages", "enums", "extensions", "maps", "nanopb_options", "nested"),
+    *("oneofs", "presence", "proto2_and_editions", "retired", "scalars", "signing", "standard_units", "well_known"),
+}
+_PAGES = [
+    pytest.param(case, marks=[] if case.name in _DIFFER_MOST else [pytest.mark.slow], id=case.name)
+    for case in _with_pages()
+]
+
+
+@pytest.mark.parametrize("case", _PAGES)
 def test_the_bytes_of_examples_decode_and_links_lead_to_headings(case: CaseFile) -> None:
     """The bytes of each example are an envelope with the row's payload; every link leads to one heading of the page."""
     bridge, page = compiled(case).bridge, files_of(case)["docs/messages.md"]

@@ -18,7 +18,8 @@ syntax = 'proto2'; package pkg . sub; option java_package = "a\\"}" '{//';
 message M {
   required group G = 1 { extensions 50000 to 50003, 60000 to max; } ;
   optional string message = 2 [deprecated = false, json_name = "j" '"];']; repeated M enum = 0x3;
-  optional int32 to = 017; oneof oneof { M option = 5; bytes reserved = 6; } map<string, M> map = 7; reserved 1000, 1002 to 0x3F0; reserved "r";
+  optional int32 to = 017; oneof oneof { M option = 5; bytes reserved = 6; }
+  map<string, M> map = 7; reserved 1000, 1002 to 0x3F0; reserved "r";
   extend M.G { optional fixed64 import = 50001; } enum E { option allow_alias = true; A = 0; B = 0; C = -0x7f; }
 }
 service S { rpc Call(.pkg.sub.M) returns (stream M) { option deprecated = true; } } ;
