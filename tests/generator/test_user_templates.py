@@ -10,8 +10,11 @@ from pathlib import Path
 import pytest
 from golden import PROBE_PROTO, PROBE_TABLE, generate, snapshot
 
+from roverlink.generator.diagnostics import DiagnosticsError, Span
 from roverlink.generator.emit import user_templates
 from roverlink.generator.emit.template_process import Limits
+from roverlink.generator.ir.model import Bridge
+from roverlink.generator.pipeline import compile_table
 
 _TABLE = f"{PROBE_TABLE}targets: [ros2]\n"
 
@@ -46,6 +49,26 @@ def _refused(project: Path) -> str:
     return first
 
 
+@pytest.fixture(scope="module")
+def bridge(tmp_path_factory: pytest.TempPathFactory) -> Bridge:
+    """The bridge that templates see."""
+    folder = tmp_path_factory.mktemp("probe")
+    (folder / "proto").mkdir()
+    (folder / "mapping.yaml").write_text(_TABLE)
+    (folder / "proto" / "probe.proto").write_text(PROBE_PROTO)
+    return compile_table(folder / "mapping.yaml").bridge
+
+
+def _not_rendered(project: Path, bridge: Bridge) -> str:
+    """Why the templates of the folder cannot be rendered; of `_refused`, without what comes before and after."""
+    with pytest.raises(DiagnosticsError) as caught:
+        list(user_templates.emit(bridge, project, "own", Span("mapping.yaml")))
+    said = str(caught.value)
+    assert said.startswith("own/a.txt.j2:2: error[OUT106] cannot render the template: ")
+    assert "the secret" not in said
+    return said
+
+
 @pytest.mark.parametrize(
     "expression",
     [
@@ -67,10 +90,10 @@ def _refused(project: Path) -> str:
         "[].append(1)",
     ],
 )
-def test_nothing_leads_from_the_bridge_to_pythons_internals(project: Path, expression: str) -> None:
+def test_nothing_leads_from_the_bridge_to_pythons_internals(project: Path, bridge: Bridge, expression: str) -> None:
     """The sandbox refuses private attributes by whatever way they are asked for, and changes of what it is given."""
     _plant(project, {"a.txt.j2": f"{{{{ bridge.table }}}}\n{{{{ {expression} }}}}\n"})
-    assert _refused(project).startswith("own/a.txt.j2:2: error[OUT106] cannot render the template: ")
+    assert _not_rendered(project, bridge)
 
 
 @pytest.mark.parametrize(
@@ -95,14 +118,18 @@ def test_nothing_leads_from_the_bridge_to_pythons_internals(project: Path, expre
     ],
 )
 def test_a_template_without_end_is_stopped(
-    project: Path, monkeypatch: pytest.MonkeyPatch, text: str, reason: str
+    project: Path, bridge: Bridge, monkeypatch: pytest.MonkeyPatch, text: str, reason: str
 ) -> None:
     """Time, memory and output of a template are limited."""
     monkeypatch.setattr(user_templates, "LIMITS", Limits(seconds=1, memory=1 << 28, output=1 << 20))
     _plant(project, {"a.txt.j2": f"\n{text}\n"})
-    said = _refused(project)
-    assert said.startswith("own/a.txt.j2:2: error[OUT106] cannot render the template: ")
-    assert reason in said
+    assert reason in _not_rendered(project, bridge)
+
+
+def test_a_template_that_fails_is_one_diagnostic(project: Path) -> None:
+    """At its line, and nothing is written."""
+    _plant(project, {"a.txt.j2": "{{ bridge.table }}\n{{ header.__globals__ }}\n"})
+    assert _refused(project).startswith("own/a.txt.j2:2: error[OUT106] cannot render the template: ")
 
 
 @pytest.mark.slow
@@ -124,11 +151,11 @@ _OUTSIDE = ["../../secret.j2", "/etc/passwd", "a/../../../secret.j2", ".hidden/o
         *("import '../../secret.j2' as one", "from '../../secret.j2' import one", "extends '../../secret.j2'"),
     ],
 )
-def test_a_template_reads_only_templates_of_its_folder(project: Path, statement: str) -> None:
+def test_a_template_reads_only_templates_of_its_folder(project: Path, bridge: Bridge, statement: str) -> None:
     """No template can include, import or extend a file outside the folder, or a hidden one."""
     _plant(project, {"a.txt.j2": f"\n{{% {statement} %}}\n", ".hidden/one": "the secret"})
     (project / "own" / "link").symlink_to(project.parent / "secret.j2")
-    assert _refused(project).startswith("own/a.txt.j2:2: error[OUT106] cannot render the template: ")
+    assert _not_rendered(project, bridge)
 
 
 _NO_FILE = "own/users.txt.j2: error[OUT107] the link does not lead to a visible file inside the folder 'own'"
