@@ -33,7 +33,7 @@ _PUBLISHED = {
 
 @cache
 def _own() -> Compiled:
-    """This project, compiled."""
+    """The table of this repository, compiled."""
     return compile_table(ROOT / "mapping.yaml")
 
 
