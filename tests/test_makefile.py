@@ -11,19 +11,19 @@ import pytest
 _ROOT = Path(__file__).parents[1]
 
 
-@pytest.mark.parametrize(
-    ("environment", "extras"),
-    [
-        ("ready", "standard"),
-        ("ready-demo", "standard,detect,video"),
-        ("ready-dev", "dev"),
-        ("ready-docs", "docs"),
-        ("ready-fuzz", "fuzz"),
-        ("ready-bench", "bench"),
-        ("ready-bench-vision", "detect,bench"),
-        ("ready-bench-video", "video,bench"),
-    ],
-)
+_EXTRAS = {
+    "ready": "standard",
+    "ready-demo": "standard,detect,video",
+    "ready-dev": "dev",
+    "ready-docs": "docs",
+    "ready-fuzz": "fuzz",
+    "ready-bench": "bench",
+    "ready-bench-vision": "detect,bench",
+    "ready-bench-video": "video,bench",
+}
+
+
+@pytest.mark.parametrize(("environment", "extras"), _EXTRAS.items())
 def test_make_says_what_it_installs_where_and_how_much(environment: str, extras: str, tmp_path: Path) -> None:
     """The line comes before pip starts, whose own progress is shown; an environment is made once."""
     python = tmp_path / "bin" / "python"

@@ -28,18 +28,9 @@ from roverlink.dds_domain import claim_domain  # noqa: E402
 
 _PATIENCE_S = 60
 _CONTAINER = """syntax = "proto3";
-
-message ContainerInfo {
-  float mass_grams = 1;
-  bool lid_open = 2;
-}
+message ContainerInfo { float mass_grams = 1; bool lid_open = 2; }
 """
-_ROW = """  - number: 2
-    name: container_info
-    proto: ContainerInfo
-    topic: container_info
-    direction: board_to_ros
-"""
+_ROW = "  - {number: 2, name: container_info, proto: ContainerInfo, topic: container_info, direction: board_to_ros}\n"
 _ENVELOPE = """syntax = "proto3";
 message Gps { double latitude = 1; double longitude = 2; }
 message Imu { float heading = 1; }
@@ -86,14 +77,8 @@ class _User:
 
     def run(self, command: str, code: int = 0) -> str:
         """Run a command in the user's folder, and return what it printed. Raises `_JobError` for another exit code."""
-        done = subprocess.run(
-            shlex.split(command),
-            cwd=self.folder,
-            env=self.variables,
-            capture_output=True,
-            text=True,
-            timeout=_PATIENCE_S,
-        )
+        where = {"cwd": self.folder, "env": self.variables, "text": True}
+        done = subprocess.run(shlex.split(command), **where, capture_output=True, timeout=_PATIENCE_S)
         if done.returncode != code:
             raise _JobError(f"`{command}` ended with exit code {done.returncode}\n{done.stdout}{done.stderr}")
         return done.stdout
@@ -101,9 +86,8 @@ class _User:
     @contextlib.contextmanager
     def running(self, command: str) -> Iterator[subprocess.Popen[str]]:
         """Run a command in the background, and end it with Ctrl-C."""
-        process = subprocess.Popen(
-            shlex.split(command), cwd=self.folder, env=self.variables, stdout=subprocess.PIPE, text=True
-        )
+        where = {"cwd": self.folder, "env": self.variables, "text": True}
+        process = subprocess.Popen(shlex.split(command), **where, stdout=subprocess.PIPE)
         try:
             yield process
         finally:

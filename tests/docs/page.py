@@ -36,6 +36,8 @@ _READY = {
     "roverlink drive": "is AUTO",
 }
 """What a command shows as soon as it waits; `roverlink echo` shows nothing before a message comes."""
+_WAITING = ("roverlink run", "roverlink echo", "roverlink listen", "roverlink drive")
+"""What stays in its terminal; the camera's program does where its recording is played in a loop."""
 _ENDLESS = ("roverlink run", "roverlink aruco", "roverlink drive")
 """What goes on until it is stopped."""
 _FENCE = re.compile(r"^```(?P<language>\w*)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -74,12 +76,9 @@ def blocks(page: Path, section: str = "") -> list[Block]:
     text = page.read_text(encoding="utf-8")
     fences = list(_FENCE.finditer(text))
     inside = [range(fence.start(), fence.end()) for fence in fences]
+    headings = (one for one in _HEADING.finditer(text) if not any(one.start() in fence for fence in inside))
     found = [(fence.start(), fence["language"], fence["text"]) for fence in fences]
-    found += [
-        (heading.start(), "#", heading.group())
-        for heading in _HEADING.finditer(text)
-        if not any(heading.start() in fence for fence in inside)
-    ]
+    found += [(heading.start(), "#", heading.group()) for heading in headings]
     every = [Block(language, part, text.count("\n", 0, start) + 1) for start, language, part in sorted(found)]
     return list(_section(every, section)) if section else every
 
@@ -120,7 +119,7 @@ class Reader:
         tools.mkdir()
         for name in _PROJECT:
             _copy(ROOT / name, project / name)
-        ports = dict(zip(("listen", "basestation", "hardware"), _free_ports(3)))
+        ports = dict(zip(("listen", "basestation", "hardware"), free_ports(3)))
         roverlink = tools / "roverlink"
         roverlink.write_text(_ROVERLINK.format(python=sys.executable, **ports), encoding="utf-8")
         roverlink.chmod(0o755)
@@ -150,17 +149,10 @@ class Reader:
 
     def follow(self, page: list[Block]) -> None:
         """Do what each block says, and compare what it shows."""
+        do = {"#": self._leave_terminals, "proto": self._create, "diff": self._edit, "console": self._type}
         for block in page:
-            if block.language == "#":
-                self._leave_terminals()
-            elif block.language == "proto":
-                self._create(block)
-            elif block.language == "diff":
-                self._edit(block)
-            elif block.language == "console":
-                self._type(block)
-            else:
-                raise AssertionError(f"line {block.line}: nobody can follow a block of {block.language!r}")
+            assert block.language in do, f"line {block.line}: nobody can follow a block of {block.language!r}"
+            do[block.language](block)
         self._leave_terminals()
 
     # --- files ---
@@ -197,7 +189,7 @@ class Reader:
         assert code == 0, f"line {block.line}: exit code {code}, which the page does not show"
 
     def _run(self, command: str, shown: str, line: int) -> int:
-        if _waits(command):
+        if command.startswith(_WAITING) or "--loop" in command:
             self._terminals.append(self._open(command, shown, line))
             return 0
         done = self._shell(command)
@@ -205,32 +197,21 @@ class Reader:
         return done.returncode
 
     def _shell(self, command: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            ["/bin/sh", "-c", command],
-            cwd=self.project,
-            env=self.environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=PATIENCE_S,
-        )
+        where = {"cwd": self.project, "env": self.environment}
+        streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+        return subprocess.run(["/bin/sh", "-c", command], **where, **streams, timeout=PATIENCE_S)  # type: ignore[call-overload]
 
     def _open(self, command: str, shown: str, line: int) -> _Terminal:
         log = self.project.parent / f"terminal-{line}.log"
         with log.open("wb") as output:
-            process = subprocess.Popen(
-                ["/bin/sh", "-c", f"exec {command}"],
-                cwd=self.project,
-                env=self.environment,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-            )
+            shell, where = ["/bin/sh", "-c", f"exec {command}"], {"cwd": self.project, "env": self.environment}
+            process = subprocess.Popen(shell, **where, stdout=output, stderr=subprocess.STDOUT)  # type: ignore[call-overload]
         terminal = _Terminal(command, shown, line, log, process)
         if ready := next((text for start, text in _READY.items() if command.startswith(start)), ""):
             wait_until(lambda: ready in terminal.output() or process.poll() is not None, repr(ready))
         return terminal
 
-    def _leave_terminals(self) -> None:
+    def _leave_terminals(self, _: Block | None = None) -> None:
         for terminal in reversed(self._terminals):  # the bridge was opened first, and serves the others
             if terminal.command.startswith(_ENDLESS):
                 terminal.process.send_signal(signal.SIGINT)
@@ -240,14 +221,6 @@ class Reader:
         self._terminals.clear()
 
 
-def _waits(command: str) -> bool:
-    """Whether a command stays in its terminal; the camera's program does where its recording is played in a loop."""
-    return (
-        command.startswith(("roverlink run", "roverlink echo", "roverlink listen", "roverlink drive"))
-        or "--loop" in command
-    )
-
-
 def _copy(source: Path, target: Path) -> None:
     if source.is_dir():
         shutil.copytree(source, target, symlinks=True)  # roverlink/ links to the other folders
@@ -255,7 +228,8 @@ def _copy(source: Path, target: Path) -> None:
         shutil.copy(source, target)
 
 
-def _free_ports(count: int) -> list[int]:
+def free_ports(count: int) -> list[int]:
+    """Return UDP ports that nobody has at the moment."""
     sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
     for sock in sockets:
         sock.bind(("127.0.0.1", 0))

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from needs import NO_ROS
-from page import ROOT, blocks
+from page import ROOT, blocks, free_ports
 from polling import wait_until
 
 from generated.pb2.components.basestation.detected_object_pb2 import OBJECT_ROCK, BasestationDetectedObject
@@ -31,13 +31,6 @@ _MISSING += [] if Path("/usr/include/google/protobuf/message.h").exists() else [
 
 def _program(language: str) -> str:
     return next(block.text for block in blocks(_PAGE) if block.language == language)
-
-
-def _port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        port: int = sock.getsockname()[1]
-        return port
 
 
 def _follow(command: list[str], port: int, bridge: BridgeThread) -> None:
@@ -74,7 +67,7 @@ def test_the_basestation_in_python_runs(tmp_path: Path) -> None:
     """Its 30 lines receive, reassemble and command."""
     text = _program("python")
     assert len(text.splitlines()) <= 30
-    with BridgeThread(REGISTRY, {"dst_a_port": (port := _port())}, "error") as bridge:
+    with BridgeThread(REGISTRY, {"dst_a_port": (port := free_ports(1)[0])}, "error") as bridge:
         script = tmp_path / "basestation.py"
         script.write_text(text.replace("host=host", f"host=host, port={bridge.port}, local_port={port}"))
         _follow([sys.executable, "-u", str(script), "127.0.0.1"], port, bridge)
@@ -84,7 +77,7 @@ def test_the_basestation_in_python_runs(tmp_path: Path) -> None:
 @pytest.mark.skipif(bool(_MISSING), reason=NO_ROS)
 def test_the_basestation_in_cpp_compiles_and_runs(tmp_path: Path) -> None:
     """With the same .proto files, and every warning of the compiler as an error."""
-    port = _port()
+    port = free_ports(1)[0]
     (tmp_path / "basestation.cpp").write_text(_program("cpp").replace("6000", str(port)))
     proto, made = ROOT / "proto", tmp_path / "gen"
     made.mkdir()

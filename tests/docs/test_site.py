@@ -20,66 +20,47 @@ from roverlink.launch_check.rules.launch_rules import launch_rules
 
 def _build(project: Path, site: Path) -> subprocess.CompletedProcess[str]:
     """Run what `make docs` runs."""
-    return subprocess.run(
-        [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(site)],
-        cwd=project,
-        env={**os.environ, "NO_MKDOCS_2_WARNING": "1"},
-        capture_output=True,
-        text=True,
-    )
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(site)]
+    environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
+    return subprocess.run(command, cwd=project, env=environment, capture_output=True, text=True)
 
 
 pytestmark = pytest.mark.slow  # they build the site
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build the site of this project."""
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The site of this project: the text of each page, by its path."""
     folder = tmp_path_factory.mktemp("site")
     done = _build(ROOT, folder)
     assert done.returncode == 0, done.stderr
-    return folder
+    return {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in folder.rglob("*.html")}
 
 
-def test_every_rule_has_a_section(site: Path) -> None:
-    """A link to `reference/rules/ENV.html#env101` leads to the rule."""
-    pages = {path.stem: path.read_text(encoding="utf-8") for path in (site / "reference" / "rules").glob("*.html")}
-
-    assert [id for id in {**rules(), **launch_rules()} if f'id="{id.lower()}"' not in pages[id[:3]]] == []
-
-
-def test_every_command_has_a_page_with_its_options(site: Path) -> None:
-    """The pages come from the parser: each command is there, and so is an option of a subcommand."""
-    pages = {path.stem: path.read_text(encoding="utf-8") for path in (site / "reference" / "commands").glob("*.html")}
-
-    assert pages.keys() == {*COMMANDS, "index"}
-    assert "--against" in pages["lint"]
-    assert "--landmarks" in pages["aruco"]
-
-
-def test_every_class_that_a_template_sees_is_listed(site: Path) -> None:
-    """The page on the bridge has a section for each class of the IR."""
-    page = (site / "reference" / "bridge.html").read_text(encoding="utf-8")
+def test_every_rule_command_and_class_is_there(pages: dict[str, str]) -> None:
+    """A link to `reference/rules/ENV.html#env101` leads to the rule; commands show options, the bridge its classes."""
+    known = {**rules(), **launch_rules()}
+    assert [id for id in known if f'id="{id.lower()}"' not in pages[f"reference/rules/{id[:3]}.html"]] == []
+    commands = {Path(path).stem for path in pages if path.startswith("reference/commands/")}
+    assert commands == {*COMMANDS, "index"}
+    assert "--against" in pages["reference/commands/lint.html"]
+    assert "--landmarks" in pages["reference/commands/aruco.html"]  # of a subcommand
     classes = [
-        cls
+        one.__name__
         for module in (model, interfaces)
-        for cls in vars(module).values()
-        if isinstance(cls, type)
-        if cls.__module__ == module.__name__
+        for one in vars(module).values()
+        if isinstance(one, type) and one.__module__ == module.__name__
     ]
+    assert [name for name in classes if f'id="{name.lower()}"' not in pages["reference/bridge.html"]] == []
 
-    assert [cls.__name__ for cls in classes if f'id="{cls.__name__.lower()}"' not in page] == []
 
-
-def test_the_site_loads_nothing_from_other_hosts(site: Path) -> None:
+def test_the_site_loads_nothing_from_other_hosts(pages: dict[str, str]) -> None:
     """Scripts, styles and pictures come with the site; only links that a reader follows lead elsewhere."""
     loaded = re.compile(
         r"<(?:script|img|source|iframe)[^>]*src=\"?https?:|<link[^>]*(?:stylesheet|preconnect)[^>]*https?:"
     )
-    pages = {path.name: path.read_text(encoding="utf-8") for path in site.rglob("*.html")}
-
-    assert [name for name, text in pages.items() if loaded.search(text)] == []
-    assert [name for name, text in pages.items() if 'class="mermaid"' in text] == []  # its script comes from elsewhere
+    assert [path for path, text in pages.items() if loaded.search(text)] == []
+    assert [path for path, text in pages.items() if 'class="mermaid"' in text] == []  # its script comes from elsewhere
 
 
 def _copy_with_page(folder: Path, text: str) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from random import Random
@@ -9,7 +10,7 @@ from typing import Any
 
 import pytest
 from declarations.descriptors import WELL_KNOWN, compiled, declared_names, ours, theirs
-from declarations.schemas import proto_text
+from declarations.layouts import UNUSUAL, laid_out
 from golden import CASES, ROOT
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from hypothesis import HealthCheck, given, settings
@@ -20,7 +21,7 @@ from roverlink.generator.protos.parser import File, parse, resolve_type
 from roverlink.generator.protos.parser.tokens import Lexer
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
-_EXAMPLES = settings(max_examples=80, suppress_health_check=list(HealthCheck))
+_EXAMPLES = settings(max_examples=40, suppress_health_check=list(HealthCheck))
 _FOLDERS = [ROOT / "proto", WELL_KNOWN]
 _CASES = [case for case in CASES if any(path.startswith("proto/") for path in case.inputs)]
 _CONTENTS = {path.read_bytes() for folder in _FOLDERS for path in folder.rglob("*.proto")}
@@ -45,20 +46,28 @@ def test_files_are_read_as_protoc_reads_them(tmp_path: Path) -> None:
     """Names, numbers, types, labels, ranges, imports and places are protoc's in every file that compiles."""
     roots = [*_FOLDERS, *(case.write_inputs(tmp_path / case.name) / "proto" for case in _CASES)]
     files = [(root, path.relative_to(root).as_posix()) for root in roots for path in sorted(root.rglob("*.proto"))]
-    assert {root.parent.name for root, name in files if not _agree(root, name)} == {
+    assert {root.parent.name for root, name in files if not _agree(root, name)} <= {
         *("only_what_is_needed", "typo_file_of_an_import", "out108_foreign_files"),
         *("pro101_does_not_compile", "pro101_import_not_found", "pro101_syntax", "pro102_unreadable_proto"),
     }
 
 
-@_EXAMPLES
+_ALONE = [text for text in _TEXTS if not re.search(r'^import (public |weak )?"(?!google/)', text, re.MULTILINE)]
+
+
+@settings(_EXAMPLES, max_examples=80)
 @given(st.randoms(use_true_random=False))
-def test_random_files_are_read_as_protoc_reads_them(tmp_path_factory: pytest.TempPathFactory, random: Random) -> None:
-    """So are files made up at random, in every syntax, with comments and line ends wherever there may be any."""
+def test_any_layout_is_read_as_protoc_reads_it(tmp_path_factory: pytest.TempPathFactory, random: Random) -> None:
+    """So are files with comments and line ends wherever there may be any, and with numbers in any base."""
     root = tmp_path_factory.getbasetemp()
-    text = proto_text(Random(random.getrandbits(64)))  # noqa: S311  # one draw a file: hypothesis takes long over many
+    random = Random(random.getrandbits(64))  # noqa: S311  # one draw a file: hypothesis takes long over many
+    original = random.choice([*UNUSUAL, random.choice(_ALONE)])
+    (root / "random.proto").write_bytes(original.encode())
+    compiles = _agree(root, "random.proto")
+    assert compiles or original not in UNUSUAL
+    text = laid_out(random, original)
     (root / "random.proto").write_bytes(text.encode())
-    assert _agree(root, "random.proto"), text
+    assert _agree(root, "random.proto") or not compiles, text
 
 
 _SCOPES = """\
@@ -313,46 +322,9 @@ def test_messages_survive_what_happens_elsewhere(random: Random) -> None:
 
 _WORDS = [
     *("message", "enum", "oneof", "extend", "group", "reserved", "extensions", "option", "optional", "map", "service"),
-    *(
-        "A",
-        "B.c",
-        "ä",
-        "x",
-        "1",
-        "-",
-        "0x1F",
-        "to",
-        "max",
-        "'a'",
-        "<",
-        ">",
-        ",",
-        "[",
-        "]",
-        "(",
-        ")",
-        "{",
-        "}",
-        ";",
-        "=",
-    ),
-    *(
-        '"',
-        "'",
-        "\\",
-        "//",
-        "/*",
-        "*/",
-        "\n",
-        "\n}\n",
-        "\r",
-        "\t",
-        "\x00",
-        "\ud800",
-        "\ufeff",
-        "\n=======\n",
-        "\n|||||||\n",
-    ),
+    *("A", "B.c", "ä", "x", "1", "-", "0x1F", "to", "max", "'a'", "<", ">", ",", "[", "]", "(", ")", "{", "}", ";"),
+    *("=", '"', "'", "\\", "//", "/*", "*/", "\n", "\n}\n", "\r", "\t", "\x00", "\ud800", "\ufeff", "\n=======\n"),
+    "\n|||||||\n",
 ]
 
 
@@ -405,77 +377,12 @@ def _calls(text: str) -> int:
 
 
 _ENDLESS = [
-    *(
-        '"',
-        '\\"',
-        '"\\',
-        "'\\'",
-        '"\n',
-        "/*",
-        "/*\n",
-        "*/",
-        "/",
-        "/**/",
-        "// x\n",
-        "{",
-        "}",
-        "{\n",
-        "\n}",
-        "{}",
-        "[",
-        "]",
-    ),
-    *(
-        "(",
-        "<",
-        "a",
-        "a.",
-        "a ",
-        "a=1[",
-        "= ",
-        "9",
-        "9 ",
-        "ä",
-        "\t",
-        "\n",
-        "\x00",
-        "-",
-        ",",
-        "to ",
-        "message a{",
-        "oneof a{",
-    ),
-    *(
-        "message a\n",
-        "message a{\n",
-        "  message A {\n }\n",
-        "option (a) = {",
-        "option a\n",
-        "int32 x = 1 [",
-        "map<",
-        "group A=1{",
-    ),
-    *(
-        "reserved 1,",
-        "reserved ",
-        "// a b = 1;",
-        "// message a {",
-        "// }",
-        "/* a b = 1; ",
-        "// a b = 1 [\n",
-        "export ",
-        "enum A{B",
-    ),
-    *(
-        "<<<<<<< \n",
-        "||||||| \n",
-        "=======\n",
-        "|||||||\n=======\n",
-        "optional ",
-        "extend A{",
-        "service A{rpc B(C)",
-        "import ",
-    ),
+    *('"', '\\"', '"\\', "'\\'", '"\n', "/*", "/*\n", "*/", "/", "/**/", "// x\n", "{", "}", "{\n", "\n}", "{}", "["),
+    *("]", "(", "<", "a", "a.", "a ", "a=1[", "= ", "9", "9 ", "ä", "\t", "\n", "\x00", "-", ",", "to ", "message a{"),
+    *("oneof a{", "message a\n", "message a{\n", "  message A {\n }\n", "option (a) = {", "option a\n"),
+    *("int32 x = 1 [", "map<", "group A=1{", "reserved 1,", "reserved ", "// a b = 1;", "// message a {", "// }"),
+    *("/* a b = 1; ", "// a b = 1 [\n", "export ", "enum A{B", "<<<<<<< \n", "||||||| \n", "=======\n"),
+    *("|||||||\n=======\n", "optional ", "extend A{", "service A{rpc B(C)", "import "),
 ]
 
 
@@ -488,9 +395,9 @@ def test_the_time_is_in_proportion(start: str) -> None:
         assert many < 7 * few + 500, part
 
 
-@pytest.mark.parametrize("part", _ENDLESS, ids=repr)
-def test_the_reader_comes_to_an_end(part: str) -> None:
-    """A long file of one piece takes no longer than its length warrants, and no deeper a stack; this would hang."""
-    file = parse("message A {" + part * (12_000 // len(part)))
-    assert file.broken
-    assert file.messages[0].name == "A"
+def test_the_reader_comes_to_an_end() -> None:
+    """A long file of one piece, nested deeper than Python's stack, is read to its end."""
+    for part in _ENDLESS:
+        file = parse("message A {" + part * 1200)
+        assert file.broken, part
+        assert file.messages[0].name == "A"

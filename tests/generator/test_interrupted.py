@@ -17,7 +17,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from golden import Outcome, case, generate, inside, snapshot
+from golden import Outcome, generate, inside, snapshot
+from trees import edit
 
 from roverlink.__main__ import main
 
@@ -27,12 +28,10 @@ Hook = Callable[[str], None]
 
 
 @pytest.fixture
-def project(tmp_path: Path) -> Path:
+def project(project: Path) -> Path:
     """A generated project whose table has changed since, so that files have to be added, changed and removed."""
-    project = case("nested").write_inputs(tmp_path / "project")
-    assert generate(project).code == 0
-    table = project / "mapping.yaml"
-    table.write_text(table.read_text().replace("name: wrist", "name: hand").replace("package: rover", "package: robot"))
+    edit(project / "mapping.yaml", "name: wrist", "name: hand")
+    edit(project / "mapping.yaml", "package: rover", "package: robot")
     return project
 
 
@@ -98,7 +97,10 @@ def _killed_within(project: Path, after_s: float, *arguments: str) -> bool:
     return os.WIFSIGNALED(status)
 
 
-@pytest.mark.parametrize("command", [("generate", "--check"), ("lint",), ("explain", "arm"), ("send", "arm")])
+_NEXT = [("generate", "--check"), ("lint",), ("explain", "arm")]
+
+
+@pytest.mark.parametrize("command", [*_NEXT, ("send", "arm")])
 def test_the_next_command_rolls_back_what_was_only_prepared(project: Path, command: tuple[str, ...]) -> None:
     """Killed before its journal is complete, generate has changed nothing; the next command removes its leftovers."""
     before = snapshot(project)
@@ -110,7 +112,7 @@ def test_the_next_command_rolls_back_what_was_only_prepared(project: Path, comma
 
 
 @pytest.mark.parametrize("renamed", [2, *(pytest.param(count, marks=pytest.mark.slow) for count in (3, 10))])
-@pytest.mark.parametrize("command", [("generate", "--check"), ("lint",), ("explain", "arm")])
+@pytest.mark.parametrize("command", _NEXT)
 def test_the_next_command_completes_the_switch(
     project: Path, finished: dict[str, bytes], renamed: int, command: tuple[str, ...]
 ) -> None:
@@ -164,52 +166,40 @@ def test_a_switch_that_cannot_be_completed_is_rolled_back(project: Path) -> None
 
 
 _EVIL = b"evil\n"
-
-
-@pytest.mark.parametrize("path", ["../stolen", "{outside}/stolen", ".git/hooks/pre-commit", "link/stolen", ""])
-def test_a_journal_of_a_stranger_writes_nothing_elsewhere(project: Path, path: str) -> None:
-    """A journal that comes with a pull request names files outside the project, or git's hooks: it is refused."""
-    (project / ".git" / "hooks").mkdir(parents=True)
-    (project / "link").symlink_to(project.parent)
-    path = path.format(outside=project.parent)
-    folder = project / _UNFINISHED
-    folder.mkdir()
-    (folder / "new-0").write_bytes(_EVIL)
-    (folder / "complete.json").write_text(
-        json.dumps({"steps": [[path, None, hashlib.sha256(_EVIL).hexdigest()]], "folders": [".."]})
-    )
-    before = snapshot(project.parent)
-    outcome = _roverlink(project, "generate", "--check")
-    assert outcome.code == 2
-    assert "Traceback" not in outcome.stderr
-    after = snapshot(project.parent)
-    assert {name: data for name, data in after.items() if _UNFINISHED not in name} == {
-        name: data for name, data in before.items() if _UNFINISHED not in name
-    }
+_STEP = [None, hashlib.sha256(_EVIL).hexdigest()]
+_STOLEN = ["../stolen", "{outside}/stolen", ".git/hooks/pre-commit", "link/stolen", ""]
+_NO_JOURNALS = ["", "[]", "{}", '{"steps": [[1, 2, 3]], "folders": []}', '{"steps": 7, "folders": []}', "[" * 100_000]
+_LEFT = "move it to another place"
 
 
 @pytest.mark.parametrize(
-    "content", ["", "[]", "{}", '{"steps": [[1, 2, 3]], "folders": []}', '{"steps": 7, "folders": []}', "[" * 100_000]
+    ("files", "said"),
+    [
+        *(({"complete.json": json.dumps({"steps": [[path, *_STEP]], "folders": [".."]})}, "") for path in _STOLEN),
+        *(({"complete.json": content}, _LEFT) for content in _NO_JOURNALS),
+        ({"thesis.txt": "important"}, "it contains 'thesis.txt'"),
+    ],
+    ids=[*_STOLEN, *(f"no journal: {content[:10]}" for content in _NO_JOURNALS), "a folder of the user"],
 )
-def test_a_file_that_is_no_journal_is_named(project: Path, content: str) -> None:
-    """Other files in the place of a journal are not removed; the message says what to do."""
-    (project / _UNFINISHED).mkdir()
-    (project / _UNFINISHED / "complete.json").write_text(content)
-    before = snapshot(project)
-    outcome = _roverlink(project, "lint")
-    assert outcome.code == 2
-    assert "move it to another place" in outcome.stderr
-    assert snapshot(project) == before
+def test_what_is_not_our_journal_changes_nothing(project: Path, files: dict[str, str], said: str) -> None:
+    """A journal of a stranger that names files elsewhere or git's hooks, and other files in its place, are refused.
 
-
-def test_a_folder_of_the_user_is_not_removed(project: Path) -> None:
-    """A folder with the journal's name that contains other files is not touched."""
-    (project / _UNFINISHED).mkdir()
-    (project / _UNFINISHED / "thesis.txt").write_text("important")
-    before = snapshot(project)
+    The exit code is 2, the message says what to do, and files have their content; a journal may get another name.
+    """
+    (project / ".git" / "hooks").mkdir(parents=True)
+    (project / "link").symlink_to(project.parent)
+    folder = project / _UNFINISHED
+    folder.mkdir()
+    for name, text in files.items():
+        (folder / name).write_text(text.replace("{outside}", str(project.parent)))
+    (folder / "new-0").write_bytes(_EVIL)
+    before = snapshot(project.parent)
     outcome = generate(project)
-    assert (outcome.code, "it contains 'thesis.txt'" in outcome.stderr) == (2, True)
-    assert snapshot(project) == before
+    assert outcome.code == 2
+    assert said in outcome.stderr
+    assert "Traceback" not in outcome.stderr
+    after = snapshot(project.parent)
+    assert {path.replace("roll-back.json", "complete.json"): data for path, data in after.items()} == before
 
 
 @pytest.mark.slow

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
-from golden import ROOT, case, generate
+from golden import PROBE_TABLE, ROOT, generate
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from trees import commit, edit
 
 from roverlink.__main__ import main
 from roverlink.generator import lock
@@ -17,20 +17,6 @@ from roverlink.generator.diagnostics import Diagnostic, Severity
 from roverlink.generator.lint.rules import modules
 
 _LEDGER = (ROOT / "mapping.lock").read_text(encoding="utf-8")
-
-
-@pytest.fixture
-def project(tmp_path: Path) -> Path:
-    """A small project, generated."""
-    project = case("nested").write_inputs(tmp_path / "project")
-    assert generate(project).code == 0
-    return project
-
-
-def _edit(file: Path, before: str, after: str) -> None:
-    text = file.read_text()
-    assert before in text
-    file.write_text(text.replace(before, after))
 
 
 def _allow(project: Path, *rules: str) -> None:
@@ -47,26 +33,25 @@ def _read(file: Path) -> tuple[lock.Ledger, list[str]]:
 
 def test_a_field_that_is_gone_stays_known(project: Path) -> None:
     """Its line stays, marked; when the field comes back, the mark goes."""
-    file, lock = project / "proto" / "arm.proto", project / "mapping.lock"
-    line = next(line for line in file.read_text().splitlines() if " = 1;" in line)
-    before = lock.read_text()
-    gone = [fact for fact in before.splitlines() if fact.startswith("    1 ")]
-    _allow(project, *_every_rule())
+    file, ledger = project / "proto" / "arm.proto", project / "mapping.lock"
     text = file.read_text()
-    _edit(file, f"{line}\n", "")
-    assert generate(project).code == 0, generate(project).stderr
-    assert any(f"{fact} gone" in lock.read_text() for fact in gone)
+    line = next(line for line in text.splitlines() if " = 1;" in line)
+    gone = [f"{fact} gone" for fact in ledger.read_text().splitlines() if fact.startswith("    1 ")]
+    _allow(project, *_every_rule())
+    edit(file, f"{line}\n", "")
+    assert generate(project).code == 0
+    assert any(fact in ledger.read_text() for fact in gone)
     file.write_text(text)
     assert generate(project).code == 0
-    assert " gone" not in lock.read_text()
+    assert " gone" not in ledger.read_text()
 
 
-def test_a_payload_whose_message_got_another_name(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_payload_whose_message_got_another_name(project: Path) -> None:
     """It keeps its number, since its fields are the same; the ledger knows both names, and nobody else gets it."""
-    table, joint = project / "mapping.yaml", project / "proto" / "joint.proto"
-    for file in (table, joint, project / "proto" / "arm.proto"):
-        file.write_text(file.read_text().replace("Wrist", "Hand"))
-    assert generate(project).code == 0, generate(project).stderr
+    table = project / "mapping.yaml"
+    for file in (table, project / "proto" / "joint.proto", project / "proto" / "arm.proto"):
+        edit(file, "Wrist", "Hand")
+    assert generate(project).code == 0
     published, _ = _read(project / "mapping.lock")
     assert [(one.number, one.proto, one.gone) for one in published.entries] == [
         (1, "Arm", False),
@@ -74,7 +59,7 @@ def test_a_payload_whose_message_got_another_name(project: Path, capsys: pytest.
         (2, "Wrist", True),
     ]
     assert generate(project, "--check").code == 0
-    _edit(table, "proto: Hand", "proto: Joint")
+    edit(table, "proto: Hand", "proto: Joint")
     refused = generate(project)
     assert (refused.code, "error[ENV102] field 2 was published for 'wrist' (Hand)" in refused.stderr) == (1, True)
 
@@ -84,7 +69,7 @@ def _every_rule() -> list[str]:
     return [id for id, rule in changes.items() if rule.severity is not Severity.HINT]
 
 
-@settings(max_examples=150)
+@settings(max_examples=50)
 @given(st.integers(0, len(_LEDGER.splitlines()) - 1), st.sampled_from(["cut", "drop", "twice", "change"]))
 def test_every_edit_by_hand_is_noticed(tmp_path_factory: pytest.TempPathFactory, index: int, edit: str) -> None:
     """A line taken out, repeated or changed, or everything after it cut off, is a finding."""
@@ -105,15 +90,12 @@ def test_every_edit_by_hand_is_noticed(tmp_path_factory: pytest.TempPathFactory,
 def test_a_deleted_ledger_is_noticed(project: Path) -> None:
     """As long as git has it, nothing is generated without it; a project that never had one begins with none."""
     lock = project / "mapping.lock"
-    git = ("git", "-C", str(project), "-c", "user.name=A", "-c", "user.email=a@example.com")
-    for command in (["init", "--quiet"], ["add", "--all"], ["commit", "--quiet", "--message", "Begin"]):
-        subprocess.run([*git, *command], check=True)
+    commit(project, "Begin")
     lock.unlink()
     assert _read(lock)[1] == ["LED104"]
     assert "mapping.lock: error[LED104] the ledger was deleted" in generate(project).stderr
     assert not lock.exists()
-    for command in (["rm", "--quiet", "mapping.lock"], ["commit", "--quiet", "--message", "Begin again"]):
-        subprocess.run([*git, *command], check=True)
+    commit(project, "Begin again")
     assert generate(project).code == 0
 
 
@@ -132,17 +114,9 @@ def test_what_is_written_is_read_back() -> None:
     assert schema.messages["PBEnvelope"].fields[0].oneof == "payload"
 
 
-_ARM = (
-    "  - {number: 2, name: arm, proto: Arm, topic: arm, direction: ros_to_board, deadman: {after: 1s, send: {SENT}}}\n"
-)
-_COMMANDS = """\
-version: 1
-proto: {root: proto}
-envelope: {file: envelope.proto, message: Envelope, oneof: payload}
-ros: {package: rover}
-peers: {board: {}, base: {}}
-messages:
-  - {number: 1, name: sensor, proto: Sensor, topic: sensor, direction: board_to_ros}
+_ROWS = """\
+  - {number: 2, name: arm, proto: Arm, topic: arm, direction: ros_to_board, deadman: {after: 1s, send: {SENT}}}
+  - {number: 3, name: sensor, proto: Sensor, topic: sensor, direction: board_to_ros}
 """
 
 
@@ -150,7 +124,8 @@ def _commands(folder: Path, sent: str) -> Path:
     """A project with a sensor and an arm, whose deadman sends the fields ``sent``; generated."""
     (folder / "proto").mkdir()
     shutil.copy(ROOT / "tests" / "shared" / "commands.proto", folder / "proto")
-    (folder / "mapping.yaml").write_text(_COMMANDS + _ARM.replace("SENT", sent), encoding="utf-8")
+    head = PROBE_TABLE.partition("  - ")[0].replace("{board: {}}", "{board: {}, base: {}}")
+    (folder / "mapping.yaml").write_text(head + _ROWS.replace("SENT", sent), encoding="utf-8")
     run = generate(folder)
     assert run.code == 0, run.stderr
     return folder
@@ -166,27 +141,21 @@ def rover(tmp_path: Path) -> Path:
 
 
 def test_a_direction_that_is_turned_around_is_refused(rover: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Both `lint` and `generate` report it, and the ledger stays as it was however often generate runs."""
-    before = (rover / "mapping.lock").read_text()
-    _edit(rover / "mapping.yaml", "direction: basestation_to_ros", "direction: ros_to_basestation")
-    assert main(["lint", "--table", str(rover / "mapping.yaml")]) == 1
-    assert "error[TAB109] 'control_mode' has the opposite direction" in capsys.readouterr().out
+    """Both `lint` and `generate` report it; with a reason, generate takes it, and the old direction is the change."""
+    table, ledger = rover / "mapping.yaml", rover / "mapping.lock"
+    before, text = ledger.read_text(), table.read_text()
+    said = "error[TAB109] 'control_mode' has the opposite direction"
+    edit(table, "direction: basestation_to_ros", "direction: ros_to_basestation")
+    flipped = table.read_text()
+    assert main(["lint", "--table", str(table)]) == 1
+    assert said in capsys.readouterr().out
     for _ in range(2):
         run = generate(rover)
-        assert run.code == 1
-        assert "error[TAB109] 'control_mode' has the opposite direction" in run.stderr
-        assert (rover / "mapping.lock").read_text() == before
-
-
-def test_a_direction_changes_on_purpose_once(rover: Path) -> None:
-    """With a reason in the row, generate takes the new direction; afterwards the old one is the change."""
-    table = rover / "mapping.yaml"
-    text = table.read_text()
-    _edit(table, "direction: basestation_to_ros", "direction: ros_to_basestation")
-    flipped = table.read_text()
+        assert (run.code, said in run.stderr) == (1, True)
+        assert ledger.read_text() == before
     _allow(rover, "TAB109")
     assert generate(rover).code == 0
-    assert "16 BasestationControlMode direction: ros_to_basestation\n" in (rover / "mapping.lock").read_text()
+    assert "16 BasestationControlMode direction: ros_to_basestation\n" in ledger.read_text()
     table.write_text(flipped)
     assert generate(rover).stderr == ""
     table.write_text(text)
@@ -224,31 +193,37 @@ def test_any_stop_payload_is_read_back(tmp_path: Path, sent: str) -> None:
     assert (project / "mapping.lock").read_bytes() == before
 
 
-def test_a_conflict_keeps_the_settings_that_both_sides_have(tmp_path: Path) -> None:
-    """A setting of one side is for the merged table to decide; one of both sides, or outside, was published."""
-    rows = "\nrows:\n  1 Old direction: a_to_ros\n"
-    file = tmp_path / "mapping.lock"
-    file.write_text(_merged([rows, "  1 Old max_rate: 5\n"], [rows, "  1 Old max_rate: 7\n"]))
-    read, findings = _read(file)
-    assert findings == []
-    assert {key: setting.text for key, setting in read.settings[1, "Old"].items()} == {"direction": "a_to_ros"}
+_CONFLICT = """\
+version: 1
 
+numbers:
+  1: old Old on old
+<<<<<<< HEAD
+  2: ours Ours on ours
+{shared}    2 b int32
+=======
+  2: theirs Theirs on theirs
+{shared}    2 c int32
+>>>>>>> theirs
 
-def _merged(ours: list[str], theirs: list[str]) -> str:
-    head, tail = "version: 1\n\nnumbers:\n  1: old Old on old\n", "\nchecksum: 0123456789abcdef\n"
-    return f"{head}<<<<<<< HEAD\n{''.join(ours)}=======\n{''.join(theirs)}>>>>>>> theirs\n{tail}"
+rows:
+  1 Old direction: a_to_ros
+<<<<<<< HEAD
+  1 Old priority: 2
+  1 Old max_rate: 5
+=======
+  1 Old priority: 2
+  1 Old max_rate: 7
+>>>>>>> theirs
+
+checksum: 0123456789abcdef
+"""
 
 
 def test_a_conflict_keeps_what_both_sides_have(tmp_path: Path) -> None:
-    """Within the markers, a number of one side is contested, a fact of both sides was published."""
-    schema = "\nschema:\n  message Old:\n    1 a int32\n"
+    """Within the markers, a number of one side is contested, a setting of one is open; what both have was published."""
     file = tmp_path / "mapping.lock"
-    file.write_text(
-        _merged(
-            ["  2: ours Ours on ours\n", schema, "    2 b int32\n"],
-            ["  2: theirs Theirs on theirs\n", schema, "    2 c int32\n"],
-        )
-    )
+    file.write_text(_CONFLICT.format(shared="\nschema:\n  message Old:\n    1 a int32\n"))
     read, findings = _read(file)
     assert findings == []
     assert [(entry.number, entry.name, entry.contested) for entry in read.entries] == [
@@ -257,3 +232,5 @@ def test_a_conflict_keeps_what_both_sides_have(tmp_path: Path) -> None:
         (2, "theirs", True),
     ]
     assert [field.name for field in read.fields("Old")] == ["a"]
+    settings = {key: setting.text for key, setting in read.settings[1, "Old"].items()}
+    assert settings == {"direction": "a_to_ros", "priority": "2"}

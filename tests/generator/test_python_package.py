@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from golden import ROOT, case, generate
+from trees import edit
 
 from roverlink.generator.diagnostics import Diagnostic
 from roverlink.generator.table import reader
@@ -33,47 +34,30 @@ def _project(parent: Path, package: str) -> Path:
     """A generated project whose Python package has the name."""
     parent.mkdir()
     project = case("python_package").write_inputs(parent / "project")
-    table = project / "mapping.yaml"
-    table.write_text(table.read_text(encoding="utf-8").replace("my_rover.generated", package), encoding="utf-8")
+    edit(project / "mapping.yaml", "my_rover.generated", package)
     assert generate(project).code == 0
     return project
 
 
-def _loaded(*projects: Path) -> list[str]:
-    """What a process says that loads one project after the other."""
-    done = subprocess.run(
-        [sys.executable, "-c", _LOADS, *map(str, projects)], cwd=ROOT, capture_output=True, text=True, timeout=60
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout.splitlines()
-
-
-def test_the_package_is_loaded_under_its_name(tmp_path: Path) -> None:
-    """The commands find the name in the table, and a payload crosses."""
-    project = _project(tmp_path / "a", "my_rover.generated")
-
-    assert _loaded(project) == ["my_rover.generated.handlers.note note"]
-    assert not (project / "generated").exists()
-
-
-def test_two_projects_in_one_process(tmp_path: Path) -> None:
-    """Two names work beside each other; of two projects with one name, the second is refused."""
+def test_packages_are_loaded_under_their_names(tmp_path: Path) -> None:
+    """Two names work beside each other, and payloads cross; of two projects with one name, the second is refused."""
     first, second = _project(tmp_path / "a", "first.generated"), _project(tmp_path / "b", "second")
     third = _project(tmp_path / "c", "first.generated")
-
-    shown = _loaded(first, second, third)
-
-    assert shown[:2] == ["first.generated.handlers.note note", "second.handlers.note note"]
-    assert f"of another project is loaded already: {first / 'first'}" in shown[2]
+    done = subprocess.run(
+        [sys.executable, "-c", _LOADS, first, second, third], cwd=ROOT, capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    *shown, refused = done.stdout.splitlines()
+    assert shown == ["first.generated.handlers.note note", "second.handlers.note note"]
+    assert f"of another project is loaded already: {first / 'first'}" in refused
+    assert not (first / "generated").exists()
 
 
 def test_a_project_follows_its_package(tmp_path: Path) -> None:
     """What stands below the package's folder and is made no more goes, and an unchanged run writes nothing."""
     project = _project(tmp_path / "a", "my_rover.generated")
-    table = project / "mapping.yaml"
     assert generate(project, "--check").code == 0
-    table.write_text(table.read_text(encoding="utf-8").replace("templates: [own]\n", ""), encoding="utf-8")
-
+    edit(project / "mapping.yaml", "templates: [own]\n", "")
     assert " removed my_rover/generated/own/numbers.h" in generate(project).stdout
 
 

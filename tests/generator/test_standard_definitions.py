@@ -32,9 +32,8 @@ def _type_at(message: str, path: str) -> InterfaceType | None:
 
 def test_the_file_is_what_rosbags_says() -> None:
     """The definitions in the repository are those of rosbags for Humble and Jazzy."""
-    assert extract.text() == definitions.FILE.read_text(
-        encoding="utf-8"
-    ), "run python -m roverlink.generator.resolve.interfaces.extract"
+    committed = definitions.FILE.read_text(encoding="utf-8")
+    assert extract.text() == committed, "run python -m roverlink.generator.resolve.interfaces.extract"
 
 
 def test_every_message_can_be_read() -> None:
@@ -66,20 +65,16 @@ def test_what_differs_needs_a_choice() -> None:
     assert "STATUS_UNKNOWN" not in [constant.name for constant in both.constants]
 
 
-@pytest.mark.parametrize("message", sorted(meanings.UNITS))
-def test_units_are_of_numbers(message: str) -> None:
-    """Each field with a unit exists, holds numbers, and its unit is one."""
-    for path, unit in meanings.UNITS[message].items():
-        type = _type_at(message, path)
-        assert type is not None, path
-        assert type.is_message or type.name.startswith("float"), path
-        units.parse(unit)
-
-
-@pytest.mark.parametrize("table", [meanings.ZERO_MEANS, meanings.ABSENT_WHERE_MINUS_ONE])
-def test_what_is_known_is_about_fields(table: dict[str, dict[str, object]]) -> None:
-    """Each field of which something is known exists."""
-    assert [(name, path) for name, known in table.items() for path in known if _type_at(name, path) is None] == []
+def test_what_is_known_is_about_fields() -> None:
+    """Each field of which something is known exists; one with a unit holds numbers, and its unit is one."""
+    for table in (meanings.ZERO_MEANS, meanings.ABSENT_WHERE_MINUS_ONE, meanings.UNITS):
+        assert [(name, path) for name, known in table.items() for path in known if _type_at(name, path) is None] == []
+    for message, of_fields in meanings.UNITS.items():
+        for path, unit in of_fields.items():
+            type = _type_at(message, path)
+            assert type
+            assert type.is_message or type.name.startswith("float"), path
+            units.parse(unit)
 
 
 def test_the_outermost_message_knows_the_unit() -> None:

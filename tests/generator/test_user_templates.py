@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 from golden import PROBE_PROTO, PROBE_TABLE, generate, snapshot
 
+from roverlink.generator.diagnostics import DiagnosticsError, Span
 from roverlink.generator.emit import user_templates
 from roverlink.generator.emit.template_process import Limits
+from roverlink.generator.ir.model import Bridge
+from roverlink.generator.pipeline import compile_table
 
 _TABLE = f"{PROBE_TABLE}targets: [ros2]\n"
 
@@ -45,6 +49,26 @@ def _refused(project: Path) -> str:
     return first
 
 
+@pytest.fixture(scope="module")
+def bridge(tmp_path_factory: pytest.TempPathFactory) -> Bridge:
+    """The bridge that templates see."""
+    folder = tmp_path_factory.mktemp("probe")
+    (folder / "proto").mkdir()
+    (folder / "mapping.yaml").write_text(_TABLE)
+    (folder / "proto" / "probe.proto").write_text(PROBE_PROTO)
+    return compile_table(folder / "mapping.yaml").bridge
+
+
+def _not_rendered(project: Path, bridge: Bridge) -> str:
+    """Why the templates of the folder cannot be rendered; of `_refused`, without what comes before and after."""
+    with pytest.raises(DiagnosticsError) as caught:
+        list(user_templates.emit(bridge, project, "own", Span("mapping.yaml")))
+    said = str(caught.value)
+    assert said.startswith("own/a.txt.j2:2: error[OUT106] cannot render the template: ")
+    assert "the secret" not in said
+    return said
+
+
 @pytest.mark.parametrize(
     "expression",
     [
@@ -52,31 +76,24 @@ def _refused(project: Path) -> str:
         'bridge["__class__"].__init__.__globals__',
         'bridge | attr("__class__") | string',
         '[bridge] | map(attribute="__class__") | first',
-        "header.__globals__",
         "header.__code__",
         "bridge.conversions.__func__.__globals__",
-        "bridge.routes[0].standard_topics.__class__",
-        "bridge.conversions.__self__.__dict__",
         "cycler.__init__.__globals__.os.system('touch ran')",
-        "namespace.__init__.__globals__",
         "self._TemplateReference__context.environment",
-        "self.__init__.__globals__",
         'joiner()._Undefined__fail or "".__class__',
         '"{0.__class__.__init__.__globals__}".format(bridge)',
         '"{one.__class__}".format_map({"one": bridge})',
         '("{0.__class__}" | attr("format"))(bridge)',
         '["{0.__class__}".format] | map("string") | first | length and "{0.__class__}".format(header)',
-        "lipsum.__globals__",
         "[].append.__self__.__class__",
         "bridge.modules.clear()",
-        "bridge.modules.update({})",
         "[].append(1)",
     ],
 )
-def test_nothing_leads_from_the_bridge_to_pythons_internals(project: Path, expression: str) -> None:
+def test_nothing_leads_from_the_bridge_to_pythons_internals(project: Path, bridge: Bridge, expression: str) -> None:
     """The sandbox refuses private attributes by whatever way they are asked for, and changes of what it is given."""
     _plant(project, {"a.txt.j2": f"{{{{ bridge.table }}}}\n{{{{ {expression} }}}}\n"})
-    assert _refused(project).startswith("own/a.txt.j2:2: error[OUT106] cannot render the template: ")
+    assert _not_rendered(project, bridge)
 
 
 @pytest.mark.parametrize(
@@ -101,14 +118,20 @@ def test_nothing_leads_from_the_bridge_to_pythons_internals(project: Path, expre
     ],
 )
 def test_a_template_without_end_is_stopped(
-    project: Path, monkeypatch: pytest.MonkeyPatch, text: str, reason: str
+    project: Path, bridge: Bridge, monkeypatch: pytest.MonkeyPatch, text: str, reason: str
 ) -> None:
     """Time, memory and output of a template are limited."""
-    monkeypatch.setattr(user_templates, "LIMITS", Limits(seconds=1, memory=1 << 28, output=1 << 20))
+    seconds = 1 if "time" in reason else 20  # the others are stopped by what they take
+    monkeypatch.setattr(user_templates, "LIMITS", Limits(seconds=seconds, memory=1 << 28, output=1 << 20))
+    monkeypatch.setattr(user_templates, "_WAIT_FACTOR", 60)  # on a busy machine, too, the process ends by itself
     _plant(project, {"a.txt.j2": f"\n{text}\n"})
-    said = _refused(project)
-    assert said.startswith("own/a.txt.j2:2: error[OUT106] cannot render the template: ")
-    assert reason in said
+    assert reason in _not_rendered(project, bridge)
+
+
+def test_a_template_that_fails_is_one_diagnostic(project: Path) -> None:
+    """At its line, and nothing is written."""
+    _plant(project, {"a.txt.j2": "{{ bridge.table }}\n{{ header.__globals__ }}\n"})
+    assert _refused(project).startswith("own/a.txt.j2:2: error[OUT106] cannot render the template: ")
 
 
 @pytest.mark.slow
@@ -120,38 +143,43 @@ def test_a_template_that_python_cannot_interrupt_is_killed(project: Path, monkey
     assert "error[OUT106] cannot render the template" in _refused(project)
 
 
+_OUTSIDE = ["../../secret.j2", "/etc/passwd", "a/../../../secret.j2", ".hidden/one", "link"]
+
+
 @pytest.mark.parametrize(
-    "how",
+    "statement",
     [
-        "include {}",
-        *(
-            pytest.param(how, marks=pytest.mark.slow)
-            for how in ("import {} as one", "from {} import one", "extends {}")
-        ),
+        *(f"include {name!r}" for name in _OUTSIDE),
+        *("import '../../secret.j2' as one", "from '../../secret.j2' import one", "extends '../../secret.j2'"),
     ],
 )
-@pytest.mark.parametrize("name", ["../../secret.j2", "/etc/passwd", "a/../../../secret.j2", ".hidden/one", "link"])
-def test_a_template_reads_only_templates_of_its_folder(project: Path, how: str, name: str) -> None:
+def test_a_template_reads_only_templates_of_its_folder(project: Path, bridge: Bridge, statement: str) -> None:
     """No template can include, import or extend a file outside the folder, or a hidden one."""
-    _plant(project, {"a.txt.j2": f"\n{{% {how.format(repr(name))} %}}\n", ".hidden/one": "the secret"})
+    _plant(project, {"a.txt.j2": f"\n{{% {statement} %}}\n", ".hidden/one": "the secret"})
     (project / "own" / "link").symlink_to(project.parent / "secret.j2")
-    assert _refused(project).startswith("own/a.txt.j2:2: error[OUT106] cannot render the template: ")
+    assert _not_rendered(project, bridge)
 
 
-@pytest.mark.parametrize("target", ["/etc/passwd", "../../secret.j2", "../mapping.yaml", "missing", ".hidden/one"])
-def test_a_template_that_is_a_link_out_of_the_folder_is_refused(project: Path, target: str) -> None:
-    """The file that a link leads to is not even read."""
+_NO_FILE = "own/users.txt.j2: error[OUT107] the link does not lead to a visible file inside the folder 'own'"
+
+
+@pytest.mark.parametrize(
+    ("link", "target", "said"),
+    [
+        *(("own/users.txt.j2", target, _NO_FILE) for target in ("/etc/passwd", "../../secret.j2", "missing")),
+        *(("own/users.txt.j2", target, _NO_FILE) for target in ("../mapping.yaml", ".hidden/one")),
+        ("own/links", "../..", "own/links: error[OUT107] the folder was not read: it is a link that leads out of the "),
+        ("own", "..", "mapping.yaml:9:13: error[OUT107] the folder 'own' is a symbolic link that leads out of the "),
+    ],
+)
+def test_a_link_out_of_the_folder_is_refused(project: Path, link: str, target: str, said: str) -> None:
+    """The file or the folder that a link leads to is not even read; the table's own folder is no exception."""
     _plant(project, {".hidden/one": "the secret"})
-    (project / "own" / "users.txt.j2").symlink_to(target)
-    said = "own/users.txt.j2: error[OUT107] the link does not lead to a visible file inside the folder 'own'"
-    assert _refused(project) == said
-
-
-def test_a_link_to_a_folder_is_refused_if_it_leads_out(project: Path) -> None:
-    """No template can be read through a link to a folder elsewhere."""
-    _plant(project, {"a.txt.j2": "{% include 'links/secret.j2' %}"})
-    (project / "own" / "links").symlink_to(project.parent)
-    said = "own/links: error[OUT107] the folder was not read: it is a link that leads out of the repository"
+    if link == "own":
+        shutil.rmtree(project / link)
+    elif link == "own/links":
+        _plant(project, {"a.txt.j2": "{% include 'links/secret.j2' %}"})
+    (project / link).symlink_to(target)
     assert _refused(project).startswith(said)
 
 
@@ -161,15 +189,7 @@ def test_a_template_whose_name_is_no_text_is_refused(project: Path) -> None:
     assert _refused(project) == r"own/l\xe4tin.txt.j2: error[OUT107] the name of the template is not UTF-8"
 
 
-def test_a_folder_that_is_a_link_out_of_the_project_is_refused(project: Path) -> None:
-    """The table names folders of the project, whatever links there are in it."""
-    (project / "own").rmdir()
-    (project / "own").symlink_to(project.parent)
-    said = "mapping.yaml:9:13: error[OUT107] the folder 'own' is a symbolic link that leads out of the project"
-    assert _refused(project) == said
-
-
-@pytest.mark.parametrize("folder", ["..", "../..", "../other", "own/../..", "/etc"])
+@pytest.mark.parametrize("folder", ["..", "own/../..", "/etc"])
 def test_the_table_names_no_folder_outside_the_project(project: Path, folder: str) -> None:
     """Only the command line may name a folder of templates outside the project."""
     (project / "mapping.yaml").write_text(f"{_TABLE}templates: ['{folder}']\n")
@@ -188,16 +208,11 @@ def test_nothing_is_written_through_a_link_out_of_the_project(project: Path) -> 
     assert not list(outside.iterdir())
 
 
-def test_a_template_makes_a_hidden_file(project: Path) -> None:
-    """A template may have a name that starts with a dot."""
-    _plant(project, {".clang-format.j2": "Language: Cpp\n"})
-    assert generate(project).code == 0
-    assert (project / "generated" / "own" / ".clang-format").is_file()
-
-
 def test_templates_include_templates_of_their_folder(project: Path) -> None:
-    """Parts that several templates share are files of the folder without the suffix, or links to such files."""
+    """Parts that several share are files of the folder without the suffix, or links to such; a name may be hidden."""
     _plant(project, {"a.txt.j2": "{% include 'parts/one' %}{% include 'two' %}", "parts/one": "{{ bridge.table }}\n"})
+    _plant(project, {".clang-format.j2": "Language: Cpp\n"})
     (project / "own" / "two").symlink_to("parts/one")
     assert generate(project).code == 0
     assert (project / "generated" / "own" / "a.txt").read_text() == "mapping.yaml\nmapping.yaml\n"
+    assert (project / "generated" / "own" / ".clang-format").read_text() == "Language: Cpp\n"

@@ -1,4 +1,4 @@
-"""Trees of .proto files as teams have them that never had a table, each organised in another way."""
+"""Trees of .proto files as teams have them that never had a table, and what changes such files."""
 
 from __future__ import annotations
 
@@ -18,11 +18,7 @@ message ArmJoints {
 }
 
 // To the drive board.
-message Wheels {
-  sint32 left = 1;
-  sint32 right = 2;
-}
-
+message Wheels { sint32 left = 1; sint32 right = 2; }
 message Note { string text = 1; }
 
 message Envelope {
@@ -67,26 +63,15 @@ message Packet {
 }
 """,
 }
+_WITHOUT_PH = PACKAGES_BEFORE["rover/v1/envelope.proto"].replace("    sensor_board.PhReading ph = 2;\n", "")
 PACKAGES = {
     **PACKAGES_BEFORE,
-    "rover/v1/envelope.proto": """
-syntax = "proto3";
-package rover.v1;
-import "rover/v1/ground_station/drive.proto";
-import "rover/v1/sensor_board/imu.proto";
-message Packet {
-  oneof payload {
-    sensor_board.ImuReading imu = 1;
-    ground_station.DriveCommand drive = 3;
-  }
-}
-""",
+    "rover/v1/envelope.proto": _WITHOUT_PH.replace('import "rover/v1/sensor_board/ph.proto";\n', ""),
 }
 
 # An envelope with members beside its oneof, and files that collide, do not compile, or need one that does not.
-COLLIDING = {
-    "envelope.proto": """
-syntax = "proto3";
+_COLLIDING = {
+    "envelope.proto": """\
 import "motor.proto";
 import "gps.proto";
 message PBEnvelope {
@@ -100,35 +85,18 @@ message PBEnvelope {
   reserved 9;
 }
 """,
-    "motor.proto": """
-syntax = "proto3";
+    "motor.proto": """\
 enum State { IDLE = 0; BUSY = 1; }
 message MotorStatus { State state = 1; repeated float currents = 2; }
 message MotorCommand { float power = 1; }
 """,
-    "gps.proto": """
-syntax = "proto3";
-message GpsFix { double latitude = 1; double longitude = 2; }
-""",
-    "legacy.proto": """
-syntax = "proto3";
-message MotorStatus { float rpm = 1; }
-""",
-    "other_states.proto": """
-syntax = "proto3";
-enum Phase { IDLE = 0; RUNNING = 1; }
-""",
-    "lost.proto": """
-syntax = "proto3";
-import "nowhere.proto";
-message Lost { Nowhere where = 1; }
-""",
-    "needs_legacy.proto": """
-syntax = "proto3";
-import "legacy.proto";
-message Holder { MotorStatus status = 1; }
-""",
+    "gps.proto": "message GpsFix { double latitude = 1; double longitude = 2; }\n",
+    "legacy.proto": "message MotorStatus { float rpm = 1; }\n",
+    "other_states.proto": "enum Phase { IDLE = 0; RUNNING = 1; }\n",
+    "lost.proto": 'import "nowhere.proto";\nmessage Lost { Nowhere where = 1; }\n',
+    "needs_legacy.proto": 'import "legacy.proto";\nmessage Holder { MotorStatus status = 1; }\n',
 }
+COLLIDING = {path: f'syntax = "proto3";\n{text}' for path, text in _COLLIDING.items()}
 
 
 def plant(root: Path, files: dict[str, str]) -> Path:
@@ -148,3 +116,10 @@ def commit(folder: Path, message: str) -> None:
     commands = [["add", "."], ["commit", "--quiet", "-m", message]]
     for command in commands if (folder / ".git").exists() else [["init", "--quiet", "-b", "main"], *commands]:
         subprocess.run(["git", *command], cwd=folder, env={**os.environ, **who, **when, **alone}, check=True)
+
+
+def edit(file: Path, old: str, new: str, count: int = -1) -> None:
+    """Replace a text that a file has."""
+    text = file.read_text(encoding="utf-8")
+    assert old in text, old
+    file.write_text(text.replace(old, new, count), encoding="utf-8")

@@ -1,7 +1,7 @@
 """Build the ROS 2 packages with ROS 2's own tools, as Debian packages them, and use what comes out: `make ros-package`.
 
 A workspace in build/ros-package gets the interface package and the package of launch files, two packages that stand in
-for what Debian does not have (`packages/`), the standard interfaces that the first one depends on, and a package that
+for what Debian does not have, the standard interfaces that the first one depends on, and a package that
 uses all of its messages in C and C++. `colcon build` builds it; then the user's program says what each message is made
 of, which must be what the generated Python says, and the programs are started as `ros2 run` would. In a shell in which
 ROS 2 is sourced, all that is ROS 2's is taken from there; from Iron on, rosidl computes type hashes, which must be
@@ -60,16 +60,14 @@ def main() -> int:
     """Build, and hold what came out against the generated Python."""
     restore_default_signals()
     if missing := _missing():
-        print(
-            f"missing: {', '.join(missing)}; on Debian 12: apt-get install {' '.join(_DEBIAN.read_text().split())}",
-            file=sys.stderr,
-        )
+        cure = f"apt-get install {' '.join(_DEBIAN.read_text().split())}"
+        print(f"missing: {', '.join(missing)}; on Debian 12: {cure}", file=sys.stderr)
         return 2
     sources = _WORKSPACE / "src"
     shutil.rmtree(sources, ignore_errors=True)
     sources.mkdir(parents=True)
     if not _SOURCED:
-        shutil.copytree(Path(__file__).parent / "packages", sources, dirs_exist_ok=True)
+        _write_defaults(sources)
     package = ROOT / "generated" / "ros" / REGISTRY.package
     (sources / REGISTRY.package).symlink_to(package)
     (sources / _NAVIGATION).symlink_to(ROOT / "navigation")
@@ -130,6 +128,24 @@ def _store():  # type: ignore[no-untyped-def]  # rosbags is there where the test
     return get_typestore(Stores.ROS2_HUMBLE)
 
 
+def _write_defaults(sources: Path) -> None:
+    """ROS 2's packages with what turns .msg files into headers and libraries; of the type supports, those of Debian."""
+    languages = {
+        "generators": ["cmake", "adapter", "generator_c", "generator_cpp"],
+        "runtime": ["runtime_c", "runtime_cpp"],
+    }
+    for what, parts in languages.items():
+        folder = sources / f"rosidl_default_{what}"
+        _write_package(folder, [], interface=False)
+        exported = [*parts, "typesupport_introspection_c", "typesupport_introspection_cpp"]
+        found = "find_package(ament_cmake REQUIRED)\n"
+        _write_cmake(
+            folder,
+            f"{found}ament_export_dependencies({' '.join(f'rosidl_{one}' for one in exported)})\n",
+            languages="NONE",
+        )
+
+
 def _write_standards(sources: Path, whole: list[str]) -> list[str]:
     """Packages of standard interfaces, which Debian does not have for ROS 2: some as a whole, and what handlers need.
 
@@ -174,16 +190,12 @@ def _write_user(folder: Path, messages: list[str]) -> None:
     """A package that uses every message in C and in C++."""
     package = REGISTRY.package
     _write_package(folder, [package], interface=False)
-    _write_cmake(
-        folder,
-        f"find_package(ament_cmake REQUIRED)\nfind_package({package} REQUIRED)\n"
-        + "".join(
-            f"add_executable({name} {name}.{name})\n"
-            f"target_link_libraries({name} ${{{package}_TARGETS}})\n"
-            f"install(TARGETS {name} DESTINATION lib/${{PROJECT_NAME}})\n"
-            for name in ("c", "cpp")
-        ),
+    programs = "".join(
+        f"add_executable({name} {name}.{name})\ntarget_link_libraries({name} ${{{package}_TARGETS}})\n"
+        for name in ("c", "cpp")
     )
+    found = f"find_package(ament_cmake REQUIRED)\nfind_package({package} REQUIRED)\n"
+    _write_cmake(folder, f"{found}{programs}install(TARGETS c cpp DESTINATION lib/${{PROJECT_NAME}})\n")
     headers = [f"{package}/msg/{snake_case(message)}" for message in messages]
     used = "".join(
         f"  {{ {package}__msg__{name} * one = {package}__msg__{name}__create();\n"
@@ -239,10 +251,9 @@ def _write_package(folder: Path, depends: list[str], *, interface: bool) -> None
     )
 
 
-def _write_cmake(folder: Path, body: str) -> None:
-    (folder / "CMakeLists.txt").write_text(
-        f"cmake_minimum_required(VERSION 3.8)\nproject({folder.name})\n{body}ament_package()\n"
-    )
+def _write_cmake(folder: Path, body: str, languages: str = "") -> None:
+    head = f"cmake_minimum_required(VERSION 3.8)\nproject({folder.name} {languages})\n"
+    (folder / "CMakeLists.txt").write_text(f"{head}{body}ament_package()\n")
 
 
 # --- building and using -----------------------------------------------------------------------------------------
@@ -326,13 +337,16 @@ def _does_not_run(environment: dict[str, str]) -> Iterator[str]:
     path = f"{Path(sys.executable).parent}:{environment['PATH']}"
     ours = {**environment, "PATH": path, "PYTHONPATH": f"{ROOT}:{environment.get('PYTHONPATH', '')}"}
     command = [found[0], "--json", "--middleware", "memory", "--ros-args", "-p", "listen_port:=0"]
-    with contextlib.closing(_Started(command, ours)) as bridge:
-        ready = bridge.process.stdout.readline()
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with contextlib.ExitStack() as stack:
+        bridge = stack.enter_context(subprocess.Popen(command, env=ours, cwd="/", **pipes))  # type: ignore[call-overload]
+        stack.callback(bridge.kill)
+        ready = bridge.stdout.readline()
         if not ready or json.loads(ready)["fingerprint"] != REGISTRY.fingerprint:
-            yield f"{found[0]} did not start this project's bridge: {ready}{bridge.process.stderr.read()}"
+            yield f"{found[0]} did not start this project's bridge: {ready}{bridge.stderr.read()}"
             return
-        bridge.process.send_signal(signal.SIGINT)
-        if code := bridge.process.wait(30):
+        bridge.send_signal(signal.SIGINT)
+        if code := bridge.wait(30):
             yield f"{found[0]} ended with {code}"
 
 
@@ -352,19 +366,6 @@ def _is_not_navigation(environment: dict[str, str]) -> Iterator[str]:
         done = subprocess.run([program, "--help"], env=ours, cwd="/", capture_output=True, text=True)
         if done.returncode or f"usage: roverlink {program.name.replace('_', ' ')} " not in done.stdout:
             yield f"{program} is not that command of roverlink: {done.stdout[:80]}{done.stderr}"
-
-
-class _Started:
-    """A program that is killed where nobody else ended it."""
-
-    def __init__(self, command: list[object], environment: dict[str, str]) -> None:
-        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-        self.process = subprocess.Popen(command, env=environment, cwd="/", **pipes)  # type: ignore[call-overload]
-
-    def close(self) -> None:
-        """End it."""
-        self.process.kill()
-        self.process.wait()
 
 
 if __name__ == "__main__":

@@ -19,17 +19,7 @@ from golden import case  # noqa: E402
 from needs import NO_ROS  # noqa: E402
 
 _CASES = [
-    *(
-        "any_of",
-        "awkward_names",
-        "cpp_handlers",
-        "enums",
-        "maps",
-        "nested",
-        "oneofs",
-        "presence",
-        "scalars",
-    ),
+    *("any_of", "awkward_names", "cpp_handlers", "enums", "maps", "nested", "oneofs", "presence", "scalars"),
     *("standard_absences", "standard_axes", "standard_enums", "standard_euler", "standard_lists"),
     *("standard_own_messages", "standard_times", "standard_units", "well_known"),
 ]

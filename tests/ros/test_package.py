@@ -104,15 +104,11 @@ def _comments(message: RosMessage) -> dict[str, str]:
 
 
 def test_the_program_of_the_package_is_the_bridge() -> None:
-    """What `ros2 run comms comms_node` starts takes what `roverlink run` takes."""
+    """What `ros2 run comms comms_node` starts takes what `roverlink run` takes; without roverlink, it says so."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     done = subprocess.run([sys.executable, _PROGRAM, "--help"], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "--ros-args" in done.stdout
-
-
-def test_the_program_says_where_roverlink_is_missing() -> None:
-    """With a Python that does not have roverlink, it says so and which Python that is."""
     without = [sys.executable, "-I", "-S"]  # no packages at all
     done = subprocess.run([*without, _PROGRAM], capture_output=True, text=True)
     assert done.returncode == 2
@@ -131,13 +127,8 @@ def test_the_launch_files_start_the_program_with_their_arguments(launch_in_pytho
     assert Path(params_file["default"]).is_file()
     assert all(entry["arg"]["description"] for entry in arguments)
     *overrides, node = group["group"]
-    assert [entry["set_parameter"]["name"] for entry in overrides] == [
-        "listen_address",
-        "listen_port",
-        "dst_ip",
-        "dst_a_port",
-        "dst_b_port",
-    ]
+    names = ["listen_address", "listen_port", "dst_ip", "dst_a_port", "dst_b_port"]
+    assert [entry["set_parameter"]["name"] for entry in overrides] == names
     assert overrides[2]["set_parameter"] == {
         "name": "dst_ip",
         "value": "$(var dst_ip)",

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from functools import cache
 from typing import Any
 
 import pytest
@@ -17,7 +18,7 @@ from rosbags.typesys.msg import get_types_from_msg
 
 from roverlink.generator.emit.type_hashes import type_hashes
 from roverlink.generator.ir.model import RosField, RosMessage, RosType
-from roverlink.generator.pipeline import compile_table
+from roverlink.generator.pipeline import Compiled, compile_table
 from roverlink.runtime.core.cdr import encode
 from roverlink.runtime.interfaces import from_rosbags
 
@@ -28,6 +29,12 @@ _PUBLISHED = {
     "rosgraph_msgs/msg/Clock": "RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564",
     "sensor_msgs/msg/Imu": "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b",
 }
+
+
+@cache
+def _own() -> Compiled:
+    """The table of this repository, compiled."""
+    return compile_table(ROOT / "mapping.yaml")
 
 
 @pytest.mark.parametrize(
@@ -41,7 +48,7 @@ _PUBLISHED = {
 def test_what_ros_2_published(name: str, fields: tuple[RosField, ...]) -> None:
     """The generator gives messages of ROS 2's own the hashes that they have there."""
     package, _, message = name.split("/")
-    bridge = compile_table(ROOT / "mapping.yaml").bridge
+    bridge = _own().bridge
     bridge = dataclasses.replace(bridge, package=package, messages=(RosMessage(message, fields, (), "", ""),))
     assert type_hashes(bridge) == {message: _PUBLISHED[name]}
 
@@ -61,7 +68,7 @@ def test_standard_messages_have_their_hashes(name: str) -> None:
 )
 def test_an_independent_implementation_agrees(case: CaseFile | None) -> None:
     """The package rosbags computes the same hash from the .msg texts, of every message of every golden case."""
-    project = compiled(case) if case else compile_table(ROOT / "mapping.yaml")
+    project = compiled(case) if case else _own()
     store: Any = get_typestore(Stores.ROS2_JAZZY)
     package = project.bridge.package
     for path, text in project.files.items():
@@ -76,7 +83,7 @@ def test_the_classes_have_the_hashes() -> None:
     import generated.messages
 
     classes = {name: getattr(generated.messages, name) for name in generated.messages.__all__}
-    hashes = type_hashes(compile_table(ROOT / "mapping.yaml").bridge)
+    hashes = type_hashes(_own().bridge)
     assert {one.__msgtype__: one.__typehash__ for one in classes.values()} == {
         f"comms/msg/{name}": hash for name, hash in hashes.items()
     }

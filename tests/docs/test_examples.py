@@ -1,0 +1,120 @@
+"""The examples of the documentation: what they show is what the programs read, print and write."""
+
+from __future__ import annotations
+
+import doctest
+import math
+import re
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from needs import NO_OPENCV
+from page import ROOT, blocks
+
+from roverlink.driving.arcs import PlanarPose
+from roverlink.driving.drive_control import DriveControl, DriveSettings, Localization
+from roverlink.generator.pipeline import compile_table
+
+_DOCS = ROOT / "docs"
+_NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
+_TABLE = """\
+version: 1
+proto: {root: proto}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload}
+ros: {package: probe_msgs}
+peers: {drill: {}}
+messages:
+"""
+
+
+def test_the_session_of_the_readme_runs() -> None:
+    """Python prints what it shows."""
+    page = ROOT / "README.md"
+    section = blocks(page, "Use the handlers in your own node")
+    (code,) = (block.text for block in section if block.language == "pycon")
+    test = doctest.DocTestParser().get_doctest(code, {}, page.name, str(page), 0)
+    runner = doctest.DocTestRunner()
+    runner.run(test)
+    assert (runner.failures, runner.tries) == (0, len(test.examples))
+
+
+@pytest.mark.parametrize(
+    ("page", "section", "message", "row", "others"),
+    [
+        ("conversions.md", "", "Survey", "presence: {started: true}", {"Bytes", "SurveyDepthsEntry"}),
+        ("mapping.md", "What a proto construct becomes", "ProbeReport", "queue: 10", {"ProbeReportLayer"}),
+    ],
+)
+def test_a_proto_becomes_the_message_beside_it(
+    page: str, section: str, message: str, row: str, others: set[str], tmp_path: Path
+) -> None:
+    """The proto on the page becomes the message on the page, and those that it names."""
+    shown = {block.language: block.text for block in blocks(_DOCS / page, section)}
+    (tmp_path / "proto").mkdir()
+    (tmp_path / "proto" / "one.proto").write_text(shown["proto"], encoding="utf-8")
+    row = f"  - {{number: 1, name: one, proto: {message}, topic: one, direction: drill_to_ros, {row}}}\n"
+    (tmp_path / "mapping.yaml").write_text(_TABLE + row, encoding="utf-8")
+    files = compile_table(tmp_path / "mapping.yaml").files
+    written = files[f"generated/ros/probe_msgs/msg/{message}.msg"]
+    assert written.endswith(f"\n{shown['text']}")
+    assert {Path(path).stem for path in files if path.endswith(".msg")} == {message, *others}
+
+
+@_NEEDS_OPENCV
+def test_the_mission_of_the_page_can_be_read(tmp_path: Path) -> None:
+    """With the landmarks of the page about markers."""
+    from roverlink.mission.mission_file import read_mission
+
+    (mission,) = (one.text for one in blocks(_DOCS / "navigation.md") if one.text.startswith("# mission.yaml"))
+    (tmp_path / "mission.yaml").write_text(mission)
+    (tmp_path / "landmarks.yaml").write_text((_DOCS / "vision" / "landmarks.yaml").read_text())
+    assert len(read_mission(tmp_path / "mission.yaml").goals) == 3
+
+
+@_NEEDS_OPENCV
+def test_the_files_of_the_page_about_cameras_are_read(tmp_path: Path) -> None:
+    """The landmarks, boards and cameras that docs/vision.md shows are taken as they stand."""
+    from roverlink.vision import read_landmarks
+    from roverlink.vision.camera.cameras_file import read_cameras
+    from roverlink.vision.markers.boards import read_boards
+
+    for text in (block.text for block in blocks(_DOCS / "vision.md") if block.language == "yaml"):
+        (tmp_path / text.partition("\n")[0].removeprefix("# ")).write_text(text, encoding="utf-8")
+    assert set(read_landmarks(tmp_path / "landmarks.yaml").places) == {7, "gate"}
+    assert [board.name for board in read_boards(tmp_path / "boards.yaml")] == ["gate"]
+    assert [camera.name for camera in read_cameras(tmp_path / "cameras.yaml")] == ["front", "left"]
+
+
+def _mean_speed(velocity: float, *, measured: bool) -> float:
+    """The mean speed of a board that drives as fast as it can still stop at the end, with 0.5 m/s^2."""
+    settings = DriveSettings()
+    control = DriveControl(lambda: settings, lambda _: None)
+    step, speed, left, now, driven = 0.01, 0.0, 0.0, 10**12, 0.0
+    for tick in range(200):
+        now += 100_000_000
+        control.set_mode(True, now)
+        control.drive(velocity, 0.0, now)
+        if measured:
+            control.localize(Localization(PlanarPose(), "odom", now, 0.0, speed), now)
+        command = control.step(now)
+        assert command is not None
+        left = command.distance_to_go
+        for _ in range(10):
+            speed += min(max(min(0.5, math.sqrt(2 * 0.5 * left)) - speed, -2 * step), 0.5 * step)
+            left = max(left - speed * step, 0.0)
+            driven += speed * step if tick >= 100 else 0.0
+    return driven / (100 * 0.1)
+
+
+def test_the_speeds_of_a_simulated_board_are_those_of_the_page() -> None:
+    """In the table of docs/driving.md, the measured speed makes the difference."""
+    rows = re.findall(
+        r"^\| (velocity|without the measured speed|with it) \| (.*) \|$",
+        (_DOCS / "driving.md").read_text(encoding="utf-8"),
+        re.MULTILINE,
+    )
+    speeds = {name: [float(cell.split()[0]) for cell in cells.split("|")] for name, cells in rows}
+    for name, measured in (("without the measured speed", False), ("with it", True)):
+        simulated = [_mean_speed(velocity, measured=measured) for velocity in speeds["velocity"]]
+        assert simulated == pytest.approx(speeds[name], abs=0.003)

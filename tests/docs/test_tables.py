@@ -1,0 +1,167 @@
+"""The tables, names and links of the documentation are complete, and those of the code."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from dataclasses import fields
+from importlib.util import find_spec
+from pathlib import Path
+
+import committed_tables
+import pytest
+import yaml
+from needs import NO_OPENCV
+from page import ROOT
+
+from roverlink.command_line import COMMANDS
+from roverlink.drive.drive_parameters import PARAMETERS
+from roverlink.driving.drive_control import State
+from roverlink.generator.emit import targets
+from roverlink.generator.table import Table, reader
+from roverlink.generator.table.parts import object_of
+from roverlink.runtime.core.errors import Reason
+
+_NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
+_SMALLEST = """\
+version: 1
+proto: {root: proto}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload}
+ros: {package: probe_msgs}
+peers: {drill: {}}
+messages:
+  - {number: 1, name: report, proto: ProbeReport, topic: report, direction: drill_to_ros}
+"""
+
+
+def _page(name: str) -> str:
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+def _rows(page: str, heading: str) -> dict[str, list[str]]:
+    """The rows of the table whose heading line starts with a text: other cells by the first one, without backquotes."""
+    table = _page(page).partition(f"\n| {heading} |")[2].partition("\n\n")[0]
+    rows = [[cell.strip() for cell in line.strip("|").split(" | ")] for line in table.splitlines()[2:]]
+    return {first.strip("` "): others for first, *others in rows}
+
+
+@pytest.mark.parametrize("page", ["docs/mapping.md", "docs/operations.md"])
+def test_the_tables_made_from_declarations_are_current(page: str) -> None:
+    """The keys of the table and the parameters of the node, all of them, each once."""
+    text = _page(page)
+    assert text == committed_tables.current(text), "run: make docs-reference"
+    if page == "docs/mapping.md":
+        assert sorted(committed_tables.documented_keys(text)) == sorted(object_of(Table).keys)
+
+
+def test_the_defaults_are_those_of_the_reader(tmp_path: Path) -> None:
+    """A table without any optional key reads as docs/mapping.md says."""
+    (tmp_path / "mapping.yaml").write_text(_SMALLEST, encoding="utf-8")
+    table = reader.read(tmp_path / "mapping.yaml", [])
+    row, peer = table.rows[0], table.peers[0]
+    rows = re.findall(r"^\| `(.*?)` \| .* \| .* \| (.*?) \|$", _page("docs/mapping.md"), re.MULTILINE)
+    documented = {key: default.split(",")[0].strip("`") for key, default in rows}
+    read = {
+        "envelope.owner": table.envelope.owner,
+        "peers.<peer>.parameter": peer.parameter,
+        "peers.<peer>.port": str(peer.port),
+        "peers.<peer>.strip_trailing_zeros": str(peer.strip_trailing_zeros).lower(),
+        "messages[].queue": str(row.profile.depth),
+        "messages[].priority": str(row.priority),
+    }
+    read |= {f"messages[].qos.{key}": str(getattr(row.profile, key)) for key in _QOS}
+    assert {key: documented[key] for key in read} == read
+    assert row.ros == "ProbeReport"
+    nothing = {"proto.exclude": table.proto.exclude, "retired": table.retired, "enums": table.enums, "lint": table.lint}
+    nothing |= {f"messages[].{key}": getattr(row, key) for key in _ABSENT} | {"peers.<peer>.max_size": peer.max_size}
+    assert not any(nothing.values())
+    assert {key: documented[key] for key in nothing} == dict.fromkeys(nothing, "none")
+
+
+_QOS = ("depth", "reliability", "durability", "history")
+_ABSENT = ("lint", "deadman", "max_rate", "fields", "ignore", "forward")
+
+
+def test_driving_lists_parameters_and_states() -> None:
+    """Each parameter of the node with its first value, and each state."""
+    page = _page("docs/driving.md")
+    for name, (first, _, _) in PARAMETERS.items():
+        shown = str(first).lower() if isinstance(first, bool) else first if isinstance(first, str) else f"{first:g}"
+        assert f"| `{name}` | {shown} |" in page
+    assert [state.value for state in State if f"| `{state.value}` |" not in page] == []
+
+
+@_NEEDS_OPENCV
+def test_rocks_lists_the_reasons() -> None:
+    """In the table, and in the proposed enum."""
+    from roverlink.vision.rocks import Unmeasurable
+
+    page, reasons = _page("docs/rocks.md"), [reason.value for reason in Unmeasurable]
+    assert re.findall(r"^\| `(\w+)` \| [^|]* \|$", page, re.MULTILINE) == reasons
+    assert [name.lower() for name in re.findall(r"ROCK_MEASURE_FAILURE_(\w+) = [1-9]", page)] == reasons
+
+
+@_NEEDS_OPENCV
+def test_navigation_lists_rules_and_arguments() -> None:
+    """Every rule of a mission and every argument of the launch file, in any order."""
+    from roverlink.mission.mission_file import GoalRules
+
+    page, rules = "docs/navigation.md", ["on_failure" if one.name == "stops" else one.name for one in fields(GoalRules)]
+    listed = [rule.partition(":")[0] for rule in _rows(page, "rule, at the top or in a goal")]
+    assert sorted(listed) == sorted(rules)
+    launch = yaml.safe_load(_page("navigation/launch/slam_launch.yaml"))["launch"]
+    declared = [entry["arg"]["name"] for entry in launch if "arg" in entry]
+    assert sorted(_rows(page, "argument")) == sorted(declared)
+
+
+def test_vision_lists_the_topics() -> None:
+    """Those of `roverlink.vision.ros.publishing` and `rover_pose`, with their types."""
+    code = "".join(_page(f"vision/ros/{name}.py") for name in ("publishing", "rover_pose"))
+    topics = dict(re.findall(r"^\| (\S+) +\| (\w+/\w+)", code, re.MULTILINE))
+    listed = dict(re.findall(r"^\| `([\w/]+)` \| `(\w+/\w+)`", _page("docs/vision.md"), re.MULTILINE))
+    assert len(topics) == 7
+    assert {topic.replace("<name>", "aruco_7"): kind for topic, kind in topics.items()} == listed
+
+
+def test_targets_lists_the_targets() -> None:
+    """Those that come with the project."""
+    listed = re.findall(r"^\| `(\w+)` \| `", _page("docs/targets.md"), re.MULTILINE)
+    assert {*targets.names()} <= {*listed}
+
+
+def test_security_lists_the_reasons_of_signed_datagrams() -> None:
+    """The reasons to drop one, in the order of the code."""
+    section = _page("docs/security.md").partition("## Signed datagrams")[2].partition("\n## ")[0]
+    reasons = [reason.value for reason in Reason]
+    listed = re.findall(r"^\| `(\w+)` \|", section, re.MULTILINE)
+    assert listed == reasons[reasons.index("unsigned") : reasons.index("ahead") + 1]
+
+
+def test_the_readme_lists_the_commands() -> None:
+    """Those of `roverlink --help`, in that order."""
+    assert [row.split()[1] for row in _rows("README.md", "command")] == list(COMMANDS)
+
+
+def test_what_development_names_exists() -> None:
+    """`module:name` can be imported; paths are there; targets of make are the Makefile's."""
+    page = _page("docs/development.md")
+    named = re.findall(r"`((?:generated|generator|roverlink|runtime)[\w.]*):([\w.]+)`", page)
+    assert len(named) > 20
+    for module, name in named:
+        found: object = importlib.import_module(module)
+        for part in name.split("."):
+            found = getattr(found, part)
+    paths = re.findall(r"`((?:generated|generator|roverlink|runtime|templates|tests|proto)/[\w./]*)`", page)
+    assert [path for path in paths if not (ROOT / path).exists()] == []
+    made = set(re.findall(r"^([a-z0-9-]+):", _page("Makefile"), re.MULTILINE))
+    assert set(re.findall(r"make ([a-z0-9-]+)`", page)) <= made
+
+
+@pytest.mark.parametrize(
+    "page", [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))], ids=lambda page: page.name
+)
+def test_links_lead_somewhere(page: Path) -> None:
+    """Links from page to page within the project are not broken."""
+    prose = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    targets = re.findall(r"\]\(([^)#:]+)\)", prose)
+    assert [target for target in targets if not (page.parent / target).exists()] == []
