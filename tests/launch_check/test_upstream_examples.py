@@ -53,6 +53,7 @@ _MISTAKES = (
 )
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(not _FOLDER, reason="ROVERLINK_LAUNCH_EXAMPLES names no folder with the examples of other projects")
 @pytest.mark.parametrize("distribution", ["humble", "jazzy"])
 def test_the_examples_of_others_have_only_real_mistakes(distribution: str, monkeypatch: pytest.MonkeyPatch) -> None:

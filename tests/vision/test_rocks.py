@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import cv2
@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from bench.vision import rocks
 from bench.vision.contestants import OURS
-from bench.vision.rock_scenes import RockScene, camera, scenes
+from bench.vision.rock_scenes import camera, scenes
 from roverlink.vision import CameraParameters
 from roverlink.vision.rocks import Line, Unmeasurable, UnmeasurableError, measure
 from roverlink.vision.rocks.ground import fit_ground
@@ -24,20 +24,20 @@ GOALS = {"ellipsoids": (1.5, 4, 4, 8), "irregular rocks: noise of 3.5 % of the r
 _SCENE = next(scenes(1, 4))
 _HEIGHT, _WIDTH = _SCENE.depth.shape
 _COLUMNS, _ROWS = np.meshgrid(np.arange(_WIDTH), np.arange(_HEIGHT))
+_PIXELS = np.stack([_COLUMNS, _ROWS], axis=-1).astype(float)
 
 
-def _bare() -> RockScene:
-    """The same ground without the rock."""
+def _rays(lens: CameraParameters) -> Any:
+    return np.append(lens.undistort(_PIXELS), np.ones((_HEIGHT, _WIDTH, 1)), axis=-1)
+
+
+@cache
+def _bare() -> Any:
+    """The depths of the same ground without the rock."""
     normal, height = _SCENE.ground
-    rays = np.append(
-        camera().undistort(np.stack([_COLUMNS, _ROWS], axis=-1).astype(float)), np.ones((_HEIGHT, _WIDTH, 1)), axis=-1
-    )
-    slope = rays @ normal
+    slope = _rays(camera()) @ normal
     depth = np.where(slope < 0, -height / np.minimum(slope, -1e-9), np.nan)
-    return replace(_SCENE, depth=np.where(depth < 10, depth, np.nan))
-
-
-_BARE = _bare()
+    return np.where(depth < 10, depth, np.nan)
 
 
 def _refused(depth: Any, line: Line, lens: CameraParameters | None = None) -> Unmeasurable:
@@ -66,30 +66,23 @@ def test_a_rendered_rock_has_its_size() -> None:
 def test_sizes_are_as_accurate_as_promised() -> None:
     """Ellipsoids and irregular rocks all have a result; the depth at the two pixels alone is far worse."""
     found = list(rocks.measure_rocks(60, list(GOALS)))
-    for kind, (length, length_90, width, width_90) in GOALS.items():
+    for kind, goals in GOALS.items():
         ours = [one for one in found if (one.kind, one.contestant) == (kind, OURS)]
         assert not any(np.isnan(one.length) for one in ours)
         lengths, widths = (rocks.quantiles([getattr(one, name) for one in ours]) for name in ("length", "width"))
-        assert lengths[0] <= length
-        assert lengths[1] <= length_90
-        assert widths[0] <= width
-        assert widths[1] <= width_90
+        assert (np.array([*lengths[:2], *widths[:2]]) <= goals).all()
         alone = [one for one in found if (one.kind, one.contestant) == (kind, rocks.TWO_PIXELS)]
         assert rocks.quantiles([one.length for one in alone])[1] > 2 * lengths[1]
 
 
 def test_the_direction_of_the_line_does_not_matter() -> None:
-    """A line from right to left gives the same size."""
+    """A line from right to left gives the same size, and the same image always the same: RANSAC is repeatable."""
     x1, y1, x2, y2 = _SCENE.line
     assert _size(_SCENE.depth, (x2, y2, x1, y1)) == pytest.approx(_size(_SCENE.depth, _SCENE.line), rel=1e-3)
-
-
-def test_the_same_image_gives_the_same_size() -> None:
-    """The random numbers of RANSAC are always the same."""
     assert _size(_SCENE.depth, _SCENE.line) == _size(_SCENE.depth.copy(), _SCENE.line)
 
 
-@pytest.mark.parametrize("factor", [0.5, 0.8, 1.5])
+@pytest.mark.parametrize("factor", [0.5, 1.5])
 def test_a_rock_at_twice_the_distance_is_twice_as_large(factor: float) -> None:
     """Depths without noise: all lengths are multiplied by the same factor."""
     expected = np.multiply(_size(_SCENE.exact, _SCENE.line), factor)
@@ -109,20 +102,8 @@ def test_missing_depths_do_not_count(missing: float) -> None:
 def test_the_lens_may_distort(distortion: tuple[float, ...], fisheye: bool) -> None:
     """The rays of the pixels are those of the camera's model, so the size stays the same."""
     lens = CameraParameters(camera().matrix, np.array(distortion), (_WIDTH, _HEIGHT), fisheye)
-    sources = (
-        camera()
-        .project(
-            np.append(
-                lens.undistort(np.stack([_COLUMNS, _ROWS], axis=-1).astype(float)),
-                np.ones((_HEIGHT, _WIDTH, 1)),
-                axis=-1,
-            )
-        )
-        .astype(np.float32)
-    )
-    seen = cv2.remap(
-        _SCENE.depth.astype(np.float32), sources, None, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT, borderValue=0
-    )
+    sources = camera().project(_rays(lens)).astype(np.float32)
+    seen = cv2.remap(_SCENE.depth.astype(np.float32), sources, None, cv2.INTER_NEAREST, borderValue=0)
     ends = lens.distort(camera().undistort(np.reshape(_SCENE.line, (2, 2)).astype(float)))
     x1, y1, x2, y2 = ends.ravel().tolist()
     assert _size(seen, (x1, y1, x2, y2), lens) == pytest.approx(_size(_SCENE.depth, _SCENE.line), rel=0.02)
@@ -161,13 +142,14 @@ def test_points_in_a_line_have_no_plane(count: int) -> None:
 # --- what is refused ----------------------------------------------------------------------------------------------
 
 
-@given(
-    st.integers(0, _WIDTH - 1), st.integers(200, _HEIGHT - 1), st.integers(0, _WIDTH - 1), st.integers(200, _HEIGHT - 1)
-)
-@settings(max_examples=12)
+_ACROSS, _DOWN = st.integers(0, _WIDTH - 1), st.integers(200, _HEIGHT - 1)
+
+
+@given(_ACROSS, _DOWN, _ACROSS, _DOWN)
+@settings(max_examples=6)
 def test_bare_ground_has_no_size(x1: int, y1: int, x2: int, y2: int) -> None:
     """Wherever the line is; around a line from edge to edge, there is no ground to be seen."""
-    reason = _refused(_BARE.depth, (x1, y1, x2, y2))
+    reason = _refused(_bare(), (x1, y1, x2, y2))
     assert reason in (Unmeasurable.NO_ROCK, Unmeasurable.SHORT_LINE, Unmeasurable.NO_PLANE)
     assert reason != Unmeasurable.NO_PLANE or abs(x2 - x1) > _WIDTH / 2
 
@@ -190,10 +172,11 @@ def test_a_line_must_be_in_the_image(line: Line) -> None:
     assert _refused(_SCENE.depth, line) == Unmeasurable.OUTSIDE_IMAGE
 
 
-def test_a_short_line_is_refused() -> None:
-    """An error of a pixel would be more than a tenth of it."""
+def test_a_short_line_or_a_depth_that_is_not_aligned_is_refused() -> None:
+    """An error of a pixel would be more than a tenth of the line; and the depth camera has another size."""
     assert _refused(_SCENE.depth, (100, 100, 107, 107)) == Unmeasurable.SHORT_LINE
     assert _refused(_SCENE.depth, (100, 100, 100, 100)) == Unmeasurable.SHORT_LINE
+    assert _refused(_SCENE.depth[::2, ::2], (50, 50, 90, 90)) == Unmeasurable.NOT_ALIGNED
 
 
 @pytest.mark.parametrize("where", ["around", "at", "everywhere"])
@@ -213,20 +196,9 @@ def test_a_third_of_the_depth_is_enough() -> None:
 
 
 def test_ground_that_is_no_plane_is_refused() -> None:
-    """Such as a heap of stones."""
-    depth = _SCENE.exact * cv2.resize(np.random.default_rng(2).uniform(0.7, 1.3, (48, 64)), (_WIDTH, _HEIGHT))
-    assert _refused(depth, _SCENE.line) == Unmeasurable.NO_PLANE
-
-
-def test_a_line_on_the_horizon_is_refused() -> None:
-    """Rays that are nearly parallel to the ground meet it anywhere."""
-    directions = np.append(
-        camera().undistort(np.stack([_COLUMNS, _ROWS], axis=-1).astype(float)), np.ones((_HEIGHT, _WIDTH, 1)), axis=-1
-    )
-    depth = np.where(directions[..., 1] > 0.02, 0.3 / np.maximum(directions[..., 1], 1e-9), np.nan)
+    """Such as a heap of stones; and a line on the horizon, whose rays are nearly parallel to the ground."""
+    heap = _SCENE.exact * cv2.resize(np.random.default_rng(2).uniform(0.7, 1.3, (48, 64)), (_WIDTH, _HEIGHT))
+    assert _refused(heap, _SCENE.line) == Unmeasurable.NO_PLANE
+    down = _rays(camera())[..., 1]
+    depth = np.where(down > 0.02, 0.3 / np.maximum(down, 1e-9), np.nan)
     assert _refused(depth, (200, 262, 400, 262)) == Unmeasurable.NO_PLANE
-
-
-def test_a_depth_that_is_not_aligned_is_refused() -> None:
-    """Its size is that of the depth camera."""
-    assert _refused(_SCENE.depth[::2, ::2], (50, 50, 90, 90)) == Unmeasurable.NOT_ALIGNED
