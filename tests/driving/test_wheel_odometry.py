@@ -356,17 +356,17 @@ def test_silence_makes_the_position_uncertain() -> None:
 # --- with slip: the covariance ------------------------------------------------------------------------------------
 
 
-_DRIVES: dict[str, Callable[[FaultyLink], object]] = {
-    "straight": lambda link: _straight(link),
-    "arcs": lambda link: _arcs(link, 100, backwards=True),
-    "stream": lambda link: _stream(link, 100),
-}
-
-
 def _straight(link: FaultyLink) -> None:
     link.run(10)  # the bias of the gyroscope decides about the end of a straight line
     link.command(BoardCommand(100.0, 0.0))
     link.run(205)
+
+
+_DRIVES: dict[str, Callable[[FaultyLink], object]] = {
+    "straight": _straight,
+    "arcs": lambda link: _arcs(link, 100, backwards=True),
+    "stream": lambda link: _stream(link, 100),
+}
 
 
 def _normalized_error(link: FaultyLink) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import cv2
 import numpy as np
@@ -18,49 +19,32 @@ _MJPG = cv2.VideoWriter_fourcc(*"MJPG")
 _HAS_GSTREAMER = cv2.videoio_registry.hasBackend(cv2.CAP_GSTREAMER)
 
 
-class _Driver:
-    """A V4L2 camera that takes over what it knows, and limits its gain to 100."""
-
-    opened: list[_Driver]
-
-    def __init__(self, *what: object) -> None:
-        self.what, self.requests = what, list[tuple[int, float]]()
-        self._now = {cv2.CAP_PROP_FPS: 30.0}
-        _Driver.opened.append(self)
-
-    def isOpened(self) -> bool:  # noqa: N802  # OpenCV's name
-        return True
-
-    def set(self, key: int, value: float) -> bool:
-        self.requests.append((key, value))
-        self._now[key] = min(value, 100) if key == cv2.CAP_PROP_GAIN else value
-        return True
-
-    def get(self, key: int) -> float:
-        return self._now.get(key, 0.0)
-
-    def getBackendName(self) -> str:  # noqa: N802  # OpenCV's name
-        return "TEST"
-
-    def grab(self) -> bool:
-        return True
-
-    def retrieve(self) -> tuple[bool, Any]:
-        return True, np.zeros((4, 6, 3), np.uint8)
-
-    def release(self) -> None:
-        pass
-
-
 @pytest.fixture
-def camera(monkeypatch: pytest.MonkeyPatch) -> list[_Driver]:
-    """The cameras that were opened."""
-    _Driver.opened = []
-    monkeypatch.setattr(cv2, "VideoCapture", _Driver)
-    return _Driver.opened
+def camera(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """The V4L2 cameras that were opened; each takes over what it knows, and limits its gain to 100."""
+    opened: list[Any] = []
+
+    def open_camera(*what: object) -> Any:
+        now, requests = {cv2.CAP_PROP_FPS: 30.0}, list[tuple[int, float]]()
+
+        def set_value(key: int, value: float) -> bool:
+            requests.append((key, value))
+            now[key] = min(value, 100) if key == cv2.CAP_PROP_GAIN else value
+            return True
+
+        driver = Mock(what=what, requests=requests)
+        driver.isOpened.return_value = driver.grab.return_value = True
+        driver.retrieve.return_value = True, np.zeros((4, 6, 3), np.uint8)
+        driver.getBackendName.return_value = "TEST"
+        driver.set, driver.get = set_value, lambda key: now.get(key, 0.0)
+        opened.append(driver)
+        return driver
+
+    monkeypatch.setattr(cv2, "VideoCapture", open_camera)
+    return opened
 
 
-def test_settings_are_requested_from_the_driver(camera: list[_Driver]) -> None:
+def test_settings_are_requested_from_the_driver(camera: list[Any]) -> None:
     """The format is first, because sizes depend on it; exposure and focus end what is automatic, in V4L2's units."""
     said = list[str]()
     settings = CameraSettings(format="MJPG", rate=60, exposure=5, gain=50, focus=30)
@@ -81,7 +65,7 @@ def test_settings_are_requested_from_the_driver(camera: list[_Driver]) -> None:
     assert said == []
 
 
-def test_what_was_not_asked_for_stays_and_what_is_not_taken_is_told(camera: list[_Driver]) -> None:
+def test_what_was_not_asked_for_stays_and_what_is_not_taken_is_told(camera: list[Any]) -> None:
     """A camera keeps what its driver or v4l2-ctl has set; a value that it limits is told with the one that it has."""
     said = list[str]()
     for settings in (CameraSettings(), CameraSettings(gain=180)):
@@ -91,7 +75,7 @@ def test_what_was_not_asked_for_stays_and_what_is_not_taken_is_told(camera: list
     assert said == ["camera 0: the camera does not take the gain 180; it is 100"]
 
 
-def test_the_latency_makes_stamps_earlier(camera: list[_Driver], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_latency_makes_stamps_earlier(camera: list[Any], monkeypatch: pytest.MonkeyPatch) -> None:
     """The stamp is that of the exposure."""
     monkeypatch.setattr(SYSTEM_CLOCK, "now", lambda: 5_000_000_000)
     with open_source("0", CameraSettings(latency=0.04)) as source:
