@@ -7,6 +7,7 @@ import threading
 import urllib.request
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import cache, partial
 from itertools import count
 from typing import Any
 
@@ -32,9 +33,9 @@ def shown(tilt: tuple[float, float], place: tuple[float, float], distance: float
     return np.asarray(cv2.cvtColor(frame(tilt, place, distance, BOARD), cv2.COLOR_GRAY2BGR))
 
 
-NEAR = shown((0, 0), (0.5, 0.5), 0.35)
-LEFT = shown((0, 0), (0.3, 0.5), 0.5)
-TILTED = shown((0, 29), (0.6, 0.5), 0.45)
+near = cache(partial(shown, (0, 0), (0.5, 0.5), 0.35))
+left = cache(partial(shown, (0, 0), (0.3, 0.5), 0.5))
+tilted = cache(partial(shown, (0, 29), (0.6, 0.5), 0.45))
 
 
 def calibrated(views: tuple[View, ...]) -> Calibration:
@@ -100,7 +101,7 @@ def test_before_the_first_frame_everything_is_missing() -> None:
 def test_views_that_add_something_are_taken() -> None:
     """Each with a number, its corners and a picture; what it covers is no longer missing."""
     camera = _Camera()
-    state = camera.show(NEAR, LEFT, LEFT, TILTED)
+    state = camera.show(near(), left(), left(), tilted())
     assert [view["number"] for view in state["views"]] == [1, 2, 3]
     assert goals(state)["Views"] == [("3 of 20", False)]
     assert ("near 1/2", False) in goals(state)["Distance"]
@@ -114,23 +115,23 @@ def test_views_that_add_something_are_taken() -> None:
 def test_why_a_view_is_not_taken_is_shown() -> None:
     """In the words of the collection. "Take" takes the next frame, though it was taken before; and only that one."""
     camera = _Camera()
-    camera.live.add_frame(NEAR, 10**18, "a frame")
+    camera.live.add_frame(near(), 10**18, "a frame")
     assert camera.state()["note"] == "hold the board still"
-    assert "no board found" in camera.show(np.full_like(NEAR, 128))["note"]
-    camera.show(NEAR)
+    assert "no board found" in camera.show(np.full_like(near(), 128))["note"]
+    camera.show(near())
     camera.live.act("take", None)
-    assert len(camera.show(NEAR, NEAR)["views"]) == 2
+    assert len(camera.show(near(), near())["views"]) == 2
 
 
 def test_a_dropped_view_is_gone() -> None:
     """With its picture and with what it covered; the others keep their numbers, and none has its number again."""
-    camera = _Camera(NEAR, LEFT)
+    camera = _Camera(near(), left())
     camera.live.act("drop", 1)
     assert [view["number"] for view in camera.state()["views"]] == [2]
     assert ("near 0/2", False) in goals(camera.state())["Distance"]
     assert camera.live.thumbnail(1) is None
     camera.refuses("drop", "view 1 does not exist", 1)
-    assert [view["number"] for view in camera.show(TILTED)["views"]] == [2, 3]
+    assert [view["number"] for view in camera.show(tilted())["views"]] == [2, 3]
 
 
 def test_a_refusal_is_shown_with_all_its_reasons() -> None:
@@ -139,17 +140,17 @@ def test_a_refusal_is_shown_with_all_its_reasons() -> None:
     def refuse(_: object) -> Calibration:
         raise PoorViewsError(("2 views are too few", "no tilts"))
 
-    camera = _Camera(NEAR, calibrate=refuse)
+    camera = _Camera(near(), calibrate=refuse)
     state = camera.calibrated("refused")
     assert (state["refused"], state["can"]) == (["2 views are too few", "no tilts"], ["take", "calibrate"])
-    assert len(camera.show(LEFT)["views"]) == 2
+    assert len(camera.show(left())["views"]) == 2
 
 
 def test_a_mistake_of_ours_is_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
     """A calibration that fails in a way that nobody thought of says so, and can be tried again."""
     told: list[Any] = []
     monkeypatch.setattr(threading, "excepthook", told.append)
-    state = _Camera(NEAR, calibrate=lambda _: 1 / 0).calibrated("refused")
+    state = _Camera(near(), calibrate=lambda _: 1 / 0).calibrated("refused")
     assert "terminal" in state["refused"][0]
     assert "calibrate" in state["can"]
     wait_until(lambda: told, "the mistake")
@@ -158,7 +159,7 @@ def test_a_mistake_of_ours_is_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_result_is_shown_and_the_report_is_there() -> None:
     """Numbers with intervals, errors of the views, the bad one named; and that it is of other views, once it is."""
-    camera = _Camera(NEAR, LEFT, TILTED)
+    camera = _Camera(near(), left(), tilted())
     assert camera.live.report() is None
     state = camera.calibrated()
     assert state["result"]["numbers"][0] == ["fx", "920.00", "± 0.20"]
@@ -168,15 +169,15 @@ def test_the_result_is_shown_and_the_report_is_there() -> None:
     assert camera.live.report() == "<p>0.1414"
     camera.live.act("drop", 2)
     assert "calibrate again" in camera.state()["result"]["remarks"][2]
-    assert camera.show(LEFT)["views"][-1]["lines"][2] == "not used yet"
+    assert camera.show(left())["views"][-1]["lines"][2] == "not used yet"
 
 
 def test_the_picture_goes_on_while_the_calibration_is_made() -> None:
     """Frames are looked at, and the buttons wait."""
     go = threading.Event()
-    camera = _Camera(NEAR, LEFT, calibrate=lambda views: go.wait(PATIENCE_S) and calibrated(views))
+    camera = _Camera(near(), left(), calibrate=lambda views: go.wait(PATIENCE_S) and calibrated(views))
     camera.live.act("calibrate", None)
-    state = camera.show(TILTED)
+    state = camera.show(tilted())
     assert state["status"].startswith("Calibrating")
     assert (len(state["views"]), state["can"]) == (3, ["take"])
     for action in ("calibrate", "save"):
@@ -197,7 +198,7 @@ def test_what_is_saved_is_the_result() -> None:
         saved.append(calibration)
         return "Saved to a.yml."
 
-    camera = _Camera(NEAR, LEFT, save=save)
+    camera = _Camera(near(), left(), save=save)
     camera.refuses("save", "calibrate first")
     camera.calibrated()
     camera.refuses("save", "no space")
@@ -213,7 +214,7 @@ def test_what_is_saved_is_the_result() -> None:
 def test_the_picture_is_the_newest_with_its_corners() -> None:
     """A wide one is made smaller; who comes late sees the last, and waits for the next."""
     camera = _Camera()
-    for stamp, image in enumerate((NEAR, LEFT), 1):
+    for stamp, image in enumerate((near(), left()), 1):
         camera.live.add_frame(cv2.resize(image, (1920, 1440)), stamp * 10**18, "a frame")
     number, jpeg = camera.live.picture(0) or (0, b"")
     shown = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
@@ -223,7 +224,7 @@ def test_the_picture_is_the_newest_with_its_corners() -> None:
     late: list[int] = []
     waiting = threading.Thread(target=lambda: late.append((camera.live.picture(2) or (0, b""))[0]))
     waiting.start()
-    camera.live.add_frame(NEAR, 3 * 10**18, "a frame")
+    camera.live.add_frame(near(), 3 * 10**18, "a frame")
     waiting.join(PATIENCE_S)
     assert late == [3]
 
@@ -236,7 +237,7 @@ def test_browsers_that_do_not_read_hold_up_no_frame() -> None:
             sock = stack.enter_context(socket.create_connection(("127.0.0.1", server.port)))
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
             sock.sendall(f"GET /picture HTTP/1.1\r\nHost: localhost:{server.port}\r\n\r\n".encode() * 20)
-        showing = threading.Thread(target=camera.show, args=(NEAR, LEFT, TILTED), daemon=True)
+        showing = threading.Thread(target=camera.show, args=(near(), left(), tilted()), daemon=True)
         showing.start()
         showing.join(PATIENCE_S)
         assert not showing.is_alive()
@@ -246,7 +247,7 @@ def test_browsers_that_do_not_read_hold_up_no_frame() -> None:
 
 def test_the_end_of_a_recording_is_told() -> None:
     """There is nothing more to take, and what there is can be calibrated."""
-    camera = _Camera(NEAR)
+    camera = _Camera(near())
     camera.live.ended()
     assert camera.state()["note"] == "a camera has ended; no more frames."
     assert camera.state()["can"] == ["calibrate"]

@@ -15,7 +15,7 @@ from roverlink.vision.calibration.page.server import PageServer
 from roverlink.vision.calibration.report import report
 from tests.vision.boards import BOARD, CAMERA, views
 from tests.vision.browsing import visiting
-from tests.vision.test_live_calibration import LEFT, NEAR, TILTED
+from tests.vision.test_live_calibration import left, near, tilted
 
 pytestmark = pytest.mark.slow
 
@@ -38,7 +38,7 @@ def live() -> LiveCalibration:
         lambda calibration: report(calibration, BOARD, {"roverlink": "1.0"}),
         lambda _: "Saved to a.yml.",
     )
-    for number, frame in enumerate((NEAR, LEFT, TILTED)):
+    for number, frame in enumerate((near(), left(), tilted())):
         for again in range(2):
             live.add_frame(frame, 10**18 + (2 * number + again) * 33_000_000, "a frame")
     return live

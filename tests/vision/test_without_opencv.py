@@ -87,8 +87,9 @@ def test_the_demo_does_without_a_camera_or_video(missing: str) -> None:
     )
     for part in without:
         assert f"running without {part}" in done.stdout
-    assert missing == "av" or _CURE in done.stdout
-    assert "the rover drove" in done.stdout
+    if missing != "av":
+        assert _CURE in done.stdout
+        assert "the rover drove" in done.stdout
     assert "21 of 21 messages were bridged" in done.stdout
 
 
