@@ -51,11 +51,10 @@ def fuse_a_drive(
     for topic, data in sent:
         send(topic, data)
 
-    def end() -> Mapping[str, Any] | None:
-        heard = list(poses())
-        return heard[-1] if heard and heard[-1]["header"]["stamp"]["nanosec"] == last.nanosec else None
+    def end() -> Sequence[Mapping[str, Any]]:
+        return [one for one in list(poses())[-1:] if one["header"]["stamp"]["nanosec"] == last.nanosec]
 
-    pose = wait_until(end, f"the last pose on /{FUSED}")
+    (pose,) = wait_until(end, f"the last pose on /{FUSED}")
     place = pose["pose"]["pose"]["position"]
     assert pose["header"]["frame_id"] == "map"
     assert math.hypot(place["x"] - truth.x, place["y"] - truth.y) < 0.15

@@ -5,6 +5,7 @@ The camera, and whoever hears the poses, are nodes of the test; the rest are the
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
@@ -114,14 +115,12 @@ def run_the_loop(start: Start, middleware: str, publish: Publish, hear: Hear) ->
         camera.shows_rock = True
         x1, y1, x2, y2 = camera.rock.line
 
-        def size() -> BasestationRockMeasureResult | None:
+        def sizes() -> list[BasestationRockMeasureResult]:
             client.send(BasestationRockMeasureRequest(x1=x1, y1=y1, x2=x2, y2=y2))
             found = [payload for _, payload in client.arrived() if isinstance(payload, BasestationRockMeasureResult)]
-            right = [one for one in found if one.length_cm == pytest.approx(100 * camera.rock.length, rel=0.04)]
-            return right[-1] if right else None
+            return [one for one in found if one.length_cm == pytest.approx(100 * camera.rock.length, rel=0.04)]
 
-        result = wait_until(size, "the size of the rock")
-        assert result
+        result = wait_until(sizes, "the size of the rock")[-1]
         assert result.width_cm == pytest.approx(100 * camera.rock.width, rel=0.08)
 
 
@@ -132,19 +131,19 @@ def _seen_object(client: BlockingPeer, truth: Sequence[SceneObject]) -> tuple[Sc
     def matched() -> list[tuple[float, SceneObject, int]]:
         for _, payload in client.arrived():
             frame = reassembler.add(payload) if isinstance(payload, BasestationDetectedObject) else None
-            found = [
-                (part.confidence, one, part.id)
-                for part in (frame.parts if frame else ())
-                for one in truth
-                if DetectedObjectType.Name(part.type) == f"OBJECT_{one.class_name.upper()}"
-                and overlap(Box(part.bbox.x, part.bbox.y, part.bbox.width, part.bbox.height), one.box) >= 0.5
-            ]
+            pairs = itertools.product(frame.parts if frame else (), truth)
+            found = [(part.confidence, one, part.id) for part, one in pairs if _is(part, one)]
             if len({one.number for _, one, _ in found}) >= 0.7 * len(truth):
                 return found
         return []
 
     _, best, number = max(wait_until(matched, "a frame with the objects"), key=lambda one: one[0])
     return best, number
+
+
+def _is(part: Any, one: SceneObject) -> bool:
+    box = Box(part.bbox.x, part.bbox.y, part.bbox.width, part.bbox.height)
+    return DetectedObjectType.Name(part.type) == f"OBJECT_{one.class_name.upper()}" and overlap(box, one.box) >= 0.5
 
 
 def _place(pose: Mapping[str, Any]) -> list[float]:

@@ -10,7 +10,7 @@ import logging
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from roverlink.runtime.interfaces.nav_msgs import Odometry
 from roverlink.runtime.middleware.memory import MemoryMiddleware
 from roverlink.runtime.ros_arguments import ros_args
 from roverlink.runtime.ros_time.headers import header_of, stamp_of
-from roverlink.vision import Pose, TargetId
+from roverlink.vision import TargetId
 from tests.driving.simulated_tracker import SimulatedTracker, field, standing
 
 _CORNERS = ((1.5, 1.5), (-1.5, 1.5), (-1.5, -1.5), (1.5, -1.5))
@@ -39,17 +39,6 @@ _STEP_S = 0.1
 _COMMAND_STEPS = 5
 _IMAGE_STEPS = 2
 _PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
-
-
-class Tracker(Protocol):
-    """Tracker of landmarks in the images of a camera."""
-
-    @property
-    def mount(self) -> Pose:
-        """Transform from the camera's frame to the rover's."""
-
-    def see(self, rover: PlanarPose, stamp: int) -> vision_msgs.Detection3DArray:
-        """Return the message about an image that is taken at a pose of the rover."""
 
 
 class FieldDrive:
@@ -62,7 +51,7 @@ class FieldDrive:
         moved: Mapping[TargetId, tuple[float, float]] = {},  # never changed
         *,
         gps: bool = False,
-        tracker: Tracker | None = None,
+        tracker: Any = None,
         logger: logging.Logger | None = None,
     ) -> None:
         self.start = PlanarPose(1.5, -1.0, math.pi / 2)

@@ -104,18 +104,6 @@ def test_poses_can_be_chained_and_inverted(pose: PlanarPose, other: PlanarPose) 
     assert _same((pose @ other) @ other.inverse(), pose)
 
 
-@pytest.mark.parametrize(
-    ("radius", "side", "back"),
-    [(2.0, 1, False), (-2.0, -1, False), (2.0, 1, True), (-2.0, -1, True)],
-)
-def test_the_centre_of_a_positive_radius_is_to_the_left(radius: float, side: int, back: bool) -> None:
-    """A quarter of a circle ends beside its centre; backwards, the rover moves away behind it."""
-    quarter = math.pi * abs(radius) / 2
-    end = DrivingBoard().arc(BoardCommand(-quarter if back else quarter, radius)).end
-    assert (end.x, end.y) == pytest.approx((-2.0 if back else 2.0, 2.0 * side))
-    assert end.yaw == pytest.approx(side * math.pi / 2 * (-1 if back else 1))
-
-
 def test_a_straight_line_has_the_radius_that_the_board_wants() -> None:
     """Zero by default; where the board wants a large radius, it and larger ones are straight."""
     straight = Arc(3.0, 0.0)

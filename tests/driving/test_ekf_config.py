@@ -11,11 +11,9 @@ import yaml
 from generated.registry import REGISTRY
 from roverlink.driving.rover_sensors import GpsSettings
 
+_FILE = Path(__file__).parents[2] / "navigation" / "config" / "ekf.yaml"
 _NODES: dict[str, dict[str, Any]] = {
-    name.removeprefix("/**/"): node["ros__parameters"]
-    for name, node in yaml.safe_load(
-        (Path(__file__).parents[2] / "navigation" / "config" / "ekf.yaml").read_text(encoding="utf-8")
-    ).items()
+    name.removeprefix("/**/"): node["ros__parameters"] for name, node in yaml.safe_load(_FILE.read_text()).items()
 }
 _FILTERS = ("ekf_filter_node_odom", "ekf_filter_node_map")
 _STATES = 15
@@ -28,20 +26,23 @@ def _inputs(name: str) -> dict[str, str]:
 
 @pytest.mark.parametrize("name", _FILTERS)
 def test_each_input_has_a_matrix_and_the_numbers_have_no_gap(name: str) -> None:
-    """A filter ignores an input after a gap in the numbers, and one without a matrix."""
+    """A filter ignores an input after a gap in the numbers, and one without a matrix.
+
+    The pose of wheels and images drifts, so none is fused; poses of markers and GPS are absolute, and tell no velocity.
+    """
     inputs, parameters = _inputs(name), _NODES[name]
     for kind in {key[:-1] for key in inputs}:
         numbers = sorted(int(key[-1]) for key in inputs if key[:-1] == kind)
         assert numbers == list(range(len(numbers)))
-    for key in inputs:
+    for key, topic in inputs.items():
         matrix = parameters[f"{key}_config"]
         assert len(matrix) == _STATES
         assert all(type(one) is bool for one in matrix)
-        assert any(matrix)
-    for key in ("process_noise_covariance", "initial_estimate_covariance"):
-        if key in parameters:
-            assert len(parameters[key]) == _STATES**2
-            assert all(type(value) is float for value in parameters[key])
+        is_absolute = topic in ("aruco/pose", "odometry/gps")
+        assert (any(matrix[:6]), any(matrix[6:])) == (is_absolute, not is_absolute)
+    for key in parameters.keys() & {"process_noise_covariance", "initial_estimate_covariance"}:
+        assert len(parameters[key]) == _STATES**2
+        assert all(type(value) is float for value in parameters[key])
 
 
 def test_the_filters_share_their_frames_and_publish_different_transforms() -> None:
@@ -62,17 +63,6 @@ def test_the_topics_are_those_of_this_project() -> None:
     assert odom.items() <= map_.items()
     (extra,) = [one for one in REGISTRY.extra_topics if one.route.name == "rover_localization"]
     assert extra.route.topic == "odometry/global"
-
-
-@pytest.mark.parametrize("name", _FILTERS)
-def test_no_pose_is_fused_from_odometry_and_no_velocity_from_poses(name: str) -> None:
-    """The pose of wheels and images drifts; poses of markers and GPS are absolute, and tell no velocity."""
-    parameters = _NODES[name]
-    for key, topic in _inputs(name).items():
-        matrix = parameters[f"{key}_config"]
-        absolute = topic in ("aruco/pose", "odometry/gps")
-        assert any(matrix[:6]) == absolute
-        assert any(matrix[6:]) != absolute
 
 
 def test_the_datum_is_that_of_the_simulated_rover() -> None:

@@ -1,4 +1,4 @@
-"""Following of paths, with a rover that drives each arc exactly, and with one that slips."""
+"""Following of paths, with a rover that drives each arc exactly or slips, and the poses at which it stops."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from roverlink.driving.approach import LandmarkView, Waypoint
 from roverlink.driving.arcs import Arc, PlanarPose
 from roverlink.driving.board_commands import STOP, DrivingBoard
 from roverlink.driving.drive_control import DriveControl, DriveSettings, Localization
@@ -83,17 +84,12 @@ def test_a_goal_is_a_path(goal: Point) -> None:
 
 
 def test_a_goal_inside_of_the_smallest_turn_is_missed() -> None:
-    """The rover does not go around it forever."""
-    ending, _ = _follow([(0.1, 0.4)], PlanarPose())
-    assert ending is Ending.MISSED
-
-
-def test_points_that_repeat_do_not_matter() -> None:
-    """Planners may give a position twice."""
+    """The rover does not go around it forever. Points that repeat do not matter: planners may give a position twice."""
+    assert _follow([(0.1, 0.4)], PlanarPose())[0] is Ending.MISSED
     assert _follow([(0.0, 0.0), (0.0, 0.0), (2.0, 0.0), (2.0, 0.0)], PlanarPose())[0] is Ending.REACHED
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_rover_that_slips_follows_a_path(seed: int) -> None:
     """The poses are noisy and 100 ms late, and one command in twenty is lost."""
     board = DrivingBoard(smallest_radius=0.5, reverses=False)
@@ -126,3 +122,39 @@ def test_what_is_no_path_is_refused(points: list[Point]) -> None:
     """The error is for the user."""
     with pytest.raises(ValueError, match="the path"):
         PathFollower(points)
+
+
+# --- stops in front of landmarks and at positions -----------------------------------------------------------------
+
+_metres = st.floats(-100, 100)
+_angles = st.floats(-math.pi, math.pi)
+_poses = st.builds(PlanarPose, _metres, _metres, _angles)
+_distances = st.floats(0.1, 20)
+
+
+@given(_poses, _metres, _metres, st.one_of(st.none(), _angles), _distances, _angles)
+def test_the_rover_looks_at_the_landmark_from_its_distance(
+    start: PlanarPose, x: float, y: float, facing: float | None, distance: float, angle: float
+) -> None:
+    """From each pose, the landmark is straight ahead, as far as asked; an upright one is seen from its front."""
+    view = LandmarkView("7", x, y, facing, distance)
+    stop, viewpoint = view.stop_from(start), next(view.viewpoints(start, [angle]))
+    for pose in (stop, viewpoint):
+        seen = pose.inverse() @ PlanarPose(x, y)
+        assert (seen.x, seen.y) == (pytest.approx(distance, abs=1e-9), pytest.approx(0, abs=1e-9))
+    assert math.cos(viewpoint.yaw - stop.yaw - angle) == pytest.approx(1)
+    if facing is not None:
+        assert math.cos(math.atan2(stop.y - y, stop.x - x) - facing) == pytest.approx(1)
+
+
+@given(_poses, _distances, _angles, st.one_of(st.none(), _angles), _distances)
+def test_without_a_heading_the_rover_stops_as_it_comes(
+    start: PlanarPose, away: float, direction: float, yaw: float | None, distance: float
+) -> None:
+    """At a landmark on the ground, and at a position; at the place where it is, it keeps its own heading."""
+    x, y = start.x + away * math.cos(direction), start.y + away * math.sin(direction)
+    assert math.cos(LandmarkView("7", x, y, None, distance).stop_from(start).yaw - direction) == pytest.approx(1)
+    stop = Waypoint(x, y, yaw).stop_from(start)
+    assert (stop.x, stop.y) == (x, y)
+    assert math.cos(stop.yaw - (direction if yaw is None else yaw)) == pytest.approx(1)
+    assert Waypoint(start.x, start.y).stop_from(start) == start

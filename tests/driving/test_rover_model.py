@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 from dataclasses import replace
+from typing import TypeVar
 
 import pytest
 from hypothesis import given, settings
@@ -26,13 +27,18 @@ from roverlink.driving.rover_sensors import GpsFix, ImuReading
 
 _FIRM = RoverSettings(slip=0.0, side_slip=0.0, yaw_slip=0.0, steering_rate=math.inf)
 """A rover whose wheels do not slip."""
+T = TypeVar("T")
 _distances = st.floats(0.05, 5) | st.floats(-5, -0.05)
 _radii = st.just(0.0) | st.floats(0.1, 20) | st.floats(-20, -0.1)
 _commands = st.lists(st.tuples(st.builds(BoardCommand, _distances, _radii), st.floats(0.1, 2)), min_size=1, max_size=4)
 
 
+def _of(kind: type[T], measured: list[Measurement]) -> list[T]:
+    return [one for one in measured if isinstance(one, kind)]
+
+
 def _left(measured: list[Measurement]) -> list[float]:
-    return [one.distance_left for one in measured if isinstance(one, ProgressReport)]
+    return [one.distance_left for one in _of(ProgressReport, measured)]
 
 
 # --- determinism --------------------------------------------------------------------------------------------------
@@ -41,31 +47,18 @@ def _left(measured: list[Measurement]) -> list[float]:
 @given(st.integers(0, 2**32), _commands, st.integers(1, 7))
 @settings(max_examples=10)
 def test_a_seed_repeats_a_drive(seed: int, commands: list[tuple[BoardCommand, float]], pieces: int) -> None:
-    """The measurements are equal, into however many steps the caller divides the time."""
+    """Into however many steps the caller divides the time; with another seed, everything differs."""
 
-    def drive(divisor: int) -> list[Measurement]:
+    def drive(divisor: int, seed: int = seed) -> list[Measurement]:
         model, measured = RoverModel(seed), list[Measurement]()
         for command, duration in commands:
             model.command(command)
             steps = round(duration * 1e9 / STEP_NS)
-            while steps:
-                part = min(divisor, steps)
-                measured += model.advance(part * STEP_NS / 1e9)
-                steps -= part
+            for begin in range(0, steps, divisor):
+                measured += model.advance(min(divisor, steps - begin) * STEP_NS / 1e9)
         return measured
 
-    assert drive(pieces) == drive(1000)
-
-
-def test_other_seeds_give_other_drives() -> None:
-    """Neither the ground nor the sensors repeat."""
-
-    def drive(seed: int) -> tuple[PlanarPose, Measurement]:
-        model = RoverModel(seed)
-        model.command(BoardCommand(2.0, 0.0))
-        return model.pose, model.advance(3)[0]
-
-    assert drive(1)[1] != drive(2)[1]
+    assert drive(pieces) == drive(1000) != drive(1000, seed + 1)
 
 
 # --- the driving board --------------------------------------------------------------------------------------------
@@ -133,21 +126,17 @@ def test_a_board_that_restarts_forgets_its_command() -> None:
 def test_the_motors_turn_as_the_rover_drives() -> None:
     """The outer wheels are faster, the steering turns into the arc, and a standing board is idle."""
     model = RoverModel(1, _FIRM)
-    idle = [one for one in model.advance(1) if isinstance(one, MotorReport)][-1]
+    idle = _of(MotorReport, model.advance(1))[-1]
     model.command(BoardCommand(-3.0, 2.0))
-    driving = [one for one in model.advance(2) if isinstance(one, MotorReport)][-1]
+    driving = _of(MotorReport, model.advance(2))[-1]
     circumference = 2 * math.pi * _FIRM.wheel_radius
     assert (idle.state.name, idle.left_rpm, driving.state.name) == ("IDLE", 0, "OPERATING")
-    assert driving.left_rpm * circumference / 60 == pytest.approx(-0.5 * (1 - 0.3 / 2))
-    assert driving.right_rpm * circumference / 60 == pytest.approx(-0.5 * (1 + 0.3 / 2))
+    speeds = [rpm * circumference / 60 for rpm in (driving.left_rpm, driving.right_rpm)]
+    assert speeds == pytest.approx([-0.5 * (1 - 0.3 / 2), -0.5 * (1 + 0.3 / 2)])
     assert driving.steering == pytest.approx(math.atan(0.4 / 2))
-
-
-@pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_a_command_that_is_no_number_is_refused(value: float) -> None:
-    """The error names the command."""
-    with pytest.raises(ValueError, match="cannot execute"):
-        RoverModel(1).command(BoardCommand(value, 0.0))
+    for value in (math.nan, math.inf):
+        with pytest.raises(ValueError, match="cannot execute"):
+            model.command(BoardCommand(value, 0.0))
 
 
 # --- slip and sensors ---------------------------------------------------------------------------------------------
@@ -178,34 +167,35 @@ def test_slip_is_a_random_walk_over_the_distance() -> None:
 def test_the_imu_measures_the_motion() -> None:
     """The mean of its readings while the rover stands and turns; gravity points up (REP 145)."""
     model = RoverModel(3, _FIRM, PlanarPose(0, 0, math.pi / 2))
-    standing = [one for one in model.advance(20) if isinstance(one, ImuReading)]
+    standing = _of(ImuReading, model.advance(20))
     model.command(BoardCommand(20.0, 1.0))
     model.advance(3)
     before = model.pose.yaw
-    turning = [one for one in model.advance(20) if isinstance(one, ImuReading)]
-    bias = statistics.fmean(one.angular_velocity[2] for one in standing)
+    turning = _of(ImuReading, model.advance(20))
+
+    def mean(readings: list[ImuReading], kind: str, axis: int) -> float:
+        return statistics.fmean(getattr(one, kind)[axis] for one in readings)
+
+    bias = mean(standing, "angular_velocity", 2)
     assert 0 < abs(bias) < 0.02
-    rate = statistics.fmean(one.angular_velocity[2] for one in turning) - bias
+    rate = mean(turning, "angular_velocity", 2) - bias
     assert rate == pytest.approx((model.pose.yaw - before) / 20, abs=5e-4)
     noise = statistics.pstdev(one.angular_velocity[2] for one in standing)
     assert noise == pytest.approx(_FIRM.imu.gyro_noise / math.sqrt(0.02), rel=0.15)
-    assert statistics.fmean(one.linear_acceleration[2] for one in standing) == pytest.approx(9.81, abs=0.25)
-    across = statistics.fmean(one.linear_acceleration[1] for one in turning)
-    still = statistics.fmean(one.linear_acceleration[1] for one in standing)
-    assert across - still == pytest.approx(0.25, abs=0.01)
+    assert mean(standing, "linear_acceleration", 2) == pytest.approx(9.81, abs=0.25)
+    across = mean(turning, "linear_acceleration", 1) - mean(standing, "linear_acceleration", 1)
+    assert across == pytest.approx(0.25, abs=0.01)
     # The rover heads north: the field is ahead.
-    assert statistics.fmean(one.magnetic_field[0] for one in standing) == pytest.approx(20e-6, rel=0.02)
-    assert abs(statistics.fmean(one.magnetic_field[1] for one in standing)) < 0.2e-6
+    assert mean(standing, "magnetic_field", 0) == pytest.approx(20e-6, rel=0.02)
+    assert abs(mean(standing, "magnetic_field", 1)) < 0.2e-6
 
 
 def test_the_gps_scatters_around_the_true_position() -> None:
     """Latitude and longitude come back as metres on the map; the course is clockwise from north."""
-    model = RoverModel(5, _FIRM, PlanarPose(30, -20, 0.0))
-    fixes = [one for one in model.advance(100) if isinstance(one, GpsFix)]
+    fixes = _of(GpsFix, RoverModel(5, _FIRM, PlanarPose(30, -20, 0.0)).advance(100))
     datum, deviation = _FIRM.gps.datum, _FIRM.gps.deviation
     places = [datum.planar(one.latitude, one.longitude) for one in fixes]
-    for axis, truth in ((0, 30), (1, -20)):
-        values = [place[axis] for place in places]
+    for values, truth in zip(zip(*places), (30, -20), strict=True):
         assert statistics.fmean(values) == pytest.approx(truth, abs=4 * deviation / math.sqrt(len(values)))
         assert statistics.pstdev(values) == pytest.approx(deviation, rel=0.15)
     assert fixes[0].heading == 90

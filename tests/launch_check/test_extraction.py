@@ -86,24 +86,20 @@ def catalogue(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return found
 
 
-def test_a_catalogue_says_for_which_version_it_holds(catalogue: dict[str, Any]) -> None:
-    """The package has its version, and the source its commit and date."""
+def test_packages_have_versions_executables_and_components(catalogue: dict[str, Any]) -> None:
+    """Names in CMakeLists.txt are resolved, and main says which node a program is; sources have commits."""
     package = catalogue["packages"]["my_layers"]
     assert (package["version"], package["source"]) == ("2.1.0", "layers")
     assert len(catalogue["sources"]["layers"]["commit"]) == 40
-
-
-def test_executables_and_components_are_found_by_their_classes(catalogue: dict[str, Any]) -> None:
-    """Names in CMakeLists.txt are resolved, and the main function says which node a program is."""
-    package = catalogue["packages"]["my_layers"]
     assert package["executables"] == {"my_server": "my_layers::Server"}
     assert package["components"] == ["my_layers::Server"]
 
 
 def test_parameters_have_types_and_defaults(catalogue: dict[str, Any]) -> None:
     """Defaults come from literals, members and types; comments and texts declare nothing; members' classes count."""
-    parameters = catalogue["classes"]["my_layers::Server"]["parameters"]
-    assert parameters == {
+    facts = catalogue["classes"]["my_layers::Server"]
+    assert facts["default_name"] == "rock_server"
+    assert facts["parameters"] == {
         "count": {"type": "integer", "default": 3},
         "limits": {"type": "double_array"},
         "listen": {"type": "bool", "default": True},
@@ -112,35 +108,19 @@ def test_parameters_have_types_and_defaults(catalogue: dict[str, Any]) -> None:
         "scan_topic": {"type": "string", "default": "scan"},
         "use_sim_time": {"type": "bool", "default": False},
     }
-    assert catalogue["classes"]["my_layers::Server"]["default_name"] == "rock_server"
 
 
 def test_topics_have_types_and_qos(catalogue: dict[str, Any]) -> None:
     """A topic may be a text, the value of a parameter, or what the maker of an object gives to it."""
-    endpoints = catalogue["classes"]["my_layers::Server"]["endpoints"]
-    assert endpoints == [
-        {
-            "kind": "publisher",
-            "name": "rocks/map",
-            "type": "nav_msgs/msg/OccupancyGrid",
-            "reliability": "reliable",
-            "durability": "transient_local",
-        },
-        {"kind": "service", "name": "~/clear", "type": "std_srvs/srv/Empty"},
-        {
-            "kind": "subscription",
-            "name": "$(scan_topic)",
-            "type": "sensor_msgs/msg/LaserScan",
-            "reliability": "best_effort",
-            "durability": "volatile",
-        },
-        {
-            "kind": "subscription",
-            "name": "odom",
-            "type": "nav_msgs/msg/Odometry",
-            "reliability": "reliable",
-            "durability": "volatile",
-        },
+    keys = ("kind", "name", "type", "reliability", "durability")
+    assert catalogue["classes"]["my_layers::Server"]["endpoints"] == [
+        dict(zip(keys, values))
+        for values in (
+            ("publisher", "rocks/map", "nav_msgs/msg/OccupancyGrid", "reliable", "transient_local"),
+            ("service", "~/clear", "std_srvs/srv/Empty"),
+            ("subscription", "$(scan_topic)", "sensor_msgs/msg/LaserScan", "best_effort", "volatile"),
+            ("subscription", "odom", "nav_msgs/msg/Odometry", "reliable", "volatile"),
+        )
     ]
 
 
@@ -148,8 +128,6 @@ def test_plugins_have_parameters_under_their_names(catalogue: dict[str, Any]) ->
     """Parameters that begin with the plugin's name are its own; the others are the node's."""
     assert catalogue["plugins"]["my_layers/Rocks"]["base"] == "nav2_costmap_2d::Layer"
     facts = catalogue["classes"]["my_layers::Rocks"]
-    assert facts["parameters"] == {
-        "enabled": {"type": "bool", "default": True},
-        "height": {"type": "double", "default": 0.3},
-    }
+    own = {"enabled": {"type": "bool", "default": True}, "height": {"type": "double", "default": 0.3}}
+    assert facts["parameters"] == own
     assert facts["of_node"] == {"of_the_node": {"type": "integer", "default": -1}}

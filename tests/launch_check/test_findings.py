@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
@@ -18,53 +18,66 @@ _CONTROLLER = (
 )
 
 
+Write = Callable[[Mapping[str, str]], None]
+Check = Callable[..., tuple[int, list[str]]]
+
+
 def _parameters(node: str, *lines: str) -> str:
     return f"{node}:\n  ros__parameters:\n" + "".join(f"    {line}\n" for line in lines)
 
 
-_CASES: Mapping[str, tuple[dict[str, str], list[str]]] = {
-    "a renamed parameter": (
-        {"a_launch.yaml": _RTABMAP, "p.yaml": _parameters("rtabmap", 'Grid/FromDepth: "true"')},
-        ["p.yaml:3:5: PAR101 it is now 'Grid/Sensor'"],
+Case = tuple[dict[str, str], list[str]]
+"""Files, of which the first one is checked, and the beginnings of the findings."""
+
+
+def _rtabmap(*lines: str, finding: str, launch: str = _RTABMAP) -> Case:
+    """RTAB-Map with some lines in its parameter file."""
+    return {"a_launch.yaml": launch, "p.yaml": _parameters("rtabmap", *lines)}, [finding]
+
+
+def _controller(*lines: str, finding: str, node: str = "controller_server") -> Case:
+    """Nav2's controller with some lines in its parameter file."""
+    return {"a_launch.yaml": _CONTROLLER, "p.yaml": _parameters(node, *lines)}, [finding]
+
+
+_EKF = "launch:\n  - node: {pkg: robot_localization, exec: ekf_node, name: ekf, param: [{from: p.yaml}]}\n"
+_COSTMAP = """\
+local_costmap:
+  local_costmap:
+    ros__parameters:
+      plugins: [voxel_layer]
+      voxel_layer:
+        plugin: nav2_costmap_2d::VoxelLayer
+        z_voxels: 20
+        observation_sources: points
+        point: {topic: /points}
+"""
+_CASES: Mapping[str, Case] = {
+    "a renamed parameter": _rtabmap('Grid/FromDepth: "true"', finding="p.yaml:3:5: PAR101 it is now 'Grid/Sensor'"),
+    "a parameter that never existed": _rtabmap('Grid/UseVoxelFilter: "true"', finding="p.yaml:3:5: PAR101"),
+    "a number in place of a text": _rtabmap("Grid/CellSize: 0.05", finding='p.yaml:3:5: PAR103 write "0.05"'),
+    "a whole number in place of a floating point number": _controller(
+        "controller_frequency: 20", finding="p.yaml:3:5: PAR103 write 20.0"
     ),
-    "a parameter that never existed": (
-        {"a_launch.yaml": _RTABMAP, "p.yaml": _parameters("rtabmap", 'Grid/UseVoxelFilter: "true"')},
-        ["p.yaml:3:5: PAR101"],
+    "a parameter one level too high": _controller(
+        "acc_lim_theta: 0.5", finding="p.yaml:3:5: PAR102 it belongs to 'FollowPath.acc_lim_theta'"
     ),
-    "a number in place of a text": (
-        {"a_launch.yaml": _RTABMAP, "p.yaml": _parameters("rtabmap", "Grid/CellSize: 0.05")},
-        ['p.yaml:3:5: PAR103 write "0.05"'],
+    "a section for no node": _controller(
+        "controller_frequency: 20.0",
+        node="controler_server",
+        finding="p.yaml:1:1: PAR105 did you mean 'controller_server'?",
     ),
-    "a whole number in place of a floating point number": (
-        {"a_launch.yaml": _CONTROLLER, "p.yaml": _parameters("controller_server", "controller_frequency: 20")},
-        ["p.yaml:3:5: PAR103 write 20.0"],
+    "a section without the node's namespace": _rtabmap(
+        "frame_id: base_link",
+        launch=_RTABMAP.replace("name: rtabmap,", "name: rtabmap, namespace: rover,"),
+        finding="p.yaml:1:1: PAR105 write '/rover/rtabmap', or '/**/rtabmap' for any namespace",
     ),
-    "a parameter one level too high": (
-        {"a_launch.yaml": _CONTROLLER, "p.yaml": _parameters("controller_server", "acc_lim_theta: 0.5")},
-        ["p.yaml:3:5: PAR102 it belongs to 'FollowPath.acc_lim_theta'"],
-    ),
-    "a section for no node": (
-        {"a_launch.yaml": _CONTROLLER, "p.yaml": _parameters("controler_server", "controller_frequency: 20.0")},
-        ["p.yaml:1:1: PAR105 did you mean 'controller_server'?"],
-    ),
-    "a section without the node's namespace": (
-        {
-            "a_launch.yaml": _RTABMAP.replace("name: rtabmap,", "name: rtabmap, namespace: rover,"),
-            "p.yaml": _parameters("rtabmap", "frame_id: base_link"),
-        },
-        ["p.yaml:1:1: PAR105 write '/rover/rtabmap', or '/**/rtabmap' for any namespace"],
-    ),
-    "a parameter twice": (
-        {"a_launch.yaml": _RTABMAP, "p.yaml": _parameters("rtabmap", "frame_id: a", "frame_id: b")},
-        ["p.yaml:3:5: PAR106"],
-    ),
-    "a parameter of the y axis alone": (
-        {
-            "a_launch.yaml": _CONTROLLER,
-            "p.yaml": _parameters("controller_server", "FollowPath:", "  plugin: dwb_core::DWBLocalPlanner")
-            + "      max_vel_y: 0.3\n",
-        },
-        ["p.yaml:5:7: PAR107 did you mean 'FollowPath.max_vel_x'?"],
+    "a parameter twice": _rtabmap("frame_id: a", "frame_id: b", finding="p.yaml:3:5: PAR106"),
+    "a parameter of the y axis alone": _controller(
+        "FollowPath:",
+        "  plugin: dwb_core::DWBLocalPlanner",
+        "  max_vel_y: 0.3",
+        finding="p.yaml:5:7: PAR107 did you mean 'FollowPath.max_vel_x'?",
     ),
     "a file that another value of an argument chooses": (
         {
@@ -76,33 +89,21 @@ _CASES: Mapping[str, tuple[dict[str, str], list[str]]] = {
         },
         ["q.yaml:3:5: PAR101 did you mean 'frame_id'?"],
     ),
-    "an unknown plugin": (
-        {
-            "a_launch.yaml": _CONTROLLER,
-            "p.yaml": _parameters("controller_server", "FollowPath:", "  plugin: dwb_core::DWBLocalPlaner"),
-        },
-        ["p.yaml:4:7: PLG101 did you mean 'dwb_core::DWBLocalPlanner'?"],
+    "an unknown plugin": _controller(
+        "FollowPath:",
+        "  plugin: dwb_core::DWBLocalPlaner",
+        finding="p.yaml:4:7: PLG101 did you mean 'dwb_core::DWBLocalPlanner'?",
     ),
-    "a plugin of another kind": (
-        {
-            "a_launch.yaml": _CONTROLLER,
-            "p.yaml": _parameters("controller_server", "FollowPath:", "  plugin: nav2_costmap_2d::VoxelLayer"),
-        },
-        ["p.yaml:4:7: PLG101"],
+    "a plugin of another kind": _controller(
+        "FollowPath:", "  plugin: nav2_costmap_2d::VoxelLayer", finding="p.yaml:4:7: PLG101"
     ),
     "a source of observations that is not listed": (
-        {
-            "a_launch.yaml": _CONTROLLER,
-            "p.yaml": "local_costmap:\n  local_costmap:\n    ros__parameters:\n      plugins: [voxel_layer]\n"
-            "      voxel_layer:\n        plugin: nav2_costmap_2d::VoxelLayer\n        z_voxels: 20\n"
-            "        observation_sources: points\n        point: {topic: /points}\n",
-        },
+        {"a_launch.yaml": _CONTROLLER, "p.yaml": _COSTMAP},
         ["p.yaml:7:9: PAR104", "p.yaml:9:17: PAR101 did you mean 'voxel_layer.points.topic'?"],
     ),
     "a numbered sensor after a gap": (
         {
-            "a_launch.yaml": "launch:\n  - node: {pkg: robot_localization, exec: ekf_node, name: ekf, "
-            "param: [{from: p.yaml}]}\n",
+            "a_launch.yaml": _EKF,
             "p.yaml": _parameters("ekf", "odom0: a", "odom0_queue_size: 2", "odom2: b", "odom1_differential: true"),
         },
         ["p.yaml:5:5: PAR101", "p.yaml:6:5: PAR101"],
@@ -173,36 +174,41 @@ _CASES: Mapping[str, tuple[dict[str, str], list[str]]] = {
 }
 
 
-def _check(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, list[str]]:
-    """Return the exit code, and a line for each finding that is no hint: place, rule and help."""
-    code = main(["check-launch", "--format", "json", *arguments])
-    findings = json.loads(capsys.readouterr().out)
-    lines = [
-        f"{one['path']}:{one['line']}:{one['column']}: {one['id']} {one['help'] or ''}".strip()
-        for one in findings
-        if one["severity"] != "hint"
-    ]
-    return code, lines
+@pytest.fixture
+def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
+    """Writes files into the working directory."""
+    monkeypatch.chdir(tmp_path)
+
+    def write(files: Mapping[str, str]) -> None:
+        for name, text in files.items():
+            (tmp_path / name).parent.mkdir(exist_ok=True)
+            (tmp_path / name).write_text(text, encoding="utf-8")
+
+    return write
 
 
-def _write(folder: Path, files: Mapping[str, str]) -> None:
-    for name, text in files.items():
-        (folder / name).write_text(text, encoding="utf-8")
+@pytest.fixture
+def check(write: Write, capsys: pytest.CaptureFixture[str]) -> Check:
+    """Checks; the exit code, and a line for each finding that is no hint: place, rule and help."""
+
+    def check(*arguments: str) -> tuple[int, list[str]]:
+        code = main(["check-launch", "--format", "json", *arguments])
+        found = [one for one in json.loads(capsys.readouterr().out) if one["severity"] != "hint"]
+        places = [f"{one['path']}:{one['line']}:{one['column']}: {one['id']}" for one in found]
+        return code, [f"{place} {one['help'] or ''}".strip() for place, one in zip(places, found)]
+
+    return check
 
 
 @pytest.mark.parametrize("name", _CASES)
-def test_a_mistake_is_found_at_its_place(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_mistake_is_found_at_its_place(name: str, write: Write, check: Check) -> None:
     """Each mistake gives its finding with file, line, column and what to write, and no other finding."""
     files, expected = _CASES[name]
-    _write(tmp_path, files)
-    monkeypatch.chdir(tmp_path)
-    code, found = _check(capsys, next(iter(files)))
-    assert len(found) == len(expected), found
+    write(files)
+    code, found = check(next(iter(files)))
+    assert (code, len(found)) == (1, len(expected)), found
     for line, wanted in zip(found, expected, strict=True):
         assert line.startswith(wanted)
-    assert code == 1
 
 
 _PYTHON = """
@@ -234,190 +240,147 @@ def generate_launch_description():
 """
 
 
-def test_a_python_launch_file_is_expanded_where_ros_is_not_installed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_python_launch_file_is_expanded_where_ros_is_not_installed(write: Write, check: Check) -> None:
     """Functions, conditions and both branches of a Python launch file are checked, with lines and columns."""
-    _write(tmp_path, {"a.launch.py": _PYTHON})
-    monkeypatch.chdir(tmp_path)
-    _, found = _check(capsys, "a.launch.py")
-    assert [re.sub(r":\d+: LCH", ": LCH", line) for line in found] == [
+    write({"a.launch.py": _PYTHON})
+    assert [re.sub(r":\d+: LCH", ": LCH", line) for line in check("a.launch.py")[1]] == [
         "a.launch.py:13:56: PAR101 did you mean 'Grid/CellSize'?",
         "a.launch.py:14:31: TOP101 did you mean 'rgb/image'?",
         "a.launch.py:23: LCH108 did you mean 'rviz2'?",
     ]
 
 
-def test_the_three_kinds_of_launch_files_say_the_same(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+_YAML_NODE = """
+launch:
+  - arg: {name: ns, default: rover}
+  - group:
+      - push_ros_namespace: {namespace: $(var ns)}
+      - node:
+          pkg: imu_filter_madgwick
+          exec: imu_filter_madgwick_node
+          name: filter
+          param: [{name: use_mag, value: false}]
+          remap: [{from: imu/data_raw, to: /camera/imu}]
+"""
+_XML_NODE = """
+<launch><arg name="ns" default="rover"/><group><push_ros_namespace namespace="$(var ns)"/>
+<node pkg="imu_filter_madgwick" exec="imu_filter_madgwick_node" name="filter"><param name="use_mag" value="false"/>
+<remap from="imu/data_raw" to="/camera/imu"/></node></group></launch>
+"""
+_PYTHON_NODE = """
+from launch import LaunchDescription as L
+from launch.actions import *
+from launch.substitutions import LaunchConfiguration as C
+from launch_ros.actions import *
+def generate_launch_description():
+    return L([DeclareLaunchArgument('ns', default_value='rover'), GroupAction([PushRosNamespace(C('ns')),
+        Node(package='imu_filter_madgwick', executable='imu_filter_madgwick_node', name='filter',
+             parameters=[{'use_mag': False}], remappings=[('imu/data_raw', '/camera/imu')])])])
+"""
+
+
+def test_the_three_kinds_of_launch_files_say_the_same(write: Write, tmp_path: Path) -> None:
     """One node in YAML, XML and Python has the same parameters, namespace and remappings: the drawings are equal."""
-    _write(
-        tmp_path,
-        {
-            "a_launch.yaml": "launch:\n  - arg: {name: ns, default: rover}\n  - group:\n"
-            "      - push_ros_namespace: {namespace: $(var ns)}\n      - node:\n          pkg: imu_filter_madgwick\n"
-            "          exec: imu_filter_madgwick_node\n          name: filter\n"
-            "          param: [{name: use_mag, value: false}]\n"
-            "          remap: [{from: imu/data_raw, to: /camera/imu}]\n",
-            "a_launch.xml": '<launch><arg name="ns" default="rover"/><group>'
-            '<push_ros_namespace namespace="$(var ns)"/>'
-            '<node pkg="imu_filter_madgwick" exec="imu_filter_madgwick_node" name="filter">'
-            '<param name="use_mag" value="false"/><remap from="imu/data_raw" to="/camera/imu"/>'
-            "</node></group></launch>",
-            "a_launch.py": "from launch import LaunchDescription as L\nfrom launch.actions import *\n"
-            "from launch.substitutions import LaunchConfiguration as C\nfrom launch_ros.actions import *\n"
-            "def generate_launch_description():\n    return L([DeclareLaunchArgument('ns', default_value='rover'),\n"
-            "        GroupAction([PushRosNamespace(C('ns')), Node(package='imu_filter_madgwick',\n"
-            "            executable='imu_filter_madgwick_node', name='filter', parameters=[{'use_mag': False}],\n"
-            "            remappings=[('imu/data_raw', '/camera/imu')])])])\n",
-        },
-    )
-    monkeypatch.chdir(tmp_path)
     drawings = set()
-    for kind in ("yaml", "xml", "py"):
+    for kind, text in {"yaml": _YAML_NODE.strip(), "xml": _XML_NODE.strip(), "py": _PYTHON_NODE}.items():
+        write({f"a_launch.{kind}": text})
         assert main(["check-launch", f"a_launch.{kind}", "--graph", "graph.svg"]) == 0
         drawings.add((tmp_path / "graph.svg").read_text(encoding="utf-8").replace(f"a_launch.{kind}", "a_launch"))
     (drawing,) = drawings
     assert {"rover/filter", "/camera/imu"} <= set(re.findall(r">([^<>]+)</text>", drawing))
-    capsys.readouterr()
 
 
-def test_dirname_stays_that_of_an_included_file_as_in_ros2(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_dirname_stays_that_of_an_included_file_as_in_ros2(write: Write, check: Check) -> None:
     """In the arguments of an include, and after it, $(dirname) is the folder of the included file."""
-    (tmp_path / "inner").mkdir()
-    node = "  - node: {pkg: rtabmap_slam, exec: rtabmap, name: NAME, param: [{from: FILE}]}\n"
-    _write(
-        tmp_path,
+    node = "  - node: {{pkg: rtabmap_slam, exec: rtabmap, name: {}, param: [{{from: {}}}]}}\n"
+    include = "  - include: {file: inner/b_launch.yaml, arg: [{name: config, value: $(dirname)/q.yaml}]}\n"
+    own = "$(dirname)/p.yaml"
+    write(
         {
-            "a_launch.yaml": "launch:\n"
-            + node.replace("NAME", "before").replace("FILE", "$(dirname)/p.yaml")
-            + "  - include: {file: inner/b_launch.yaml, arg: [{name: config, value: $(dirname)/q.yaml}]}\n"
-            + node.replace("NAME", "after").replace("FILE", "$(dirname)/p.yaml"),
+            "a_launch.yaml": f"launch:\n{node.format('before', own)}{include}{node.format('after', own)}",
             "p.yaml": _parameters("before", "frame_id: a", "of_before: 1") + _parameters("after", "of_after: 1"),
-            "inner/b_launch.yaml": "launch:\n  - arg: {name: config}\n"
-            + node.replace("NAME", "inner").replace("FILE", "$(var config)"),
+            "inner/b_launch.yaml": "launch:\n  - arg: {name: config}\n" + node.format("inner", "$(var config)"),
             "inner/p.yaml": _parameters("after", "of_after_the_include: 1"),
             "inner/q.yaml": _parameters("inner", "of_the_argument: 1"),
-        },
+        }
     )
-    monkeypatch.chdir(tmp_path)
-    assert _check(capsys, "a_launch.yaml")[1] == [
-        "inner/p.yaml:3:5: PAR101",
-        "inner/q.yaml:3:5: PAR101",
-        "p.yaml:4:5: PAR101",
-    ]
+    places = ("inner/p.yaml:3:5", "inner/q.yaml:3:5", "p.yaml:4:5")
+    assert check("a_launch.yaml")[1] == [f"{place}: PAR101" for place in places]
 
 
-def test_arguments_are_set_as_for_ros2_launch(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_arguments_are_set_as_for_ros2_launch(write: Write, check: Check) -> None:
     """NAME:=VALUE behind the file replaces the default of an argument, and what it chooses is checked."""
     argument = "  - arg: {name: exec, default: rtabmap}\n"
-    _write(tmp_path, {"a_launch.yaml": f"launch:\n{argument}  - node: {{pkg: rtabmap_slam, exec: $(var exec)}}\n"})
-    monkeypatch.chdir(tmp_path)
-    assert _check(capsys, "a_launch.yaml") == (0, [])
-    assert _check(capsys, "a_launch.yaml", "exec:=rtab") == (1, ["a_launch.yaml:3:5: LCH108 did you mean 'rtabmap'?"])
+    write({"a_launch.yaml": f"launch:\n{argument}  - node: {{pkg: rtabmap_slam, exec: $(var exec)}}\n"})
+    assert check("a_launch.yaml") == (0, [])
+    assert check("a_launch.yaml", "exec:=rtab") == (1, ["a_launch.yaml:3:5: LCH108 did you mean 'rtabmap'?"])
 
 
-def test_a_launch_file_that_starts_everything_has_no_loose_ends(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_launch_file_that_starts_everything_has_no_loose_ends(write: Write, check: Check) -> None:
     """With --complete or a comment, needed topics that come from nowhere or lead to nowhere are errors."""
     node = "  - node: {pkg: nav2_velocity_smoother, exec: velocity_smoother}\n"
-    _write(
-        tmp_path,
-        {"a_launch.yaml": f"launch:\n{node}", "b_launch.yaml": f"launch:  # all\n  # check-launch: complete\n{node}"},
-    )
-    monkeypatch.chdir(tmp_path)
-    assert _check(capsys, "a_launch.yaml") == (0, [])
-    assert _check(capsys, "a_launch.yaml", "--complete")[1] == [
-        "a_launch.yaml:2:5: TOP102 topics of this type: /cmd_vel_smoothed",
-        "a_launch.yaml:2:5: TOP103 topics of this type: /cmd_vel",
-    ]
-    assert _check(capsys, "b_launch.yaml")[1] == [
-        "b_launch.yaml:3:5: TOP102 topics of this type: /cmd_vel_smoothed",
-        "b_launch.yaml:3:5: TOP103 topics of this type: /cmd_vel",
-    ]
+    write({"a_launch.yaml": f"launch:\n{node}", "b_launch.yaml": f"launch:\n  # check-launch: complete\n{node}"})
+    ends = ("TOP102 topics of this type: /cmd_vel_smoothed", "TOP103 topics of this type: /cmd_vel")
+    assert check("a_launch.yaml") == (0, [])
+    assert check("a_launch.yaml", "--complete")[1] == [f"a_launch.yaml:2:5: {end}" for end in ends]
+    assert check("b_launch.yaml")[1] == [f"b_launch.yaml:3:5: {end}" for end in ends]
 
 
-def test_a_display_that_shows_nothing_is_found_in_a_complete_system(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_display_that_shows_nothing_is_found_in_a_complete_system(write: Write, check: Check) -> None:
     """If everything is started, displays of RViz need publishers. Updates of a map and unused tools do not count."""
     display = "    - {Class: rviz_default_plugins/%s, Topic: {Value: /%s}}\n"
-    _write(
-        tmp_path,
+    updates = "    - {Class: rviz_default_plugins/Map, Update Topic: {Value: /map_updates}}\n"
+    shown = display % ("Image", "image") + updates + "  Tools:\n" + display % ("SetGoal", "goal_pose")
+    write(
         {
             "a_launch.yaml": "launch:\n  - node: {pkg: rviz2, exec: rviz2, args: -d $(dirname)/a.rviz}\n",
-            "a.rviz": "Visualization Manager:\n  Displays:\n"
-            + display % ("Image", "image")
-            + "    - {Class: rviz_default_plugins/Map, Update Topic: {Value: /map_updates}}\n  Tools:\n"
-            + display % ("SetGoal", "goal_pose"),
-        },
+            "a.rviz": f"Visualization Manager:\n  Displays:\n{shown}",
+        }
     )
-    monkeypatch.chdir(tmp_path)
-    assert _check(capsys, "a_launch.yaml") == (0, [])
-    assert _check(capsys, "a_launch.yaml", "--complete")[1] == ["a.rviz:3:58: TOP102 topics of this type: /goal_pose"]
+    assert check("a_launch.yaml") == (0, [])
+    assert check("a_launch.yaml", "--complete")[1] == ["a.rviz:3:58: TOP102 topics of this type: /goal_pose"]
 
 
-def test_unknown_packages_are_named_and_skipped(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A package that is not in the catalogue gives a hint; with it, nothing is reported as missing."""
-    _write(
-        tmp_path,
-        {
-            "a_launch.yaml": "launch:\n  - node: {pkg: zed_wrapper, exec: zed}\n"
-            "  - node: {pkg: rtabmap_slam, exec: rtabmap}\n"
-        },
-    )
-    monkeypatch.chdir(tmp_path)
-    assert main(["check-launch", "--complete", "a_launch.yaml"]) == 0
-    assert "the package 'zed_wrapper' is not in the catalogue" in capsys.readouterr().out
-
-
-def test_a_parameter_file_is_checked_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_parameter_file_is_checked_alone(write: Write, check: Check) -> None:
     """A parameter file that no launch file uses is checked by the names of its nodes, for the chosen distribution."""
-    _write(tmp_path, {"nav2.yaml": _parameters("controller_server", "progress_checker_plugin: progress_checker")})
-    monkeypatch.chdir(tmp_path)
-    assert _check(capsys, ".") == (0, [])
-    assert _check(capsys, ".", "--distribution", "jazzy")[1] == [
-        "nav2.yaml:3:5: PAR101 did you mean 'progress_checker_plugins'?"
-    ]
+    write({"nav2.yaml": _parameters("controller_server", "progress_checker_plugin: progress_checker")})
+    assert check(".") == (0, [])
+    (found,) = check(".", "--distribution", "jazzy")[1]
+    assert found == "nav2.yaml:3:5: PAR101 did you mean 'progress_checker_plugins'?"
+
+
+_RTABMAP_NODE = "  - node: {pkg: rtabmap_slam, exec: rtabmap}\n"
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("name", "text", "code", "message"),
     [
-        ("launch:\n  - node: {pkg: a", "not valid YAML"),
-        ("nodes: []\n", "the file has no list 'launch'"),
-        ("<launch><node></launch>", "not valid XML"),
-        ("launch:\n  - include: {file: missing_launch.yaml}\n", "missing_launch.yaml"),
+        ("a_launch.yaml", "launch:\n  - node: {pkg: a", 2, "not valid YAML"),
+        ("a_launch.yaml", "nodes: []\n", 2, "the file has no list 'launch'"),
+        ("a_launch.yaml", "<launch><node></launch>", 2, "not valid XML"),
+        ("a_launch.yaml", "launch:\n  - include: {file: missing_launch.yaml}\n", 2, "missing_launch.yaml"),
+        (
+            "a.launch.py",
+            "def generate_launch_description():\n    return 1 / 0\n",
+            2,
+            "a.launch.py:2: fatal[LCH101] the file stops here: ZeroDivisionError",
+        ),
+        # Near a package that is not in the catalogue, nothing is reported as missing.
+        (
+            "a_launch.yaml",
+            "launch:\n  - node: {pkg: zed_wrapper, exec: zed}\n" + _RTABMAP_NODE,
+            0,
+            "the package 'zed_wrapper' is not in the catalogue",
+        ),
     ],
 )
-def test_a_file_that_cannot_be_read_ends_with_2(
-    text: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_what_cannot_be_read_ends_with_2(
+    name: str, text: str, code: int, message: str, write: Write, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A broken file is a fatal finding at its place, and the exit code is 2."""
-    _write(tmp_path, {"a_launch.yaml": text})
-    monkeypatch.chdir(tmp_path)
-    assert main(["check-launch", "a_launch.yaml"]) == 2
+    """A broken file is a fatal finding at its place, without a traceback; an unknown package is a hint."""
+    write({name: text})
+    assert main(["check-launch", "--complete", name]) == code
     assert message in capsys.readouterr().out
-
-
-def test_a_python_file_that_stops_is_named_with_its_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """An exception in a Python launch file is a fatal finding at its line, and no traceback."""
-    _write(tmp_path, {"a.launch.py": "def generate_launch_description():\n    return 1 / 0\n"})
-    monkeypatch.chdir(tmp_path)
-    assert main(["check-launch", "a.launch.py"]) == 2
-    assert "a.launch.py:2: fatal[LCH101] the file stops here: ZeroDivisionError" in capsys.readouterr().out
 
 
 def test_a_folder_without_launch_files_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -427,27 +390,19 @@ def test_a_folder_without_launch_files_is_refused(tmp_path: Path, capsys: pytest
 
 
 @pytest.mark.parametrize("format", ["text", "json", "github", "sarif", "junit"])
-def test_every_format_names_rule_and_line(
-    format: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_every_format_names_rule_and_line(format: str, write: Write, capsys: pytest.CaptureFixture[str]) -> None:
     """The output formats of the lint show the findings of this command."""
-    files, _ = _CASES["a renamed parameter"]
-    _write(tmp_path, files)
-    monkeypatch.chdir(tmp_path)
+    write(_CASES["a renamed parameter"][0])
     assert main(["check-launch", "a_launch.yaml", "--format", format]) == 1
     out = capsys.readouterr().out
     assert "PAR101" in out
     assert "Grid/Sensor" in out
 
 
-def test_the_catalogue_says_for_which_versions_it_holds(capsys: pytest.CaptureFixture[str]) -> None:
-    """--list shows each package with its version and the commit of its source."""
+def test_versions_and_rules_are_explained(capsys: pytest.CaptureFixture[str]) -> None:
+    """--list shows each package with its version and the commit of its source; `roverlink explain` knows the rules."""
     assert main(["check-launch", "--list", "--distribution", "jazzy"]) == 0
     lines = dict(line.split(None, 1) for line in capsys.readouterr().out.splitlines())
     assert re.fullmatch(r"1\.3\.\d+ +navigation2 [0-9a-f]{10} \d{4}-\d\d-\d\d", lines["nav2_controller"])
-
-
-def test_rules_are_explained(capsys: pytest.CaptureFixture[str]) -> None:
-    """`roverlink explain` knows the rules of this command."""
     assert main(["explain", "PAR101"]) == 0
     assert "silently ignores" in capsys.readouterr().out

@@ -20,20 +20,14 @@ from roverlink.launch_check.catalogue.catalogue_files import read_catalogue
 from roverlink.launch_check.rules.checking import Checker, files_to_check
 
 _FOLDER = os.environ.get("ROVERLINK_LAUNCH_EXAMPLES", "")
-_EXAMPLES = (
-    "navigation2/nav2_bringup/launch",
-    "navigation2/nav2_bringup/params",
-    "rtabmap_ros/rtabmap_launch",
-    "rtabmap_ros/rtabmap_demos",
-    "rtabmap_ros/rtabmap_examples",
-    "realsense-ros/realsense2_camera/examples",
-    "realsense-ros/realsense2_camera/launch",
-    "robot_localization/launch",
-    "robot_localization/params",
-    "imu_tools/imu_filter_madgwick/launch",
-    "imu_tools/imu_filter_madgwick/config",
-    "stvl/spatio_temporal_voxel_layer/example",
-)
+_EXAMPLES = {
+    "navigation2/nav2_bringup": ("launch", "params"),
+    "rtabmap_ros": ("rtabmap_launch", "rtabmap_demos", "rtabmap_examples"),
+    "realsense-ros/realsense2_camera": ("examples", "launch"),
+    "robot_localization": ("launch", "params"),
+    "imu_tools/imu_filter_madgwick": ("launch", "config"),
+    "stvl/spatio_temporal_voxel_layer": ("example",),
+}
 _MISTAKES = (
     r"'FollowPath\.stateful'",  # only goal checkers have it
     r"_nodelay'|'stamped_control'|'broadcast_utm_transform_as_parent_frame'",  # of ROS 1; the last one ends with _ now
@@ -53,6 +47,7 @@ _MISTAKES = (
 )
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(not _FOLDER, reason="ROVERLINK_LAUNCH_EXAMPLES names no folder with the examples of other projects")
 @pytest.mark.parametrize("distribution", ["humble", "jazzy"])
 def test_the_examples_of_others_have_only_real_mistakes(distribution: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -60,7 +55,8 @@ def test_the_examples_of_others_have_only_real_mistakes(distribution: str, monke
     top = Path(_FOLDER) / distribution
     monkeypatch.chdir(top)
     missing: list[Path] = []
-    files = list(files_to_check((top / example for example in _EXAMPLES), missing.append))
+    folders = [top / package / folder for package, names in _EXAMPLES.items() for folder in names]
+    files = list(files_to_check(folders, missing.append))
     findings = Checker(read_catalogue(distribution), [top]).check(files, {}).findings
     others = [
         one.render()

@@ -16,10 +16,7 @@ MATRIX = np.array([[920.0, 0, 647.3], [0, 923.7, 355.4], [0, 0, 1]])
 CAMERA = CameraParameters(MATRIX, np.array([0.100096, -0.256227, 0.00111085, 0.000269882, 0.203651]), SIZE)
 RATIONAL = CameraParameters(MATRIX, np.array([0.9, 0.3, 1e-3, -2e-3, 0.02, 1.2, 0.5, 0.05]), SIZE)
 FISHEYE = CameraParameters(
-    np.array([[430.0, 0, 640], [0, 431, 361], [0, 0, 1]]),
-    np.array([0.05, -0.02, 0.01, -0.002]),
-    SIZE,
-    fisheye=True,
+    np.array([[430.0, 0, 640], [0, 431, 361], [0, 0, 1]]), np.array([0.05, -0.02, 0.01, -0.002]), SIZE, fisheye=True
 )
 NOISE = 0.03
 """Pixels."""

@@ -9,9 +9,6 @@ from typing import Any
 import numpy as np
 from onnx import TensorProto, helper, numpy_helper
 
-_OPSET = 13
-_IR = 8  # what ONNX Runtime of 2022 reads
-
 
 def write(
     path: Path,
@@ -24,26 +21,21 @@ def write(
     """A detector that finds the same in every image; ``size`` is the width and height of its input."""
     given = inputs or {"images": (1, 3, size[1], size[0])}
     arrays = {name: np.asarray(value) for name, value in outputs.items()}
-    nodes = [helper.make_node("Identity", [f"{name}_value"], [name]) for name in arrays]
+    types = {name: helper.np_dtype_to_tensor_dtype(one.dtype) for name, one in arrays.items()}
+    info = helper.make_tensor_value_info
     graph = helper.make_graph(
-        nodes,
+        [helper.make_node("Identity", [f"{name}_value"], [name]) for name in arrays],
         "detector",
-        [
-            helper.make_tensor_value_info(name, kind if len(shape) == 4 else TensorProto.INT64, shape)
-            for name, shape in given.items()
-        ],
-        [
-            helper.make_tensor_value_info(name, helper.np_dtype_to_tensor_dtype(one.dtype), one.shape)
-            for name, one in arrays.items()
-        ],
+        [info(name, kind if len(shape) == 4 else TensorProto.INT64, shape) for name, shape in given.items()],
+        [info(name, types[name], one.shape) for name, one in arrays.items()],
         [numpy_helper.from_array(one, f"{name}_value") for name, one in arrays.items()],
     )
     return save(path, graph, metadata)
 
 
 def save(path: Path, graph: Any, metadata: Mapping[str, object] = {}) -> Path:  # it is not changed
-    """Write a graph with metadata."""
-    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", _OPSET)], ir_version=_IR)
+    """Write a graph with metadata, as ONNX Runtime of 2022 reads it."""
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 13)], ir_version=8)
     helper.set_model_props(model, {name: str(value) for name, value in metadata.items()})
     path.write_bytes(model.SerializeToString())
     return path

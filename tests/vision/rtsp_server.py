@@ -12,6 +12,8 @@ gi.require_version("GstRtspServer", "1.0")
 from gi.repository import GLib, Gst, GstRtspServer  # noqa: E402  # only after require_version
 
 Gst.init(None)
+if not (Gst.ElementFactory.find("rtpjpegpay") and Gst.ElementFactory.find("jpegenc")):
+    sys.exit("the plugins of GStreamer are missing")
 server = GstRtspServer.RTSPServer()
 server.set_address("127.0.0.1")
 server.set_service(sys.argv[1])

@@ -1,61 +1,189 @@
-"""What the bench measures, with few poses and wide margins: whether it still holds at all."""
+"""What the bench measures, with few poses and wide margins; the slow tests measure as much as was promised."""
 
 from __future__ import annotations
 
+from pathlib import Path
+from statistics import mean
+
+import cv2
 import numpy as np
 import pytest
+from needs import NO_ONNX
 
 from bench.vision import nothing
 from bench.vision.accuracy import OURS, Accuracy, measure_size, nees_band
-from bench.vision.contestants import camera_of
-from bench.vision.scenes import lens
-from roverlink.vision import MarkerSet, Tracker
-from roverlink.vision.images.rendering import render, texture
+from bench.vision.calibration import PLAIN
+from bench.vision.calibration import measure_runs as measure_calibrations
+from bench.vision.consistency import CLEAN, DEGRADATIONS, GOAL, IMAGE, SIZES, measure_degradation
+from bench.vision.degradations import Degradation, degraded_scenes
+from bench.vision.lenses import measure_runs as measure_lenses
+from roverlink.vision import CameraParameters, MarkerSet, Tracker
 
 GOALS = {24: (95, 0.3, 1.5, 0.7, np.inf), 48: (99, 0.08, 0.25, 0.12, 0.6), 96: (99, 0.04, 0.10, 0.06, 0.25)}
 """By side in pixels: detected %, translation median and p95 in %, rotation median and p95 in degrees."""
+ROOM = Path(__file__).parents[3] / "shared" / "photos" / "room"
+"""Photographs that nobody of this project took."""
+APRILTAG = "OpenCV APRILTAG"
+BY_NAME = {one.name: one for one in DEGRADATIONS}
 
 
-def ours(side_px: int, poses: int) -> Accuracy:
-    return next(one for one in measure_size(side_px, poses, names=[OURS]) if one.contestant == OURS)
+def is_chance(nees: float, count: int) -> bool:
+    """True if a mean squared error of poses is in its band, widened to 99.9 %."""
+    low, high = nees_band(count)
+    return 6 - 1.7 * (6 - low) < nees < 6 + 1.7 * (high - 6)
 
 
-def check(found: Accuracy, least_detected: float) -> None:
-    _, translation, translation_p95, rotation, rotation_p95 = GOALS[found.side_px]
+def check(side_px: int, poses: int, least_detected: float) -> Accuracy:
+    """Measure poses, and compare them with the goals."""
+    (found,) = (one for one in measure_size(side_px, poses, names=[OURS]) if one.contestant == OURS)
+    _, *goals = GOALS[side_px]
     assert found.detected >= least_detected
     assert found.false_ids == 0
-    assert found.flips <= (0 if found.side_px >= 48 else 3)  # %; below, one frame cannot always decide
-    assert found.translation_median < translation
-    assert found.translation_p95 < translation_p95
-    assert found.rotation_median < rotation
-    assert found.rotation_p95 < rotation_p95
+    assert found.flips <= (0 if side_px >= 48 else 3)  # %; below, one frame cannot always decide
+    figures = found.translation_median, found.translation_p95, found.rotation_median, found.rotation_p95
+    assert np.less(figures, goals).all(), figures
+    return found
 
 
 def test_poses_are_as_accurate_as_promised() -> None:
     """A dozen poses at 48 px; one may be missed."""
-    check(ours(48, 12), 100 * 11 / 12 - 0.01)
+    check(48, 12, 100 * 11 / 12 - 0.01)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("side_px", [24, 48, 96])
+@pytest.mark.parametrize("side_px", GOALS)
 def test_poses_are_as_accurate_as_promised_over_many(side_px: int) -> None:
-    """Two hundred poses reach the goals, and the NEES its band (widened to 99.9 %)."""
-    found = ours(side_px, 200)
-    check(found, GOALS[side_px][0])
-    low, high = nees_band(200)
-    assert 6 - 1.7 * (6 - low) < found.nees < 6 + 1.7 * (high - 6)
+    """Two hundred poses reach the goals, and the NEES its band."""
+    assert is_chance(check(side_px, 200, GOALS[side_px][0]).nees, 200)
 
 
-def test_nothing_is_seen_where_nothing_is() -> None:
-    """Textures, boxes and chequers are no markers."""
-    camera = lens()
-    tracker = Tracker(camera_of(camera), MarkerSet(), scan_every=1)
-    for seed in range(15):
-        rng = np.random.default_rng([1, seed])
-        assert tracker.track(render(camera, texture(camera.size, rng), [], rng), seed) == ()
+@pytest.mark.skipif(not ROOM.is_dir(), reason="need the photographs of a room (../shared/photos)")
+def test_markers_in_photographs_are_seen_and_nothing_else() -> None:
+    """On the walls of a room: nine of ten that a person listed, and no other; and of another dictionary, none."""
+    camera = CameraParameters(np.array([[700.0, 0, 408], [0, 700, 306], [0, 0, 1]]), np.zeros(5), (816, 612))
+    listed = [line.split() for line in (ROOM / "markers.txt").read_text(encoding="utf-8").splitlines()]
+    found = []
+    for name, *ids in listed:
+        image = cv2.imread(str(ROOM / name), cv2.IMREAD_GRAYSCALE)
+        seen = [str(one.id) for one in Tracker(camera, MarkerSet("DICT_APRILTAG_36h11"), scan_every=1).track(image, 0)]
+        assert set(seen) <= set(ids), name
+        assert Tracker(camera, MarkerSet(), scan_every=1).track(image, 0) == (), name
+        found += [one in seen for one in ids]
+    assert np.mean(found) > 0.9
+
+
+@pytest.mark.parametrize("frames", [8, pytest.param(500, marks=pytest.mark.slow)])
+def test_nothing_is_seen_where_nothing_is(frames: int) -> None:
+    """Rendered textures, boxes and chequers are no markers."""
+    assert nothing.measure(frames, lambda _: None).data["false_ids"][OURS] == 0
+
+
+# --- covariances that can be trusted although images, prints and parameters are not ideal --------------------------
+
+
+@pytest.mark.parametrize("name", ["white balance, clipped", "JPEG q20", "print of 100 px", "side 1 % too small"])
+def test_covariances_are_never_far_too_confident(name: str) -> None:
+    """The mean NEES of some markers of 48 px stays below that of standard deviations that are 4 times too small."""
+    (ours,) = measure_degradation(BY_NAME[name], 48, 5, (OURS,))
+    assert ours.count == 5
+    assert ours.too_confident < GOAL
+
+
+@pytest.mark.parametrize("name", ["print of 100 px", "motion blur 6 px"])
+def test_corners_are_better_than_those_of_apriltag(name: str) -> None:
+    """Misplaced inner edges and a blur along one direction are part of the model of the edge fit."""
+    ours, other = measure_degradation(BY_NAME[name], 96, 6, (IMAGE, APRILTAG))
+    assert ours.translation_median < other.translation_median
+    assert ours.rotation_median < other.rotation_median
 
 
 @pytest.mark.slow
-def test_nothing_is_seen_in_500_frames() -> None:
-    """The same, as often as promised."""
-    assert nothing.measure(500, lambda _: None).data["false_ids"][OURS] == 0
+@pytest.mark.parametrize("side_px", SIZES)
+@pytest.mark.parametrize("degradation", DEGRADATIONS, ids=lambda one: one.name)
+def test_covariances_are_never_far_too_confident_over_many(degradation: Degradation, side_px: int) -> None:
+    """The same for each degradation and size; if nothing but noise is wrong, the NEES of the image is in its band."""
+    if side_px <= 24 and degradation.name in ("motion blur 6 px", "defocus 2.5 px"):
+        pytest.skip("OpenCV's detector hardly finds these markers, so there are too few poses to judge")
+    (ours,) = measure_degradation(degradation, side_px, 40, (OURS,))
+    assert ours.count >= 15
+    assert ours.too_confident < GOAL
+    if degradation == CLEAN:
+        (image,) = measure_degradation(CLEAN, side_px, 100, (IMAGE,))
+        assert is_chance(image.nees, image.count)
+
+
+def test_all_degradations_see_the_same_scene() -> None:
+    """A degradation changes the frame, and neither the truth nor the place of the marker."""
+    (clean,) = degraded_scenes(CLEAN, 48, 1, 3)
+    corners = clean.scene.corners
+    (left, top), (right, bottom) = np.floor(corners.min(axis=0)).astype(int), np.ceil(corners.max(axis=0)).astype(int)
+    inside = np.s_[top : bottom + 1, left : right + 1]
+    for degradation in DEGRADATIONS[1:]:
+        (other,) = degraded_scenes(degradation, 48, 1, 3)
+        assert (other.scene.corners == corners).all()
+        assert (other.earlier is None) == (not degradation.speed)
+        if degradation.focal == 1:
+            assert (other.scene.frame != clean.scene.frame)[inside].any(), degradation.name
+
+
+# --- calibrations -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_calibrations_are_as_accurate_as_promised() -> None:
+    """Two cameras' worth of twenty rendered views, good ones and with one that was taken while the camera shook."""
+    misses = list(measure_calibrations((640, 480), 2))
+    for miss in (one for one in misses if one.contestant == OURS):
+        assert miss.named  # the shaken view, and no other
+        assert miss.rms < 0.10
+        assert abs(miss.fx) < 0.1
+        assert max(abs(miss.cx), abs(miss.cy)) < 0.5
+        assert miss.projection_mean < 0.15
+        assert miss.projection_max < 0.4
+    plain = [one for one in misses if one.contestant == PLAIN and one.bad_views]
+    assert max(one.projection_max for one in plain) > 0.4  # what the goal asks for is not to be had for nothing
+
+
+@pytest.mark.slow
+def test_the_intervals_of_all_lenses_hold_the_truth() -> None:
+    """From images, with a narrow, a wide and a fisheye lens."""
+    ours = [run for run in measure_lenses(2) if run.contestant == OURS]
+    assert np.mean([run.inside for run in ours]) >= 0.9
+    assert max(run.projection for run in ours) < 0.3
+
+
+# --- the model that ships with roverlink --------------------------------------------------------------------------
+
+
+def test_the_shipped_model_is_small_and_names_its_classes() -> None:
+    """So it needs no classes.yaml."""
+    pytest.importorskip("onnxruntime", reason=NO_ONNX)
+    from roverlink.vision.objects.detector import ObjectDetector
+    from roverlink.vision.objects.scenes import CLASSES
+    from roverlink.vision.objects.shipped_model import PATH
+
+    assert PATH.stat().st_size < 5_000_000
+    assert ObjectDetector(PATH).class_names == CLASSES
+
+
+@pytest.mark.slow
+def test_the_shipped_model_finds_the_objects_of_other_scenes() -> None:
+    """With another seed than that of the training, mAP50 is at least 0.9 and IDF1 0.95.
+
+    If a fifth of the boxes is missing, IDF1 is at least 0.8 (0.89 is the largest possible).
+    """
+    for module in ("onnx", "onnxruntime", "scipy"):
+        pytest.importorskip(module, reason=NO_ONNX)
+    from bench.vision.objects import detected, idf1, perfect, sequences
+    from roverlink.vision.objects.detector import ObjectDetector
+    from roverlink.vision.objects.metrics import average_precisions
+    from roverlink.vision.objects.object_tracker import ObjectTracker
+    from roverlink.vision.objects.scenes import scenes
+    from roverlink.vision.objects.shipped_model import PATH
+
+    all_of, sure = ObjectDetector(PATH, score=0.01), ObjectDetector(PATH)
+    truths = ((scene.image, [(one.class_name, one.box) for one in scene.objects]) for scene in scenes(77, 150))
+    assert mean(average_precisions((all_of.detect(image), truth) for image, truth in truths).values()) >= 0.9
+    films = list(sequences(4, 45))
+    assert mean(idf1(detected(film, sure), ObjectTracker()) for film in films) >= 0.95
+    assert min(idf1(perfect(film, 0.2), ObjectTracker()) for film in films) >= 0.8

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import cv2
 import numpy as np
@@ -12,62 +13,44 @@ import pytest
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK
 from roverlink.vision.camera.camera_settings import CameraSettings
-from roverlink.vision.camera.cameras_file import read_cameras
 from roverlink.vision.frames import open_source
 
 _MJPG = cv2.VideoWriter_fourcc(*"MJPG")
-
-
-class _Driver:
-    """A V4L2 camera that takes over what it knows, and limits its gain to 100."""
-
-    opened: list[_Driver]
-
-    def __init__(self, *what: object) -> None:
-        self.what, self.requests = what, list[tuple[int, float]]()
-        self._now = {cv2.CAP_PROP_FPS: 30.0}
-        _Driver.opened.append(self)
-
-    def isOpened(self) -> bool:  # noqa: N802  # OpenCV's name
-        return True
-
-    def set(self, key: int, value: float) -> bool:
-        self.requests.append((key, value))
-        self._now[key] = min(value, 100) if key == cv2.CAP_PROP_GAIN else value
-        return True
-
-    def get(self, key: int) -> float:
-        return self._now.get(key, 0.0)
-
-    def getBackendName(self) -> str:  # noqa: N802  # OpenCV's name
-        return "TEST"
-
-    def grab(self) -> bool:
-        return True
-
-    def retrieve(self) -> tuple[bool, Any]:
-        return True, np.zeros((4, 6, 3), np.uint8)
-
-    def release(self) -> None:
-        pass
+_HAS_GSTREAMER = cv2.videoio_registry.hasBackend(cv2.CAP_GSTREAMER)
 
 
 @pytest.fixture
-def camera(monkeypatch: pytest.MonkeyPatch) -> list[_Driver]:
-    """The cameras that were opened."""
-    _Driver.opened = []
-    monkeypatch.setattr(cv2, "VideoCapture", _Driver)
-    return _Driver.opened
+def camera(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """The V4L2 cameras that were opened; each takes over what it knows, and limits its gain to 100."""
+    opened: list[Any] = []
+
+    def open_camera(*what: object) -> Any:
+        now, requests = {cv2.CAP_PROP_FPS: 30.0}, list[tuple[int, float]]()
+
+        def set_value(key: int, value: float) -> bool:
+            requests.append((key, value))
+            now[key] = min(value, 100) if key == cv2.CAP_PROP_GAIN else value
+            return True
+
+        driver = Mock(what=what, requests=requests)
+        driver.isOpened.return_value = driver.grab.return_value = True
+        driver.retrieve.return_value = True, np.zeros((4, 6, 3), np.uint8)
+        driver.getBackendName.return_value = "TEST"
+        driver.set, driver.get = set_value, lambda key: now.get(key, 0.0)
+        opened.append(driver)
+        return driver
+
+    monkeypatch.setattr(cv2, "VideoCapture", open_camera)
+    return opened
 
 
-def test_settings_are_requested_from_the_driver(camera: list[_Driver]) -> None:
+def test_settings_are_requested_from_the_driver(camera: list[Any]) -> None:
     """The format is first, because sizes depend on it; exposure and focus end what is automatic, in V4L2's units."""
     said = list[str]()
     settings = CameraSettings(format="MJPG", rate=60, exposure=5, gain=50, focus=30)
     with open_source("/dev/video2", settings, size=(1280, 720), say=said.append):
         pass
-    ((index, backend),) = (one.what for one in camera)
-    assert (index, backend) == (2, cv2.CAP_V4L2)
+    assert [one.what for one in camera] == [(2, cv2.CAP_V4L2)]
     assert camera[0].requests == [
         (cv2.CAP_PROP_FOURCC, _MJPG),
         (cv2.CAP_PROP_FRAME_WIDTH, 1280),
@@ -82,22 +65,17 @@ def test_settings_are_requested_from_the_driver(camera: list[_Driver]) -> None:
     assert said == []
 
 
-def test_nothing_is_requested_that_was_not_asked_for(camera: list[_Driver]) -> None:
-    """A camera keeps what its driver or v4l2-ctl has set."""
-    with open_source("0"):
-        pass
-    assert camera[0].requests == []
-
-
-def test_what_the_driver_does_not_take_is_told(camera: list[_Driver]) -> None:
-    """With the value that it has instead."""
+def test_what_was_not_asked_for_stays_and_what_is_not_taken_is_told(camera: list[Any]) -> None:
+    """A camera keeps what its driver or v4l2-ctl has set; a value that it limits is told with the one that it has."""
     said = list[str]()
-    with open_source("0", CameraSettings(gain=180), say=said.append):
-        pass
+    for settings in (CameraSettings(), CameraSettings(gain=180)):
+        with open_source("0", settings, say=said.append):
+            pass
+    assert camera[0].requests == []
     assert said == ["camera 0: the camera does not take the gain 180; it is 100"]
 
 
-def test_the_latency_makes_stamps_earlier(camera: list[_Driver], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_latency_makes_stamps_earlier(camera: list[Any], monkeypatch: pytest.MonkeyPatch) -> None:
     """The stamp is that of the exposure."""
     monkeypatch.setattr(SYSTEM_CLOCK, "now", lambda: 5_000_000_000)
     with open_source("0", CameraSettings(latency=0.04)) as source:
@@ -136,34 +114,17 @@ def test_a_source_without_a_setting_refuses_it(tmp_path: Path, text: str, given:
         open_source(text.format(folder=tmp_path), CameraSettings(**given), open_topic=lambda _: pytest.fail("opened"))
 
 
-@pytest.mark.skipif(cv2.videoio_registry.hasBackend(cv2.CAP_GSTREAMER), reason="this OpenCV has GStreamer")
+@pytest.mark.skipif(_HAS_GSTREAMER, reason="this OpenCV has GStreamer")
 def test_a_pipeline_needs_an_opencv_with_gstreamer() -> None:
     """The message says which one has it, and what else to do."""
     with pytest.raises(SetupError, match=r"use the OpenCV of the system, as on a Jetson, or let a ROS 2 driver"):
         open_source("gstreamer:nvarguscamerasrc ! nvvidconv")
 
 
-@pytest.mark.skipif(not cv2.videoio_registry.hasBackend(cv2.CAP_GSTREAMER), reason="this OpenCV has no GStreamer")
+@pytest.mark.skipif(not _HAS_GSTREAMER, reason="this OpenCV has no GStreamer")
 def test_a_pipeline_gives_frames() -> None:
     """Without a sink, the newest image is taken."""
     with open_source("gstreamer:videotestsrc is-live=true pattern=green ! video/x-raw,width=320,height=240") as source:
         frame = next(iter(source))
     assert frame.size == (320, 240)
     assert frame.image.reshape(-1, 3).mean(axis=0) == pytest.approx([0, 255, 0], abs=5)
-
-
-def test_settings_are_in_the_file_of_cameras(tmp_path: Path) -> None:
-    """Under the names of the options."""
-    path = tmp_path / "cameras.yaml"
-    path.write_text("cameras: {arm: {source: 2, parameters: a.yml, format: MJPG, size: [640, 480], latency: 0.03}}")
-    (entry,) = read_cameras(path)
-    assert entry.settings == CameraSettings(size=(640, 480), format="MJPG", latency=0.03)
-    path.write_text("cameras:\n  arm: {source: 2, exposure: slow}")
-    with pytest.raises(SetupError, match=r"cameras.yaml:2:30: camera arm: exposure is slow; it must be a number"):
-        read_cameras(path)
-    path.write_text("cameras:\n  arm: {source: 2, exposure: 0}")
-    with pytest.raises(SetupError, match=r"cameras.yaml:2:8: camera arm: the exposure 0 is not possible"):
-        read_cameras(path)
-    path.write_text("cameras:\n  arm: {source: 'topic:/a', parameters: a.yml, camera_info: /b}")
-    with pytest.raises(SetupError, match=r"camera arm has 'parameters' and 'camera_info'; remove one"):
-        read_cameras(path)

@@ -1,4 +1,4 @@
-"""Where frames come from."""
+"""Where frames come from, recordings that are played, in real or simulated time, and films that are written."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import contextlib
 import re
 import socket
 import subprocess
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,11 +15,24 @@ import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from polling import wait_until
+from polling import PATIENCE_S, wait_until
 
+from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.interfaces import builtin_interfaces
+from roverlink.runtime.interfaces.rosgraph_msgs import Clock
+from roverlink.runtime.interfaces.sensor_msgs import Image
+from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime.ros_time import simulated_clock
+from roverlink.runtime.ros_time.simulated_clock import SimulatedClock
+from roverlink.vision import CameraParameters, FieldPose, Pose
 from roverlink.vision.camera.camera_settings import CameraSettings
-from roverlink.vision.frames import open_source
+from roverlink.vision.frames import Frame, TopicSource, open_source, play
+from roverlink.vision.images.drawing import REJECTED, SEEN, draw
+from roverlink.vision.images.film import Film
+from tests.vision.ros_images import image
+from tests.vision.seen import FACING, sighting
 from tests.vision.webcam import Webcam
 
 SIZE = (96, 64)
@@ -42,22 +56,16 @@ def webcam() -> Iterator[Callable[[int], Webcam]]:
 
 
 def test_a_folder_is_read_in_the_order_of_its_numbers(tmp_path: Path) -> None:
-    """10 comes after 2, other files are no frames, and the stamps are the rate's."""
+    """10 comes after 2, other files are no frames, and the stamps are the rate's. A picture is one frame."""
     for number in (10, 2, 1):
         cv2.imwrite(str(tmp_path / f"view{number}.png"), _image(number))
     (tmp_path / "notes.txt").write_text("no image")
     with open_source(str(tmp_path), CameraSettings(rate=10)) as source:
         frames = list(source)
         assert (source.live, source.total) == (False, 3)
-    assert [int(frame.image[0, 0, 0]) for frame in frames] == [1, 2, 10]
-    assert [frame.stamp for frame in frames] == [0, 100_000_000, 200_000_000]
-    assert [frame.number for frame in frames] == [0, 1, 2]
-
-
-def test_a_single_image_is_a_source(tmp_path: Path) -> None:
-    """A picture is a recording of one frame."""
-    cv2.imwrite(str(tmp_path / "one.png"), _image(7))
-    with open_source(str(tmp_path / "one.png")) as source:
+    found = [(frame.image[0, 0, 0], frame.stamp, frame.number) for frame in frames]
+    assert found == [(1, 0, 0), (2, 100_000_000, 1), (10, 200_000_000, 2)]
+    with open_source(str(tmp_path / "view1.png")) as source:
         assert [frame.image.shape for frame in source] == [(SIZE[1], SIZE[0], 3)]
 
 
@@ -115,30 +123,26 @@ def test_what_is_not_there_is_told(text: str, expected: str) -> None:
 
 
 def test_a_webcam_is_found_by_its_address(webcam: Callable[[int], Webcam]) -> None:
-    """Neither the scheme nor the path of the app's stream has to be typed; frames are stamped as they come."""
-    before = time.time_ns()
-    with open_source(webcam(10_000).address) as source:
-        frames = [frame for _, frame in zip(range(5), source)]
-        assert source.live
-    stamps = [before, *(frame.stamp for frame in frames), time.time_ns()]
-    assert stamps == sorted(stamps)
-    numbers = [frame.number for frame in frames]
-    assert numbers == sorted(set(numbers))
+    """Neither the scheme nor the path of the app's stream has to be typed; frames are stamped as they come.
 
-
-def test_only_the_newest_frame_waits(webcam: Callable[[int], Webcam]) -> None:
-    """Who takes long is given what is new, not what has waited; the numbers tell what was passed over."""
-    phone = webcam(10_000)
+    Who takes long is given what is new, not what has waited; the numbers tell what was passed over.
+    """
+    phone, before = webcam(10_000), time.time_ns()
     with open_source(phone.address) as source:
         frames = iter(source)
-        first = next(frames)
+        first = [next(frames) for _ in range(5)]
+        assert source.live
         sent = phone.sent
         wait_until(lambda: phone.sent > sent + 10, "ten more frames")
         next(frames)  # it came while we waited, just now
         asked = time.time_ns()
-        second = next(frames)
-    assert second.stamp > asked - 100_000_000
-    assert second.number > first.number + 5
+        last = next(frames)
+    stamps = [before, *(frame.stamp for frame in first), last.stamp, time.time_ns()]
+    assert stamps == sorted(stamps)
+    numbers = [frame.number for frame in first]
+    assert numbers == sorted(set(numbers))
+    assert last.stamp > asked - 100_000_000
+    assert last.number > numbers[-1] + 5
 
 
 @pytest.mark.parametrize("hangs", [False, pytest.param(True, marks=pytest.mark.slow)])
@@ -172,27 +176,17 @@ def test_a_stream_that_stays_away_is_asked_for_less_and_less(webcam: Callable[[i
 
 # --- RTSP, against GStreamer's server -------------------------------------------------------------------------------
 
-_SERVER = Path(__file__).with_name("rtsp_server.py")
 _SYSTEM_PYTHON = "/usr/bin/python3"
-_NO_SERVER = "need gst-rtsp-server (apt-get install gir1.2-gst-rtsp-server-1.0 gstreamer1.0-plugins-good python3-gi)"
-
-
-def _has_server() -> bool:
-    check = "import gi; gi.require_version('GstRtspServer', '1.0'); from gi.repository import Gst; Gst.init(None); "
-    check += "exit(not (Gst.ElementFactory.find('rtpjpegpay') and Gst.ElementFactory.find('jpegenc')))"
-    try:
-        return subprocess.run([_SYSTEM_PYTHON, "-c", check], capture_output=True).returncode == 0
-    except FileNotFoundError:
-        return False
 
 
 @contextlib.contextmanager
 def _rtsp(port: int) -> Iterator[subprocess.Popen[str]]:
-    with subprocess.Popen(
-        [_SYSTEM_PYTHON, str(_SERVER), str(port)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-    ) as server:
+    command = [_SYSTEM_PYTHON, str(Path(__file__).with_name("rtsp_server.py")), str(port)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as server:
         assert server.stdout
-        assert server.stdout.readline() == "ready\n"
+        if server.stdout.readline() != "ready\n":
+            packages = "gir1.2-gst-rtsp-server-1.0 gstreamer1.0-plugins-good python3-gi"
+            pytest.skip(f"need gst-rtsp-server (apt-get install {packages})")
         try:
             yield server
         finally:
@@ -200,7 +194,7 @@ def _rtsp(port: int) -> Iterator[subprocess.Popen[str]]:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not _has_server(), reason=_NO_SERVER)
+@pytest.mark.skipif(not Path(_SYSTEM_PYTHON).exists(), reason="need gst-rtsp-server and its Python")
 def test_a_camera_with_rtsp_is_read_and_read_again() -> None:
     """Frames of a real server come as they are; when it has gone and is back, they go on."""
     with socket.socket() as probe:
@@ -221,3 +215,186 @@ def test_a_camera_with_rtsp_is_read_and_read_again() -> None:
         wait_until(lambda: any("is back after" in text for text in said), "the stream")
         last = first.number
         assert next(frame.number for frame in frames if frame.number > last) > last
+
+
+# --- Films, drawings, and recordings played as if they were taken now -----------------------------------------------
+
+MS = 1_000_000
+
+
+def _greys(path: Path) -> list[int]:
+    capture, found = cv2.VideoCapture(str(path)), []
+    while capture.grab():
+        found.append(round(float(capture.retrieve()[1].mean()) / 10))
+    return found
+
+
+@pytest.mark.parametrize("name", ["film.mp4", "film.avi"])
+def test_a_film_is_as_fast_as_its_images_came(tmp_path: Path, name: str) -> None:
+    """Where an image is late the one before stands still, of two at once one is left out, and an hour is cut out."""
+    path = tmp_path / name
+    with Film(path, 10) as film:
+        for place, stamp in enumerate((0, 100, 400, 410, 500)):
+            film.add(_image(40 * place), stamp * MS)
+        assert list(tmp_path.glob("film*")) == []
+    assert _greys(path) == [0, 4, 8, 8, 8, 16]
+    assert [one.name for one in tmp_path.iterdir()] == [name]
+    assert cv2.VideoCapture(str(path)).get(cv2.CAP_PROP_FPS) == 10
+    with Film(path, 10) as film:
+        for place, stamp in enumerate((0, 3_600_000, 3_600_100)):
+            film.add(_image(40 * place), stamp * MS)
+    assert (len(_greys(path)), _greys(path)[-1]) == (22, 8)
+
+
+def test_a_film_that_cannot_be_is_told(tmp_path: Path) -> None:
+    """Its ending, its folder, and a size that changes; nothing is left behind where nothing was written."""
+    for name, words in (("film.gif", r"end with \.mp4 or \.avi"), ("none/film.mp4", "does not exist")):
+        with pytest.raises(SetupError, match=words):
+            Film(tmp_path / name, 10)
+    with Film(tmp_path / "empty.mp4", 10):
+        pass
+    with Film(tmp_path / "film.avi", 10) as film:
+        film.add(_image(0), 0)
+        with pytest.raises(SetupError, match="image size changed from"):
+            film.add(_image(0)[:32], MS)
+    assert [one.name for one in tmp_path.iterdir()] == ["film.avi"]
+
+
+def test_a_recording_is_played_at_its_pace(tmp_path: Path) -> None:
+    """Frames come when they are due, stamped with that time; in a loop the stamps and the numbers go on."""
+    for number in range(3):
+        cv2.imwrite(str(tmp_path / f"{number}.png"), _image(number))
+    began = time.time_ns()
+    with open_source(str(tmp_path), CameraSettings(rate=20)) as source:
+        frames = [(frame, time.time_ns()) for _, frame in zip(range(7), play(source, loop=True))]
+        assert len(list(play(source))) == 3  # without a loop, it ends
+    stamps = [frame.stamp for frame, _ in frames]
+    assert np.diff(stamps).tolist() == [50 * MS] * 6
+    assert began <= stamps[0]
+    assert all(came >= frame.stamp for frame, came in frames)
+    assert [(frame.number, frame.image[0, 0, 0]) for frame, _ in frames] == [(one, one % 3) for one in range(7)]
+
+
+def test_what_was_seen_is_drawn_where_it_is() -> None:
+    """The outline is on the corners, red where the landmark was left out; the image itself stays as it is."""
+    camera = CameraParameters(np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]]), np.zeros(5), (640, 480))
+    rng = np.random.default_rng(0)
+    image = np.full((480, 640, 3), 90, np.uint8)
+    one, two = (sighting(number, Pose(FACING, np.array([x, 0.0, 1.5])), rng) for number, x in ((7, -0.3), (8, 0.3)))
+    for each in (one, two):
+        object.__setattr__(each, "corners", camera.distort(each.corners))
+    place = FieldPose("field", Pose(np.eye(3), np.array([1.0, 2.0, 3.0])), np.eye(6), (7,), (8,))
+    drawn = draw(image, camera, (one, two), place)
+    for each, colour in ((one, SEEN), (two, REJECTED)):
+        x, y = np.rint(0.75 * each.corners[0] + 0.25 * each.corners[1]).astype(int)  # the axes are elsewhere
+        assert np.abs(drawn[y, x].astype(int) - colour).max() < 30
+    assert (image == 90).all()
+    assert (drawn[440:] != 90).any()
+    assert (drawn[300:400] == 90).all()
+
+
+# --- The time of a simulation, and what is stamped with it ----------------------------------------------------------
+
+Tick = Callable[[float], object]
+
+
+@pytest.fixture
+def graph() -> Graph:
+    return Graph()
+
+
+@pytest.fixture
+def tick(graph: Graph) -> Tick:
+    """Publishes a time in seconds on /clock."""
+    publisher = MemoryMiddleware(graph).publisher("/clock", Clock, Qos())
+
+    def tick(seconds: float) -> None:
+        ns = round(seconds * 1e9)
+        publisher.publish([cdr.encode(Clock(builtin_interfaces.Time(ns // 10**9, ns % 10**9)))])
+
+    return tick
+
+
+@pytest.fixture
+def clock(graph: Graph, tick: Tick) -> SimulatedClock:
+    """A clock that shows 10 s."""
+    clocks: list[SimulatedClock] = []
+    thread = threading.Thread(target=lambda: clocks.append(SimulatedClock(MemoryMiddleware(graph), "/clock", print)))
+    thread.start()
+    wait_until(lambda: graph.callbacks["/clock"], "the subscription")
+    tick(10)
+    thread.join(PATIENCE_S)
+    return clocks[0]
+
+
+def test_it_shows_the_newest_time(clock: SimulatedClock, tick: Tick) -> None:
+    """Forwards and backwards."""
+    for seconds in (10, 12.5, 1):
+        tick(seconds)
+        assert clock.now() == round(seconds * 1e9)
+
+
+def test_a_missing_simulation_is_told(graph: Graph, tick: Tick, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The program waits for the first time, and says for what."""
+    monkeypatch.setattr(simulated_clock, "PATIENCE_S", 0.05)
+    said: list[str] = []
+    thread = threading.Thread(target=SimulatedClock, args=(MemoryMiddleware(graph), "/clock", said.append))
+    thread.start()
+    wait_until(lambda: said, "the message")
+    assert said == ["waiting for the time of the simulation: use_sim_time is set, but nothing comes on /clock"]
+    tick(1)
+    thread.join(PATIENCE_S)
+    assert not thread.is_alive()
+
+
+@pytest.mark.parametrize(
+    ("ticks", "stamps"), [((10.02, 10.04, 11), [10.0, 10.033, 10.067]), ((2, 2, 2.1), [10.0, 2.0, 2.033])]
+)
+def test_a_recording_is_played_in_the_time_of_the_simulation(
+    clock: SimulatedClock, tick: Tick, tmp_path: Path, ticks: tuple[float, ...], stamps: list[float]
+) -> None:
+    """A frame comes when the simulation has reached its time, not the wall clock; after a restart, at the new time."""
+    for number in range(3):
+        cv2.imwrite(str(tmp_path / f"{number}.png"), np.full((8, 8), number, np.uint8))
+    shown: list[Frame] = []
+
+    def run() -> None:
+        with open_source(str(tmp_path)) as source:  # 30 Hz
+            shown.extend(play(source, clock=clock))
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    wait_until(lambda: len(shown) == 1, "the first frame")
+    tick(ticks[0])
+    assert len(shown) == 1 or ticks[0] < 10
+    tick(ticks[1])
+    wait_until(lambda: len(shown) == 2, "the second frame")
+    tick(ticks[2])
+    thread.join(PATIENCE_S)
+    assert [round(frame.stamp / 1e9, 3) for frame in shown] == stamps
+
+
+def test_a_simulation_may_start_again_while_a_frame_is_in_use(
+    clock: SimulatedClock, tick: Tick, tmp_path: Path
+) -> None:
+    """The time that the last frame had tells that the clock has jumped back before the player waits."""
+    for number in range(2):
+        cv2.imwrite(str(tmp_path / f"{number}.png"), np.full((8, 8), number, np.uint8))
+    with open_source(str(tmp_path)) as source:
+        frames = play(source, clock=clock)
+        assert next(frames).stamp == 10_000_000_000
+        tick(2)
+        assert next(frames).stamp == 2_000_000_000
+
+
+def test_images_without_stamps_get_the_time_of_the_simulation(graph: Graph, clock: SimulatedClock, tick: Tick) -> None:
+    """A stamp that an image has is kept."""
+    publisher = MemoryMiddleware(graph).publisher("/image", Image, Qos())
+    tick(20)
+    pixels = np.zeros((4, 6, 3), np.uint8)
+    with TopicSource(MemoryMiddleware(graph), "/image", print, clock) as source:
+        frames = iter(source)
+        publisher.publish([cdr.encode(image(pixels, "rgb8", 0))])
+        assert next(frames).stamp == 20_000_000_000
+        publisher.publish([cdr.encode(image(pixels, "rgb8", 7))])
+        assert next(frames).stamp == 7

@@ -7,6 +7,7 @@ import threading
 import urllib.request
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import cache, partial
 from itertools import count
 from typing import Any
 
@@ -32,51 +33,55 @@ def shown(tilt: tuple[float, float], place: tuple[float, float], distance: float
     return np.asarray(cv2.cvtColor(frame(tilt, place, distance, BOARD), cv2.COLOR_GRAY2BGR))
 
 
-NEAR = shown((0, 0), (0.5, 0.5), 0.35)
-LEFT = shown((0, 0), (0.3, 0.5), 0.5)
-TILTED = shown((0, 29), (0.6, 0.5), 0.45)
+near = cache(partial(shown, (0, 0), (0.5, 0.5), 0.35))
+left = cache(partial(shown, (0, 0), (0.3, 0.5), 0.5))
+tilted = cache(partial(shown, (0, 29), (0.6, 0.5), 0.45))
 
 
 def calibrated(views: tuple[View, ...]) -> Calibration:
     """A calibration of views, of which the second is said to be blurred."""
     pose = Pose(np.eye(3), np.array([0, 0, 1.0]))
-    fitted = tuple(
-        Fitted(
-            view, pose, np.full((len(view.ids), 2), 0.1), np.full(len(view.ids), place != 1), "blurred" * (place == 1)
-        )
-        for place, view in enumerate(views)
-    )
-    return Calibration(CAMERA, Model.PLUMB_BOB, np.eye(9) * 0.01, 0.1414, fitted)
+    fitted = []
+    for place, view in enumerate(views):
+        count, is_blurred = len(view.ids), place == 1
+        used = np.full(count, not is_blurred)
+        fitted.append(Fitted(view, pose, np.full((count, 2), 0.1), used, "blurred" * is_blurred))
+    return Calibration(CAMERA, Model.PLUMB_BOB, np.eye(9) * 0.01, 0.1414, tuple(fitted))
 
 
 class _Camera:
     """Shows frames to a live calibration, each for as long as it takes to see that the board is still."""
 
-    def __init__(self, **changed: Callable[..., Any]) -> None:
-        self.saved: list[Calibration] = []
+    def __init__(self, *frames: np.ndarray, **changed: Callable[..., Any]) -> None:
         self._stamps = count(10**18, FRAME_NS)
         given: dict[str, Callable[..., Any]] = {
             "calibrate": calibrated,
             "report": lambda calibration: f"<p>{calibration.rms}",
-            "save": lambda calibration: self.saved.append(calibration) or "Saved to a.yml.",
+            "save": lambda _: pytest.fail("saved"),
         }
         self.live = LiveCalibration("a camera", Collection(BOARD), **(given | changed))
+        self.show(*frames)
 
     def show(self, *frames: np.ndarray) -> dict[str, Any]:
         """Show each frame twice; what the page then shows."""
         for image in frames:
             for _ in range(2):
-                stamp = next(self._stamps)
-                self.live.add_frame(image, stamp, f"frame {stamp}")
+                self.live.add_frame(image, next(self._stamps), "a frame")
         return self.state()
 
     def state(self) -> dict[str, Any]:
         return self.live.state(0)
 
-    def until(self, wanted: Callable[[dict[str, Any]], Any]) -> dict[str, Any]:
-        """What the page shows once it is as wanted."""
-        wait_until(lambda: wanted(self.state()), "what the page is to show")
+    def calibrated(self, wanted: str = "result") -> dict[str, Any]:
+        """Click on the button; what the page shows when it has a result, or the reasons of a refusal."""
+        self.live.act("calibrate", None)
+        wait_until(lambda: self.state()[wanted], wanted)
         return self.state()
+
+    def refuses(self, action: str, words: str, view: int | None = None) -> None:
+        """Demand that a click fails."""
+        with pytest.raises(SetupError, match=words):
+            self.live.act(action, view)
 
 
 def goals(state: dict[str, Any]) -> dict[str, list[tuple[str, bool]]]:
@@ -96,7 +101,7 @@ def test_before_the_first_frame_everything_is_missing() -> None:
 def test_views_that_add_something_are_taken() -> None:
     """Each with a number, its corners and a picture; what it covers is no longer missing."""
     camera = _Camera()
-    state = camera.show(NEAR, LEFT, LEFT, TILTED)
+    state = camera.show(near(), left(), left(), tilted())
     assert [view["number"] for view in state["views"]] == [1, 2, 3]
     assert goals(state)["Views"] == [("3 of 20", False)]
     assert ("near 1/2", False) in goals(state)["Distance"]
@@ -108,33 +113,25 @@ def test_views_that_add_something_are_taken() -> None:
 
 
 def test_why_a_view_is_not_taken_is_shown() -> None:
-    """In the words of the collection."""
+    """In the words of the collection. "Take" takes the next frame, though it was taken before; and only that one."""
     camera = _Camera()
-    camera.live.add_frame(NEAR, 10**18, "a frame")
+    camera.live.add_frame(near(), 10**18, "a frame")
     assert camera.state()["note"] == "hold the board still"
-    assert "no board found" in camera.show(np.full_like(NEAR, 128))["note"]
-
-
-def test_take_now_takes_the_next_frame_as_it_is() -> None:
-    """Though it was same as a view taken before; and only that one."""
-    camera = _Camera()
-    camera.show(NEAR)
+    assert "no board found" in camera.show(np.full_like(near(), 128))["note"]
+    camera.show(near())
     camera.live.act("take", None)
-    camera.show(NEAR, NEAR)
-    assert len(camera.state()["views"]) == 2
+    assert len(camera.show(near(), near())["views"]) == 2
 
 
 def test_a_dropped_view_is_gone() -> None:
     """With its picture and with what it covered; the others keep their numbers, and none has its number again."""
-    camera = _Camera()
-    camera.show(NEAR, LEFT)
+    camera = _Camera(near(), left())
     camera.live.act("drop", 1)
     assert [view["number"] for view in camera.state()["views"]] == [2]
     assert ("near 0/2", False) in goals(camera.state())["Distance"]
     assert camera.live.thumbnail(1) is None
-    with pytest.raises(SetupError, match="view 1 does not exist"):
-        camera.live.act("drop", 1)
-    assert [view["number"] for view in camera.show(TILTED)["views"]] == [2, 3]
+    camera.refuses("drop", "view 1 does not exist", 1)
+    assert [view["number"] for view in camera.show(tilted())["views"]] == [2, 3]
 
 
 def test_a_refusal_is_shown_with_all_its_reasons() -> None:
@@ -143,116 +140,91 @@ def test_a_refusal_is_shown_with_all_its_reasons() -> None:
     def refuse(_: object) -> Calibration:
         raise PoorViewsError(("2 views are too few", "no tilts"))
 
-    camera = _Camera(calibrate=refuse)
-    camera.show(NEAR)
-    camera.live.act("calibrate", None)
-    state = camera.until(lambda state: state["refused"])
-    assert state["refused"] == ["2 views are too few", "no tilts"]
-    assert state["can"] == ["take", "calibrate"]
-    assert len(camera.show(LEFT)["views"]) == 2
+    camera = _Camera(near(), calibrate=refuse)
+    state = camera.calibrated("refused")
+    assert (state["refused"], state["can"]) == (["2 views are too few", "no tilts"], ["take", "calibrate"])
+    assert len(camera.show(left())["views"]) == 2
 
 
 def test_a_mistake_of_ours_is_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
     """A calibration that fails in a way that nobody thought of says so, and can be tried again."""
     told: list[Any] = []
     monkeypatch.setattr(threading, "excepthook", told.append)
-    camera = _Camera(calibrate=lambda _: 1 / 0)
-    camera.show(NEAR)
-    camera.live.act("calibrate", None)
-    assert "terminal" in camera.until(lambda state: state["refused"])["refused"][0]
-    assert "calibrate" in camera.state()["can"]
+    state = _Camera(near(), calibrate=lambda _: 1 / 0).calibrated("refused")
+    assert "terminal" in state["refused"][0]
+    assert "calibrate" in state["can"]
     wait_until(lambda: told, "the mistake")
     assert told[0].exc_type is ZeroDivisionError
 
 
 def test_the_result_is_shown_and_the_report_is_there() -> None:
     """Numbers with intervals, errors of the views, the bad one named; and that it is of other views, once it is."""
-    camera = _Camera()
-    camera.show(NEAR, LEFT, TILTED)
+    camera = _Camera(near(), left(), tilted())
     assert camera.live.report() is None
-    camera.live.act("calibrate", None)
-    state = camera.until(lambda state: state["result"])
+    state = camera.calibrated()
     assert state["result"]["numbers"][0] == ["fx", "920.00", "± 0.20"]
     assert [view["bad"] for view in state["views"]] == [False, True, False]
-    assert state["views"][0]["lines"][2] == "error 0.141 px"
-    assert state["views"][1]["lines"][2] == "dropped: blurred"
+    assert [view["lines"][2] for view in state["views"][:2]] == ["error 0.141 px", "dropped: blurred"]
     assert [remark.split(" ")[0] for remark in state["result"]["remarks"]] == ["Judgement:", "RMS"]
     assert camera.live.report() == "<p>0.1414"
     camera.live.act("drop", 2)
     assert "calibrate again" in camera.state()["result"]["remarks"][2]
-    camera.show(LEFT)
-    assert camera.state()["views"][-1]["lines"][2] == "not used yet"
+    assert camera.show(left())["views"][-1]["lines"][2] == "not used yet"
 
 
 def test_the_picture_goes_on_while_the_calibration_is_made() -> None:
     """Frames are looked at, and the buttons wait."""
     go = threading.Event()
-
-    def slowly(views: tuple[View, ...]) -> Calibration:
-        assert go.wait(PATIENCE_S)
-        return calibrated(views)
-
-    camera = _Camera(calibrate=slowly)
-    camera.show(NEAR, LEFT)
+    camera = _Camera(near(), left(), calibrate=lambda views: go.wait(PATIENCE_S) and calibrated(views))
     camera.live.act("calibrate", None)
-    state = camera.show(TILTED)
+    state = camera.show(tilted())
     assert state["status"].startswith("Calibrating")
-    assert len(state["views"]) == 3
-    assert state["can"] == ["take"]
+    assert (len(state["views"]), state["can"]) == (3, ["take"])
     for action in ("calibrate", "save"):
-        with pytest.raises(SetupError, match="until the calibration has finished"):
-            camera.live.act(action, None)
+        camera.refuses(action, "until the calibration has finished")
     go.set()
-    assert camera.until(lambda state: state["result"])["can"] == ["take", "calibrate", "save"]
+    wait_until(lambda: camera.state()["result"], "the result")
+    assert camera.state()["can"] == ["take", "calibrate", "save"]
 
 
 def test_what_is_saved_is_the_result() -> None:
-    """Not before there is one; and then it is over."""
-    camera = _Camera()
-    camera.show(NEAR, LEFT)
-    with pytest.raises(SetupError, match="calibrate first"):
-        camera.live.act("save", None)
-    camera.live.act("calibrate", None)
-    camera.until(lambda state: state["result"])
-    assert not camera.live.finished.is_set()
-    camera.live.act("save", None)
-    assert camera.live.finished.is_set()
-    assert [len(one.views) for one in camera.saved] == [2]
-    assert camera.state()["finished"]
-    assert camera.state()["status"] == "Saved to a.yml. This page can be closed."
+    """Not before there is one, and not where it cannot be written, which can be tried again; and then it is over."""
+    failures = ["a.yml: cannot write the file: no space"]
+    saved: list[Calibration] = []
 
+    def save(calibration: Calibration) -> str:
+        if failures:
+            raise SetupError(failures.pop())
+        saved.append(calibration)
+        return "Saved to a.yml."
 
-def test_what_cannot_be_written_is_told_and_nothing_is_over() -> None:
-    """It can be tried again."""
-
-    def fail(_: object) -> str:
-        raise SetupError("a.yml: cannot write the file: no space")
-
-    camera = _Camera(save=fail)
-    camera.show(NEAR)
-    camera.live.act("calibrate", None)
-    camera.until(lambda state: state["result"])
-    with pytest.raises(SetupError, match="no space"):
-        camera.live.act("save", None)
+    camera = _Camera(near(), left(), save=save)
+    camera.refuses("save", "calibrate first")
+    camera.calibrated()
+    camera.refuses("save", "no space")
     assert not camera.live.finished.is_set()
     assert "save" in camera.state()["can"]
+    camera.live.act("save", None)
+    assert camera.live.finished.is_set()
+    assert [len(one.views) for one in saved] == [2]
+    assert camera.state()["finished"]
+    assert camera.state()["status"] == "Saved to a.yml. This page can be closed."
 
 
 def test_the_picture_is_the_newest_with_its_corners() -> None:
     """A wide one is made smaller; who comes late sees the last, and waits for the next."""
     camera = _Camera()
-    camera.live.add_frame(cv2.resize(NEAR, (1920, 1440)), 10**18, "a frame")
-    camera.live.add_frame(cv2.resize(LEFT, (1920, 1440)), 2 * 10**18, "a frame")
+    for stamp, image in enumerate((near(), left()), 1):
+        camera.live.add_frame(cv2.resize(image, (1920, 1440)), stamp * 10**18, "a frame")
     number, jpeg = camera.live.picture(0) or (0, b"")
-    assert number == 2
     shown = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
-    assert shown.shape == (720, 960, 3)
+    assert (number, shown.shape) == (2, (720, 960, 3))
     coloured = shown.max(axis=2).astype(int) - shown.min(axis=2) > 100
     assert 100 < coloured.sum() < 20_000
     late: list[int] = []
     waiting = threading.Thread(target=lambda: late.append((camera.live.picture(2) or (0, b""))[0]))
     waiting.start()
-    camera.live.add_frame(NEAR, 3 * 10**18, "a frame")
+    camera.live.add_frame(near(), 3 * 10**18, "a frame")
     waiting.join(PATIENCE_S)
     assert late == [3]
 
@@ -261,12 +233,11 @@ def test_browsers_that_do_not_read_hold_up_no_frame() -> None:
     """Ten of them ask for pictures and take none; the camera goes on, and who reads gets the newest."""
     camera = _Camera()
     with PageServer("127.0.0.1", 0, camera.live) as server, ExitStack() as stack:
-        port = int(server.url.rstrip("/").rpartition(":")[2])
         for _ in range(10):
-            sock = stack.enter_context(socket.create_connection(("127.0.0.1", port)))
+            sock = stack.enter_context(socket.create_connection(("127.0.0.1", server.port)))
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-            sock.sendall(f"GET /picture HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode() * 20)
-        showing = threading.Thread(target=camera.show, args=(NEAR, LEFT, TILTED), daemon=True)
+            sock.sendall(f"GET /picture HTTP/1.1\r\nHost: localhost:{server.port}\r\n\r\n".encode() * 20)
+        showing = threading.Thread(target=camera.show, args=(near(), left(), tilted()), daemon=True)
         showing.start()
         showing.join(PATIENCE_S)
         assert not showing.is_alive()
@@ -276,8 +247,7 @@ def test_browsers_that_do_not_read_hold_up_no_frame() -> None:
 
 def test_the_end_of_a_recording_is_told() -> None:
     """There is nothing more to take, and what there is can be calibrated."""
-    camera = _Camera()
-    camera.show(NEAR)
+    camera = _Camera(near())
     camera.live.ended()
     assert camera.state()["note"] == "a camera has ended; no more frames."
     assert camera.state()["can"] == ["calibrate"]

@@ -1,46 +1,239 @@
-"""Which markers there are."""
+"""Markers in one frame: the rendered truth, the ways to look for them, their dictionary, and the fit of their edges."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import cv2
 import numpy as np
 import pytest
 
-from roverlink.runtime.core.errors import SetupError
-from roverlink.vision import Board, MarkerSet
-from roverlink.vision.markers.marker_set import square
+from bench.vision.contestants import camera_of
+from bench.vision.scenes import DICTIONARY, SIDE, Scene, corner_points, lens, random_pose, scenes
+from roverlink.vision.images.rendering import Floats, Pose, Print, marker_print, project, render, texels_for, texture
+from roverlink.vision.markers.detection import Detector, Region
+from roverlink.vision.markers.dictionaries import other_dictionary
+from roverlink.vision.markers.edges import Fit, Guess, fit_edges
+from roverlink.vision.markers.flips import Flips
+from roverlink.vision.markers.marker_set import MarkerSet
+from roverlink.vision.poses.pnp import Solution
+from roverlink.vision.poses.pose import Pose as VisionPose
+from roverlink.vision.poses.pose import rotation_of
 
-SHIFTED = square(0.1) + np.array([0.2, 0, 0])
+LENS, SMALL = lens(), lens(320, 240)
+CAMERA, MARKERS = camera_of(LENS), MarkerSet()
+DETECTOR = Detector(MARKERS)
 
 
-def test_each_number_may_have_its_own_side() -> None:
-    """The side of single numbers goes before the side of all."""
-    markers = MarkerSet(side=0.05, sides={7: 0.15})
-    assert np.ptp(markers.points(7), axis=0) == pytest.approx([0.15, 0.15, 0])
-    assert np.ptp(markers.points(8), axis=0) == pytest.approx([0.05, 0.05, 0])
+@pytest.fixture(scope="module")
+def film() -> Sequence[Scene]:
+    """Frames with markers of 48 pixels."""
+    return list(scenes(48, 12, 100))
 
 
-def test_a_board_s_markers_are_one_landmark() -> None:
-    """They have the board's name; others their own number."""
-    markers = MarkerSet(boards=(Board("gate", {1: square(0.1), 2: SHIFTED}),))
-    assert [markers.target(number) for number in (1, 2, 3)] == ["gate", "gate", 3]
-    assert markers.points(2) == pytest.approx(SHIFTED)
+# --- the rendered truth -------------------------------------------------------------------------------------------
+
+
+def test_projection_is_that_of_opencv() -> None:
+    """The renderer's lens is OpenCV's, and its rays are the inverse."""
+    pixels = np.random.default_rng(1).uniform((0, 0), LENS.size, (100, 2))
+    points = np.column_stack([LENS.rays(pixels), np.ones(100)])
+    projected, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), LENS.matrix, np.array(LENS.distortion))
+    assert projected.reshape(-1, 2) == pytest.approx(pixels, abs=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_square_is_where_its_projection_is(seed: int) -> None:
+    """The centre of a rendered square's light is the centre of its outline's area: no half pixel is lost."""
+    rng = np.random.default_rng(seed)
+    pose = random_pose(LENS, 40, rng)
+    plane = Print(np.full((30, 30), 250, np.uint8), SIDE / 30)
+    frame = render(LENS, np.full((480, 640), 10.0), [(plane, pose)], rng, noise_sigma=0).astype(float) - 10
+    rows, columns = np.indices(frame.shape)
+    light = np.array([(frame * columns).sum(), (frame * rows).sum()]) / frame.sum()
+    moments = cv2.moments(project(LENS, pose, corner_points()).astype(np.float32))
+    assert light == pytest.approx(np.array([moments["m10"], moments["m01"]]) / moments["m00"], abs=0.03)
+
+
+def test_the_noise_is_what_was_asked_for() -> None:
+    """Two grey levels, and the rounding to whole ones; what is not in view is not painted."""
+    frame = render(LENS, np.full((480, 640), 100.4), [], np.random.default_rng(0))
+    assert frame.std() == pytest.approx((2.0**2 + 1 / 12) ** 0.5, rel=0.02)
+    assert frame.mean() == pytest.approx(100.4, abs=0.02)
+    outside = Print(np.zeros((10, 10), np.uint8), 0.005), Pose(np.diag([1.0, -1.0, -1.0]), np.array([5.0, 0.0, 1.0]))
+    assert (render(LENS, np.full((480, 640), 100.0), [outside], np.random.default_rng(0), noise_sigma=0) == 100).all()
+
+
+# --- detection ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("way", ["scan", "scan_quickly", "look"])
+def test_corners_count_from_the_centres_of_the_frame_s_pixels(film: Sequence[Scene], way: str) -> None:
+    """No way to look shifts the corners, whatever OpenCV's version: a lost half pixel would be seen here."""
+    where = [Region(3, 5, 639, 478)] if way == "look" else []
+    offsets = [
+        (one.corners - scene.corners).mean(axis=0)
+        for scene in film
+        for one in getattr(DETECTOR, way)(scene.frame, *where)
+        if one.number == scene.number
+    ]
+    assert len(offsets) >= len(film) - 1
+    assert np.mean(offsets, axis=0) == pytest.approx([0, 0], abs=0.15)
+
+
+def test_what_cannot_hold_a_marker_of_ours_has_none(film: Sequence[Scene]) -> None:
+    """A number without a side, where there is none for all, and a region at the rim that is a few pixels or empty."""
+    scene = film[0]
+    assert Detector(MarkerSet(side=None, sides={(scene.number + 1) % 250: 0.1})).scan(scene.frame) == []
+    assert Detector(MarkerSet(side=None, sides={scene.number: 0.1})).scan(scene.frame)
+    assert DETECTOR.look(scene.frame, Region(0, 0, 5, 200)) == []
+    assert DETECTOR.look(scene.frame, Region(10, 10, 10, 10)) == []
 
 
 @pytest.mark.parametrize(
-    ("make", "words"),
+    ("chosen", "shown", "numbers", "expected"),
     [
-        (lambda: MarkerSet(dictionary="DICT_5X5_205"), "DICT_5X5_250"),
-        (lambda: MarkerSet(side=0), "positive"),
-        (lambda: MarkerSet(sides={250: 0.1}), "0 to 249"),
-        (lambda: MarkerSet(sides={3: -1.0}), "positive"),
-        (lambda: Board("gate", {}), "no markers"),
-        (lambda: Board("gate", {1: square(0.1) * [1, 2, 1]}), "do not form a square"),
-        (lambda: Board("gate", {1: square(0.1)[:3]}), "do not form a square"),
-        (lambda: MarkerSet(boards=(Board("a", {1: square(0.1)}), Board("b", {1: square(0.1)}))), "'a' and 'b'"),
-        (lambda: MarkerSet(side=None).points(3), "marker 3"),
+        ("DICT_5X5_250", "DICT_4X4_50", [3], "DICT_4X4_50"),
+        ("DICT_5X5_250", "DICT_6X6_1000", [120], "DICT_6X6_250"),
+        ("DICT_5X5_250", "DICT_5X5_1000", [700], "DICT_5X5_1000"),
+        ("DICT_5X5_250", "DICT_APRILTAG_36h11", [20], "DICT_APRILTAG_36h11"),
+        ("DICT_5X5_250", "DICT_ARUCO_ORIGINAL", [60], "DICT_ARUCO_ORIGINAL"),
+        ("DICT_5X5_100", "DICT_5X5_250", [], None),
+        ("DICT_5X5_100", "DICT_5X5_250", [30], None),
     ],
 )
-def test_what_cannot_be_is_refused(make: object, words: str) -> None:
-    """The message names the number, the board or the nearest dictionary."""
-    with pytest.raises(SetupError, match=words):
-        make()
+def test_another_dictionary_is_the_smallest(chosen: str, shown: str, numbers: list[int], expected: str | None) -> None:
+    """Of a family, it mistakes the fewest squares for markers; neither background nor a chosen marker makes one."""
+    rng = np.random.default_rng(8)
+    prints = [marker_print(getattr(cv2.aruco, shown), number, SIDE, texels=8) for number in numbers]
+    frame = render(SMALL, texture(SMALL.size, rng), [(plane, random_pose(SMALL, 50, rng)) for plane in prints], rng)
+    found = other_dictionary(frame, camera_of(SMALL), MarkerSet(chosen))
+    assert found == (None if expected is None else (expected, numbers))
+
+
+# --- the fit of the edges -----------------------------------------------------------------------------------------
+
+
+def fit(scene: Scene, off: Floats | float = 0.3) -> Fit:
+    """Fit from corners that are off by some pixels."""
+    found = fit_edges(scene.frame, CAMERA, [Guess(MARKERS.pattern(scene.number), scene.corners + off)])[0]
+    assert found
+    return found
+
+
+def changed(scene: Scene, frame: np.ndarray) -> Scene:
+    return Scene(frame, scene.number, scene.pose, scene.corners)
+
+
+def miss(found: Fit, scene: Scene) -> float:
+    """The root mean squared error of the corners in pixels."""
+    return float(np.sqrt(((CAMERA.distort(found.rays) - scene.corners) ** 2).mean()))
+
+
+def test_corners_are_exact_and_their_covariance_is_honest(film: Sequence[Scene]) -> None:
+    """At 48 pixels, noise of 2 grey levels allows 0.01 pixels; the squared error in units of the covariance is 8."""
+    found = [fit(scene) for scene in film]
+    errors = list(map(miss, found, film))
+    assert np.median(errors) < 0.015
+    assert max(errors) < 0.03
+    nees = []
+    for one, scene in zip(found, film):
+        error = (LENS.rays(scene.corners) - one.rays).ravel()
+        nees.append(error @ np.linalg.solve(one.covariance, error))
+    assert 4 < np.mean(nees) < 12.5
+
+
+def test_it_measures_noise_contrast_and_blur(film: Sequence[Scene]) -> None:
+    """What the covariance is made of is found: 2 grey levels, a contrast of 200, 0.8 pixels and a pixel's area."""
+    found = list(map(fit, film))
+    assert np.median([one.noise for one in found]) == pytest.approx(2.02, rel=0.1)
+    assert np.median([one.contrast for one in found]) == pytest.approx(200, rel=0.05)
+    assert np.median([one.blur for one in found]) == pytest.approx((0.8**2 + 1 / 12) ** 0.5, rel=0.03)
+    assert min(one.explained for one in found) > 0.98
+
+
+@pytest.mark.parametrize("off", [1.0, 2.0])
+def test_a_detector_s_error_does_not_matter(film: Sequence[Scene], off: float) -> None:
+    """From corners that are off by one or two pixels, each in a direction of its own, the fit arrives."""
+    rng = np.random.default_rng(0)
+    for scene in film:
+        angles = rng.uniform(0, 2 * np.pi, 4)
+        assert miss(fit(scene, off * np.column_stack([np.cos(angles), np.sin(angles)])), scene) < 0.05
+
+
+def test_a_covered_corner_is_left_out(film: Sequence[Scene]) -> None:
+    """A finger on a corner is an outlier; the other edges still say where the corner is."""
+    errors = []
+    for scene in film:
+        covered = cv2.circle(scene.frame.copy(), np.rint(scene.corners[0]).astype(int).tolist(), 6, 90, -1)
+        errors.append(miss(fit(changed(scene, covered)), scene))
+    assert np.median(errors) < 0.1
+
+
+@pytest.mark.parametrize("sigma", [0.5, 1.6])
+def test_the_lens_may_be_sharper_or_blurred(sigma: float) -> None:
+    """The blur is fitted, too."""
+    rng = np.random.default_rng(1)
+    pose = random_pose(LENS, 60, rng)
+    plane = marker_print(DICTIONARY, 17, SIDE, texels=texels_for(60))
+    frame = render(LENS, np.full((480, 640), 120.0), [(plane, pose)], rng, psf_sigma=sigma)
+    scene = Scene(frame, 17, pose, project(LENS, pose, corner_points()))
+    found = fit(scene)
+    assert miss(found, scene) < 0.05
+    assert found.blur == pytest.approx((sigma**2 + 1 / 12) ** 0.5, rel=0.1)
+
+
+def test_light_may_fall_off_across_the_marker(film: Sequence[Scene]) -> None:
+    """Brightness that changes linearly is part of the model."""
+    for scene in film[:4]:
+        shaded = np.rint(scene.frame * np.linspace(1, 0.5, 640)).astype(np.uint8)
+        assert miss(fit(changed(scene, shaded)), scene) < 0.04
+
+
+def test_what_is_not_there_is_not_explained(film: Sequence[Scene]) -> None:
+    """The wrong pattern, a plain wall, or a guess where no ray goes explain nothing or are None; others stand."""
+    for scene in film:
+        found = fit_edges(scene.frame, CAMERA, [Guess(MARKERS.pattern((scene.number + 1) % 250), scene.corners)])[0]
+        assert found is None or found.explained < 0.9
+    assert fit_edges(film[0].frame, CAMERA, []) == []
+    good = Guess(MARKERS.pattern(film[0].number), film[0].corners)
+    found, lost = fit_edges(film[0].frame, CAMERA, [good, Guess(good.pattern, film[0].corners + 5000)])
+    assert found
+    assert lost is None
+    plain = fit_edges(np.full((480, 640), 128, np.uint8), CAMERA, [good])[0]
+    assert plain is None or abs(plain.contrast) < 8
+
+
+# --- the decision between two poses, over time --------------------------------------------------------------------
+
+
+def decide(flips: Flips, frame: int, **chi2: float) -> str:
+    """The name of the solution that was decided for, of some that lean to the left or the right, best first."""
+    names = sorted(chi2, key=lambda name: chi2[name])
+    turns = {"left": -0.5, "right": 0.5, "front": 0.0}
+    poses = [VisionPose(rotation_of(np.array([0, turns[name], 0])), np.array([0, 0, 1.0])) for name in names]
+    solutions = [Solution(pose, np.eye(6), chi2[name], 1e-5) for name, pose in zip(names, poses)]
+    return names[flips.decide(solutions, frame * 33_000_000)]
+
+
+def test_one_frame_does_not_turn_over_what_many_said() -> None:
+    """Noise that favours the other pose for a moment changes nothing; what was seen seconds ago says nothing."""
+    flips = Flips()
+    assert {decide(flips, frame, left=1.0, right=6.0) for frame in range(10)} == {"left"}
+    assert decide(flips, 10, left=6.0, right=1.0) == "left"
+    assert decide(flips, 300, left=4.0, right=1.0) == "right"
+
+
+def test_a_wrong_first_decision_is_taken_back() -> None:
+    """The better fit is taken first; when the frames go on to favour the other pose, that is taken."""
+    flips = Flips()
+    assert decide(flips, 0, left=1.0, right=3.0) == "left"
+    assert [decide(flips, frame, left=5.0, right=1.0) for frame in range(1, 9)][-1] == "right"
+
+
+def test_frontal_views_have_one_pose_and_do_not_disturb() -> None:
+    """Where both poses are one, that is taken, whatever was before."""
+    flips = Flips()
+    decide(flips, 0, left=1.0, right=6.0)
+    assert decide(flips, 1, front=1.0) == "front"
+    assert decide(flips, 2, left=1.0, right=2.0) == "left"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 from needs import NO_JAX, NO_ONNX, NO_OPENCV
@@ -22,20 +24,15 @@ _SIZE = (64, 64)
 _NAMES = ("disk", "square")
 
 
-class _Training:
-    """The modules that need jax. They are imported late: jax starts threads in every process that imports it."""
-
-    def __init__(self) -> None:
-        for name in ("jax", "optax"):
-            pytest.importorskip(name, reason=NO_JAX)
-        from roverlink.vision.objects.training import jax_network, learning, onnx_file
-
-        self.network, self.learning, self.file = jax_network, learning, onnx_file
-
-
 @pytest.fixture(scope="module")
-def training() -> _Training:
-    return _Training()
+def training() -> Any:
+    """The package with the modules that need jax. They are imported late: jax starts threads where it is imported."""
+    for name in ("jax", "optax"):
+        pytest.importorskip(name, reason=NO_JAX)
+    from roverlink.vision.objects import training
+    from roverlink.vision.objects.training import jax_network, learning, onnx_file  # noqa: F401  # members of it
+
+    return training
 
 
 def _picture(seed: int) -> tuple[object, list[tuple[int, Box]]]:
@@ -59,19 +56,22 @@ def folder(tmp_path: Path) -> Path:
 # --- the folder ---------------------------------------------------------------------------------------------------
 
 
+def _numbers(box: Box) -> list[float]:
+    return [box.x, box.y, box.width, box.height]
+
+
 def test_what_is_written_is_read(folder: Path) -> None:
-    """Names, images, and boxes to a hundredth of a pixel."""
+    """Names, images, and boxes to a hundredth of a pixel. A folder with files is not written to: they stay."""
     data = read_folder(folder)
     assert data.names == _NAMES
     assert (len(data.train), len(data.val)) == (35, 5)
     image, labels = data.val[0].read()
-    _, truth = _picture(0)
     assert image.shape == (64, 64, 3)
-    for (index, box), (expected, place) in zip(labels, truth):
+    for (index, box), (expected, place) in zip(labels, _picture(0)[1], strict=True):
         assert index == expected
-        assert [box.x, box.y, box.width, box.height] == pytest.approx(
-            [place.x, place.y, place.width, place.height], abs=0.01
-        )
+        assert _numbers(box) == pytest.approx(_numbers(place), abs=0.01)
+    with pytest.raises(SetupError, match="is not empty; name another folder"):
+        write_folder(folder, _NAMES, [])
 
 
 def test_exports_of_labelling_programs_are_read(folder: Path) -> None:
@@ -87,7 +87,7 @@ def test_exports_of_labelling_programs_are_read(folder: Path) -> None:
     image = next(one for one in data.train if one.path.stem == first.stem)
     ((index, box),) = image.read()[1]
     assert index == 1
-    assert [box.x, box.y, box.width, box.height] == pytest.approx([6.4, 12.8, 25.6, 25.6])
+    assert _numbers(box) == pytest.approx([6.4, 12.8, 25.6, 25.6])
     assert next(one for one in data.train if one.path.stem == second.stem).read()[1] == []
 
 
@@ -108,10 +108,8 @@ def test_mistakes_in_labels_are_located(folder: Path, line: str, text: str) -> N
     path = sorted((folder / "labels/train").iterdir())[0]
     path.write_text(f"0 0.5 0.5 0.1 0.1\n{line}\n")
     image = next(one for one in read_folder(folder).train if one.labels == path)
-    with pytest.raises(SetupError) as raised:
+    with pytest.raises(SetupError, match=re.escape(f"{path}:2: ") + ".*" + re.escape(text)):
         image.check()
-    assert str(raised.value).startswith(f"{path}:2: ")
-    assert text in str(raised.value)
 
 
 @pytest.mark.parametrize(
@@ -127,10 +125,9 @@ def test_mistakes_in_labels_are_located(folder: Path, line: str, text: str) -> N
 def test_mistakes_in_data_yaml_are_located(folder: Path, text: str, message: str) -> None:
     """In one line."""
     (folder / "data.yaml").write_text(text)
-    with pytest.raises(SetupError) as raised:
+    with pytest.raises(SetupError, match=re.escape(message)) as raised:
         read_folder(folder)
     assert str(raised.value).startswith(str(folder / "data.yaml"))
-    assert message in str(raised.value)
 
 
 def test_an_image_that_cannot_be_read_is_named(folder: Path) -> None:
@@ -139,12 +136,6 @@ def test_an_image_that_cannot_be_read_is_named(folder: Path) -> None:
     data.train[3].path.write_bytes(b"no image")
     with pytest.raises(SetupError, match="cannot read the image; remove it, or write it again"):
         list(batches(data.train, _SIZE, 2, np.random.default_rng(0)))
-
-
-def test_a_folder_with_files_is_not_written_to(folder: Path) -> None:
-    """Somebody's images stay."""
-    with pytest.raises(SetupError, match="is not empty; name another folder"):
-        write_folder(folder, _NAMES, [])
 
 
 # --- examples -----------------------------------------------------------------------------------------------------
@@ -160,9 +151,8 @@ def test_a_changed_image_has_its_boxes_where_its_objects_are() -> None:
         rows, columns = np.nonzero(shown.min(axis=2) > 0.7 * shown.max())  # brighter than the grey border
         for _, box in labels:
             assert [columns.min(), rows.min()] == pytest.approx([box.x, box.y], abs=1.6)
-            assert [columns.max() + 1, rows.max() + 1] == pytest.approx(
-                [box.x + box.width, box.y + box.height], abs=1.6
-            )
+            lower_right = [box.x + box.width, box.y + box.height]
+            assert [columns.max() + 1, rows.max() + 1] == pytest.approx(lower_right, abs=1.6)
 
 
 def test_the_target_of_an_object_is_its_cell() -> None:
@@ -179,18 +169,18 @@ def test_the_target_of_an_object_is_its_cell() -> None:
 # --- network and file ---------------------------------------------------------------------------------------------
 
 
-def test_the_file_gives_what_the_network_gives(training: _Training, tmp_path: Path) -> None:
+def test_the_file_gives_what_the_network_gives(training: Any, tmp_path: Path) -> None:
     """ONNX Runtime and jax agree to 1e-4; at other cells than peaks, the file has no score."""
-    weights, statistics = training.network.new_weights(3, 2)
+    weights, statistics = training.jax_network.new_weights(3, 2)
     rng = np.random.default_rng(1)
     weights = {name: one + rng.normal(0, 0.02, one.shape).astype(np.float32) for name, one in weights.items()}
     statistics = {
         name: np.abs(one + rng.normal(0, 0.2, one.shape)).astype(np.float32) for name, one in statistics.items()
     }
     path = tmp_path / "m.onnx"
-    training.file.write_model(path, weights, statistics, _NAMES, (96, 64), "test")
+    training.onnx_file.write_model(path, weights, statistics, _NAMES, (96, 64), "test")
     image = rng.random((1, 64, 96, 3), np.float32)
-    expected = np.asarray(training.network.outputs(weights, statistics, image, train=False)[0])[0]
+    expected = np.asarray(training.jax_network.outputs(weights, statistics, image, train=False)[0])[0]
     session = onnxruntime.InferenceSession(path)
     (found,) = session.run(None, {"images": image.transpose(0, 3, 1, 2)})
     assert found.shape == (1, 6, 96)
@@ -207,40 +197,37 @@ def test_the_file_gives_what_the_network_gives(training: _Training, tmp_path: Pa
 
 
 @pytest.mark.slow
-def test_training_finds_the_objects(training: _Training, folder: Path, tmp_path: Path) -> None:
+def test_training_finds_the_objects(training: Any, folder: Path, tmp_path: Path) -> None:
     """The loss falls, and the file finds disks and squares in images that were not learnt."""
     data = read_folder(folder)
     examples = [one.read() for one in data.val]
     first = batch((examples * BATCH)[:BATCH], _SIZE, 2)
     arrays = first.images, first.heat, first.boxes, first.weights
-    before = float(training.learning.loss(*training.network.new_weights(1, 2), *arrays, train=True)[0])
+    before = float(training.learning.loss(*training.jax_network.new_weights(1, 2), *arrays, train=True)[0])
     steps: list[int] = []
     learnt = training.learning.learn(data.train, 2, _SIZE, 60, 1, lambda done, _: steps.append(done))
     after = float(training.learning.loss(learnt.weights, learnt.statistics, *arrays, train=False)[0])
     assert steps == list(range(1, 121))
     assert after < 0.3 * before
     path = tmp_path / "m.onnx"
-    training.file.write_model(path, learnt.weights, learnt.statistics, data.names, _SIZE, "test")
+    training.onnx_file.write_model(path, learnt.weights, learnt.statistics, data.names, _SIZE, "test")
     detector = ObjectDetector(path)
     assert (detector.layout, detector.class_names) == ("yolov8", _NAMES)
     for image, labels in examples:
         found = {one.class_name: one.box for one in detector.detect(image)}
         for index, box in labels:
-            place = found[_NAMES[index]]
-            assert [place.x, place.y, place.width, place.height] == pytest.approx(
-                [box.x, box.y, box.width, box.height], abs=4
-            )
+            assert _numbers(found[_NAMES[index]]) == pytest.approx(_numbers(box), abs=4)
 
 
-def test_only_own_files_are_replaced(training: _Training, tmp_path: Path) -> None:
+def test_only_own_files_are_replaced(training: Any, tmp_path: Path) -> None:
     """Another program's model, or any other file, stays."""
     path = tmp_path / "m.onnx"
-    training.file.check_replaceable(path)
-    training.file.write_model(path, *training.network.new_weights(1, 2), _NAMES, _SIZE, "test")
-    training.file.check_replaceable(path)
+    training.onnx_file.check_replaceable(path)
+    training.onnx_file.write_model(path, *training.jax_network.new_weights(1, 2), _NAMES, _SIZE, "test")
+    training.onnx_file.check_replaceable(path)
     for content in (b"somebody's", onnx.helper.make_model(onnx.helper.make_graph([], "g", [], [])).SerializeToString()):
         path.write_bytes(content)
         with pytest.raises(SetupError, match="has not written it; give --out another name"):
-            training.file.check_replaceable(path)
+            training.onnx_file.check_replaceable(path)
     with pytest.raises(SetupError, match="the folder does not exist"):
-        training.file.check_replaceable(tmp_path / "none" / "m.onnx")
+        training.onnx_file.check_replaceable(tmp_path / "none" / "m.onnx")

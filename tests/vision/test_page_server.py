@@ -9,7 +9,7 @@ import struct
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from typing import Any
 
 import pytest
@@ -21,13 +21,19 @@ from roverlink.runtime.net.http_server import BoundedServer
 from roverlink.vision.calibration.page.server import PageServer
 
 
-class _DeskOfOneView:
-    """One view with the number 1, a large picture, and a list of what was clicked."""
+class _Desk:
+    """One view with the number 1, a large picture, and a list of what was clicked; a busy one has no state for now."""
 
-    def __init__(self) -> None:
+    def __init__(self, busy: bool = False) -> None:
         self.done: list[tuple[str, int | None]] = []
+        self.asked: list[int] = []
+        self.free = threading.Event()
+        if not busy:
+            self.free.set()
 
     def state(self, after: int) -> dict[str, Any]:
+        self.asked.append(after)
+        self.free.wait(PATIENCE_S)
         return {"version": after + 1}
 
     def picture(self, after: int) -> tuple[int, bytes] | None:
@@ -45,78 +51,61 @@ class _DeskOfOneView:
         self.done.append((action, view))
 
 
-class _BusyDesk(_DeskOfOneView):
-    """A desk whose state takes until it is free."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.asked, self.free, self._lock = 0, threading.Event(), threading.Lock()
-
-    def state(self, after: int) -> dict[str, Any]:
-        with self._lock:
-            self.asked += 1
-        self.free.wait(PATIENCE_S)
-        return super().state(after)
-
-
-def port_of(server: PageServer) -> int:
-    return int(server.url.rstrip("/").rsplit(":", 1)[1])
-
-
 @pytest.fixture(scope="module")
-def served() -> Iterator[tuple[_DeskOfOneView, int]]:
-    desk = _DeskOfOneView()
+def served() -> Iterator[tuple[_Desk, int]]:
+    desk = _Desk()
     with PageServer("127.0.0.1", 0, desk) as server:
-        yield desk, port_of(server)
+        yield desk, server.port
 
 
 @pytest.fixture
-def desk(served: tuple[_DeskOfOneView, int]) -> _DeskOfOneView:
+def desk(served: tuple[_Desk, int]) -> _Desk:
     """The desk behind the server, with nothing clicked yet."""
     served[0].done.clear()
     return served[0]
 
 
 @pytest.fixture
-def port(served: tuple[_DeskOfOneView, int]) -> int:
+def port(served: tuple[_Desk, int]) -> int:
     return served[1]
 
 
 def ask(port: int, method: str, path: str, **headers: str) -> tuple[int, bytes]:
     """The status and the body of an answer; `Host` is the server's unless it is given."""
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)
-    try:
+    with closing(http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)) as connection:
         connection.request(method, path, headers=headers)
         answer = connection.getresponse()
         return answer.status, answer.read()
-    finally:
-        connection.close()
 
 
-def own(port: int) -> dict[str, str]:
-    return {"Origin": f"http://127.0.0.1:{port}"}
+def post(port: int, path: str) -> tuple[int, bytes]:
+    """The answer to a click on the page itself."""
+    return ask(port, "POST", path, Origin=f"http://127.0.0.1:{port}")
+
+
+@contextmanager
+def sent(port: int, request: str) -> Iterator[socket.socket]:
+    """A connection on which a request was sent."""
+    with socket.create_connection(("127.0.0.1", port), PATIENCE_S) as sock:
+        sock.sendall(f"{request} HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode())
+        yield sock
 
 
 def test_the_page_and_what_it_needs_are_served(port: int) -> None:
-    """The page, its style and its program come from here, and name no other site."""
+    """Page, style and program name no other site; the browser is told to load nothing from there."""
     for path in ("/", "/page.css", "/page.js"):
         status, body = ask(port, "GET", path)
         assert status == 200
         assert not re.search(rb"""https?:|["'(]//|@import""", body)
-
-
-def test_what_the_page_may_load_is_said_with_it(port: int) -> None:
-    """The browser is told to load nothing from elsewhere, and to show the page in no frame of another."""
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)
-    connection.request("GET", "/")
-    policy = connection.getresponse().headers["Content-Security-Policy"]
-    connection.close()
+    with closing(http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)) as connection:
+        connection.request("GET", "/")
+        policy = connection.getresponse().headers["Content-Security-Policy"]
     assert "default-src 'none'" in policy
     assert "frame-ancestors 'none'" in policy
 
 
 @pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "localhost.evil.example", "127.0.0.1.evil", ""])
-def test_another_name_for_this_computer_is_refused(port: int, desk: _DeskOfOneView, host: str) -> None:
+def test_another_name_for_this_computer_is_refused(port: int, desk: _Desk, host: str) -> None:
     """A site that lets its own name mean this computer sees nothing and does nothing."""
     assert ask(port, "GET", "/state", Host=host)[0] == 403
     assert ask(port, "POST", "/take", Host=host, Origin=f"http://{host}")[0] == 403
@@ -130,23 +119,21 @@ def test_addresses_and_names_of_this_computer_are_taken(port: int, host: str) ->
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "https://127.0.0.1:{}", "http://127.0.0.1:1", None])
-def test_a_click_on_another_site_does_nothing(port: int, desk: _DeskOfOneView, origin: str | None) -> None:
+def test_a_click_on_another_site_does_nothing(port: int, desk: _Desk, origin: str | None) -> None:
     """Only the page itself may post: neither another site, nor another port, nor one who does not say who asks."""
     headers = {} if origin is None else {"Origin": origin.format(port)}
     assert ask(port, "POST", "/take", **headers)[0] == 403
     assert desk.done == []
 
 
-def test_clicks_reach_the_desk(port: int, desk: _DeskOfOneView) -> None:
-    """Each button does its thing, once."""
+def test_clicks_reach_the_desk(port: int, desk: _Desk) -> None:
+    """Each button does its thing, once; the body of the answer says why it cannot. A post elsewhere is no click."""
     for path in ("/take", "/views/1/drop", "/calibrate"):
-        assert ask(port, "POST", path, **own(port))[0] == 204
+        assert post(port, path)[0] == 204
+    assert post(port, "/save") == (409, b"there is nothing to save yet")
+    for path in ("/", "/views/1", "/views/x/drop", "/shutdown"):
+        assert post(port, path)[0] == 404
     assert desk.done == [("take", None), ("drop", 1), ("calibrate", None)]
-
-
-def test_what_cannot_be_done_says_why(port: int) -> None:
-    """The reason is the body of the answer."""
-    assert ask(port, "POST", "/save", **own(port)) == (409, b"there is nothing to save yet")
 
 
 @pytest.mark.parametrize(
@@ -170,25 +157,16 @@ def test_paths(port: int, path: str, status: int) -> None:
 
 def test_a_path_that_is_no_url_is_refused(port: int, capfd: pytest.CaptureFixture[str]) -> None:
     """With status 400, and without a traceback."""
-    with socket.create_connection(("127.0.0.1", port), PATIENCE_S) as sock:
-        sock.sendall(f"GET http://[ HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode())
+    with sent(port, "GET http://[") as sock:
         assert sock.recv(4096).startswith(b"HTTP/1.1 400")
     assert capfd.readouterr().err == ""
 
 
-@pytest.mark.parametrize("path", ["/", "/views/1", "/views/x/drop", "/shutdown"])
-def test_there_is_nothing_else_to_do(port: int, desk: _DeskOfOneView, path: str) -> None:
-    """A post elsewhere is no click."""
-    assert ask(port, "POST", path, **own(port))[0] == 404
-    assert desk.done == []
-
-
-def test_a_body_is_not_taken_for_a_request(port: int, desk: _DeskOfOneView) -> None:
+def test_a_body_is_not_taken_for_a_request(port: int, desk: _Desk) -> None:
     """What follows a post on its connection is not read."""
-    hidden = f"POST /calibrate HTTP/1.1\r\nHost: localhost:{port}\r\nOrigin: http://localhost:{port}\r\n\r\n"
-    outer = f"POST /take HTTP/1.1\r\nHost: localhost:{port}\r\nOrigin: http://localhost:{port}\r\n"
-    with socket.create_connection(("127.0.0.1", port), PATIENCE_S) as sock:
-        sock.sendall(f"{outer}Content-Length: {len(hidden)}\r\n\r\n{hidden}".encode())
+    own = f"Host: localhost:{port}\r\nOrigin: http://localhost:{port}\r\n"
+    hidden = f"POST /calibrate HTTP/1.1\r\n{own}\r\n"
+    with sent(port, f"POST /take HTTP/1.1\r\n{own}Content-Length: {len(hidden)}\r\n\r\n{hidden}GET /state") as sock:
         while sock.recv(65536):
             pass
     assert desk.done == [("take", None)]
@@ -196,8 +174,7 @@ def test_a_body_is_not_taken_for_a_request(port: int, desk: _DeskOfOneView) -> N
 
 def test_a_browser_that_does_not_read_keeps_nobody_waiting(port: int) -> None:
     """Fifty megabytes wait in vain; others are served at once."""
-    with socket.create_connection(("127.0.0.1", port), PATIENCE_S) as sock:
-        sock.sendall(f"GET /picture HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode())
+    with sent(port, "GET /picture") as sock:
         assert sock.recv(1)
         assert ask(port, "GET", "/state")[0] == 200
 
@@ -229,8 +206,7 @@ def test_half_a_request_ends(port: int, monkeypatch: pytest.MonkeyPatch) -> None
                 if not sock.recv(1):
                     break
     assert time.monotonic() < deadline
-    with socket.create_connection(("127.0.0.1", port), PATIENCE_S) as sock:
-        sock.sendall(f"GET /state HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode())
+    with sent(port, "GET /state") as sock:
         assert sock.recv(4096).startswith(b"HTTP/1.1 200")
         while sock.recv(4096):
             pass
@@ -238,20 +214,18 @@ def test_half_a_request_ends(port: int, monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_connections_are_limited() -> None:
     """If answers are being made on all of them, one more is closed; there is room again when they are done."""
-    desk = _BusyDesk()
+    desk = _Desk(busy=True)
     with PageServer("127.0.0.1", 0, desk) as server, ExitStack() as held:
-        port = port_of(server)
         for _ in range(BoundedServer.connections):
-            sock = held.enter_context(socket.create_connection(("127.0.0.1", port), PATIENCE_S))
-            sock.sendall(f"GET /state HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode())
-        wait_until(lambda: desk.asked == BoundedServer.connections, "all requests")
+            held.enter_context(sent(server.port, "GET /state"))
+        wait_until(lambda: len(desk.asked) == BoundedServer.connections, "all requests")
         with pytest.raises(OSError):  # noqa: PT011  # closed, in one way or another
-            ask(port, "GET", "/state")
+            ask(server.port, "GET", "/state")
         desk.free.set()
 
         def has_room() -> bool:
             with suppress(OSError, http.client.HTTPException):  # still closed
-                return ask(port, "GET", "/state")[0] == 200
+                return ask(server.port, "GET", "/state")[0] == 200
             return False
 
         wait_until(has_room, "room for another connection")
@@ -260,20 +234,15 @@ def test_connections_are_limited() -> None:
 def test_a_port_that_is_taken_is_named(port: int) -> None:
     """It says which, and why."""
     with pytest.raises(SetupError, match=f"TCP port {port} of 127.0.0.1"):
-        PageServer("127.0.0.1", port, _DeskOfOneView())
+        PageServer("127.0.0.1", port, _Desk())
 
 
-def test_where_everybody_may_look_the_address_is_one_that_others_can_open() -> None:
-    """It is served on all addresses, and its URL has one of them, or the computer's name."""
-    with PageServer("0.0.0.0", 0, _DeskOfOneView()) as server:  # noqa: S104  # what is tested
+def test_a_server_for_everybody_has_an_address_that_others_can_open() -> None:
+    """It is on all addresses, and its URL has one of them, or the computer's name; it ends though a browser waits."""
+    with PageServer("0.0.0.0", 0, _Desk()) as server:  # noqa: S104  # what is tested
         assert "0.0.0.0" not in server.url  # noqa: S104  # what is tested
-        assert ask(port_of(server), "GET", "/state", Host=server.url.split("/")[2])[0] == 200
-
-
-def test_it_ends_though_browsers_wait() -> None:
-    """Nobody has to close a browser first."""
-    with PageServer("127.0.0.1", 0, _DeskOfOneView()) as server:
-        sock = socket.create_connection(("127.0.0.1", port_of(server)))
+        assert ask(server.port, "GET", "/state", Host=server.url.split("/")[2])[0] == 200
+        sock = socket.create_connection(("127.0.0.1", server.port))
         begin = time.monotonic()
     assert time.monotonic() - begin < PATIENCE_S / 10  # a silent browser is cut off only after 20 s
     sock.close()

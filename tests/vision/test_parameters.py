@@ -31,8 +31,7 @@ distortion_coefficients: !!opencv-matrix
    rows: 1
    cols: 5
    dt: d
-   data: [ 1.00096e-01, -2.56227e-01, 1.11085e-03, 2.69882e-07,
-       2.03651e-01 ]
+   data: [ 1.00096e-01, -2.56227e-01, 1.11085e-03, 2.69882e-07, 2.03651e-01 ]
 """
 WRITTEN = """%YAML:1.0
 ---
@@ -55,15 +54,23 @@ of: "a lens"
 ROS = """image_width: 1920
 image_height: 1200
 camera_name: rover
-camera_matrix:
-  rows: 3
-  cols: 3
-  data: [1163.311, 0, 941.628, 0, 1168.458, 618.535, 0, 0, 1]
+camera_matrix: {rows: 3, cols: 3, data: [1163.311, 0, 941.628, 0, 1168.458, 618.535, 0, 0, 1]}
 distortion_model: plumb_bob
-distortion_coefficients:
-  rows: 1
-  cols: 5
-  data: [0.100096, -0.256227, 0.00111085, 2.69882e-7, 0.203651]
+distortion_coefficients: {rows: 1, cols: 5, data: [0.100096, -0.256227, 0.00111085, 2.69882e-7, 0.203651]}
+"""
+XML = """<?xml version="1.0"?>
+<opencv_storage>
+<camera_matrix type_id="opencv-matrix">
+  <rows>3</rows>
+  <cols>3</cols>
+  <dt>d</dt>
+  <data>
+    1163.311 0. 941.628 0. 1168.458
+    618.535 0. 0. 1.</data></camera_matrix>
+<distortion_coefficients type_id="opencv-matrix">
+  <rows>1</rows> <cols>5</cols> <dt>d</dt> <data>0.1 -0.2 0.001 0.0002 0.2</data>
+</distortion_coefficients>
+</opencv_storage>
 """
 
 
@@ -88,10 +95,12 @@ def test_opencv_reads_what_is_written(tmp_path: Path, model: str) -> None:
 
 
 def test_the_file_is_the_same_whichever_opencv_is_installed(tmp_path: Path) -> None:
-    """To the byte: what one version reads, all do, and the same parameters make no difference to git."""
+    """To the byte, so it makes no difference to git; without distortion it has zeros, OpenCV has no empty matrix."""
     path = tmp_path / "camera.yml"
     write_parameters(path, CAMERAS["plumb_bob"], {"views": 20, "of": "a lens"})
     assert path.read_text() == WRITTEN
+    write_parameters(path, CameraParameters(MATRIX, np.array([])))
+    assert (read_parameters(path).distortion == np.zeros(5)).all()
 
 
 @pytest.mark.parametrize("name", ["camera.yml", "camera.xml"])
@@ -99,12 +108,10 @@ def test_what_opencv_writes_is_read(tmp_path: Path, name: str) -> None:
     """Files of whichever version is installed, whose first line differs."""
     path = tmp_path / name
     file = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
-    file.write("camera_matrix", MATRIX)
-    file.write("distortion_coefficients", np.array(ROVER)[:, None])
-    file.write("image_width", 1920)
-    file.write("image_height", 1200)
-    file.write("distortion_model", "plumb_bob")
-    file.write("calibration_time", "Sat 22 Nov")
+    matrices = {"camera_matrix": MATRIX, "distortion_coefficients": np.array(ROVER)[:, None]}
+    texts = {"distortion_model": "plumb_bob", "calibration_time": "Sat 22 Nov"}
+    for key, value in {**matrices, "image_width": 1920, "image_height": 1200, **texts}.items():
+        file.write(key, value)
     file.startWriteStruct("views", cv2.FileNode_SEQ)
     for number in range(2):
         file.startWriteStruct("", cv2.FileNode_MAP)
@@ -118,14 +125,17 @@ def test_what_opencv_writes_is_read(tmp_path: Path, name: str) -> None:
     assert camera.size == (1920, 1200)
 
 
-@pytest.mark.parametrize(("text", "size"), [(OLD, None), (ROS, (1920, 1200))])
-def test_files_of_others_are_read(tmp_path: Path, text: str, size: tuple[int, int] | None) -> None:
-    """The lost calibration program's file, without a size; and that of ROS's camera_calibration."""
-    path = tmp_path / "camera.yml"
+@pytest.mark.parametrize(
+    ("text", "size", "distortion"),
+    [(OLD, None, ROVER), (ROS, (1920, 1200), ROVER), (XML, None, (0.1, -0.2, 0.001, 0.0002, 0.2))],
+)
+def test_files_of_others_are_read(tmp_path: Path, text: str, size: tuple[int, int] | None, distortion: tuple) -> None:
+    """The lost calibration program's file, without a size; that of ROS's camera_calibration; and one by hand."""
+    path = tmp_path / ("camera.xml" if text == XML else "camera.yml")
     path.write_text(text)
     camera = read_parameters(path)
     assert (camera.matrix == MATRIX).all()
-    assert (camera.distortion == ROVER).all()
+    assert (camera.distortion == distortion).all()
     assert camera.size == size
 
 
@@ -154,97 +164,56 @@ def test_models_have_the_names_that_others_use(tmp_path: Path, model: str, coeff
     assert model_name(camera) == as_here
 
 
-def test_a_camera_without_distortion_is_written_as_zeros(tmp_path: Path) -> None:
-    """OpenCV has no matrices without elements in its files."""
-    write_parameters(tmp_path / "camera.yml", CameraParameters(MATRIX, np.array([])))
-    assert (read_parameters(tmp_path / "camera.yml").distortion == np.zeros(5)).all()
+_DISTORTION = "distortion_coefficients: "
 
 
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
         ("camera_matrix:", "camera_matrx:", r"missing key 'camera_matrix'; did you mean 'camera_matrx'\?"),
-        ("   rows: 3\n", "", r"yml:3:16: camera_matrix is not a matrix"),
-        ("rows: 3", "rows: 2", r"yml:7:10: camera_matrix is 2x3, but has 9 numbers"),
-        ("rows: 3", "rows: three", r"yml:4:10: rows is three"),
-        (" 0.,\n", " zero,\n", r"yml:7:64: a number of camera_matrix is zero"),
+        ("   rows: 3\n", "", r":3:16: camera_matrix is not a matrix"),
+        ("rows: 3", "rows: 2", r":7:10: camera_matrix is 2x3, but has 9 numbers"),
+        ("rows: 3", "rows: three", r":4:10: rows is three"),
+        (" 0.,\n", " zero,\n", r":7:64: a number of camera_matrix is zero"),
         (" 0.,\n", " .Nan,\n", r"finite number"),
-        ("1.1633", "-1.1633", r"yml: the camera matrix .* positive focal"),
-        ("data: [", "data: [[", r"yml:\d+:\d+: not valid YAML"),
-        ("distortion_coefficients: ", "image_width: 3\ndistortion_coefficients: ", r"yml:9:14: .* give both"),
+        ("1.1633", "-1.1633", r": the camera matrix .* positive focal"),
+        ("data: [", "data: [[", r":\d+:\d+: not valid YAML"),
+        (_DISTORTION, f"image_width: 3\n{_DISTORTION}", r":9:14: .* give both"),
         (OLD, "", r"no camera parameters"),
-        ("1.1633", "1.0e+300, 1.1633", r"yml:7:12: .* is 1.0e\+300; it must be a finite number, at most 1e\+09"),
+        ("1.1633", "1.0e+300, 1.1633", r":7:12: .* is 1.0e\+300; it must be a finite number, at most 1e\+09"),
+        ("camera_matrix:", "2: x\non: x\ncamera_matrx:", r"missing key 'camera_matrix'; did you mean 'camera_matrx'"),
         (
-            "camera_matrix:",
-            "2: x\non: x\ncamera_matrx:",
-            r"camera.yml: missing key 'camera_matrix'; did you mean 'camera_matrx'",
+            _DISTORTION,
+            f"image_width: {'9' * 5000}\nimage_height: 3\n{_DISTORTION}",
+            r"9:14: .* 9+\.\.\. is not a valid",
         ),
+        (_DISTORTION, f"image_width: 3\nimage_height: 0x\n{_DISTORTION}", r":10:15: image_height is 0x;"),
+        ("   dt: d\n", "   dt: d\n   dt: f\n", r":7:4: the key dt occurs twice"),
+        (_DISTORTION, f"distortion_model: fishy\n{_DISTORTION}", r":9:19: unknown distortion model 'fishy'"),
+        (_DISTORTION, f"distortion_model: none\n{_DISTORTION}", r":9:19: .* is none, but there are coeff"),
         (
-            "distortion_coef",
-            f"image_width: {'9' * 5000}\nimage_height: 3\ndistortion_coef",
-            r"9:14: .*image_width: 9+\.\.\. is not a valid value",
+            _DISTORTION,
+            f"distortion_model: equidistant\n{_DISTORTION}",
+            r"'equidistant' needs 4 coeff.*, but the file has 5",
         ),
-        (
-            "distortion_coef",
-            "image_width: 3\nimage_height: 0x\ndistortion_coef",
-            r"yml:10:15: image_height is 0x;",
-        ),
-        ("   dt: d\n", "   dt: d\n   dt: f\n", r"yml:7:4: the key dt occurs twice"),
-        ("distortion_coef", "distortion_model: fishy\ndistortion_coef", r"yml:9:19: unknown distortion model 'fishy'"),
-        ("distortion_coef", "distortion_model: none\ndistortion_coef", r"yml:9:19: .* is none, but there are coeff"),
-        (
-            "distortion_coef",
-            "distortion_model: equidistant\ndistortion_coef",
-            r"'equidistant' needs 4 coefficients, but the file has 5",
-        ),
+        ("618.535 0.", "618.535 zero", r":9:13: a number of camera_matrix is zero"),
+        ("<rows>3", "<rows>2", r":7:3: camera_matrix is 2x3, but has 9 numbers"),
+        ("camera_matrix type", "camera_matrx type", r":9:30: not valid XML: mismatched tag"),
+        ("<?xml", "<!DOCTYPE x [<!ENTITY a 'b'>]>\n<?xml", r":1:\d+: the file has a document type"),
+        ("opencv_storage", "calibration", r":2:1: the file is <calibration>, and no FileStorage"),
+        ("<rows>1</rows>", "<rows>1</rows> <rows>2</rows>", r":11:18: the key rows occurs twice"),
+        (XML, "<opencv_storage></opencv_storage>", r"no camera parameters found"),
+        (XML, "<a", r":1:\d+: not valid XML: unclosed token"),
     ],
 )
 def test_mistakes_are_told_with_their_place(tmp_path: Path, old: str, new: str, words: str) -> None:
-    """The file, the line and the column, where the mistake has them."""
-    path = tmp_path / "camera.yml"
-    path.write_text(OLD.replace(old, new, 1))
+    """The file, the line and the column, where the mistake has them, in YAML and in XML."""
+    is_yaml = old in OLD
+    path = tmp_path / f"camera.{'yml' if is_yaml else 'xml'}"
+    path.write_text(OLD.replace(old, new, 1) if is_yaml else XML.replace(old, new))
     with pytest.raises(SetupError, match=words) as raised:
         read_parameters(path)
     assert str(raised.value).count(str(path)) == 1
-
-
-XML = """<?xml version="1.0"?>
-<opencv_storage>
-<camera_matrix type_id="opencv-matrix">
-  <rows>3</rows>
-  <cols>3</cols>
-  <dt>d</dt>
-  <data>
-    1163.311 0. 941.628 0. 1168.458
-    618.535 0. 0. 1.</data></camera_matrix>
-<distortion_coefficients type_id="opencv-matrix">
-  <rows>1</rows> <cols>5</cols> <dt>d</dt> <data>0.1 -0.2 0.001 0.0002 0.2</data>
-</distortion_coefficients>
-</opencv_storage>
-"""
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("618.535 0.", "618.535 zero", r"xml:9:13: a number of camera_matrix is zero"),
-        ("<rows>3", "<rows>2", r"xml:7:3: camera_matrix is 2x3, but has 9 numbers"),
-        ("camera_matrix type", "camera_matrx type", r"xml:9:30: not valid XML: mismatched tag"),
-        ("<?xml", "<!DOCTYPE x [<!ENTITY a 'b'>]>\n<?xml", r"xml:1:\d+: the file has a document type"),
-        ("opencv_storage", "calibration", r"xml:2:1: the file is <calibration>, and no FileStorage"),
-        ("<rows>1</rows>", "<rows>1</rows> <rows>2</rows>", r"xml:11:18: the key rows occurs twice"),
-        (XML, "<opencv_storage></opencv_storage>", r"no camera parameters found"),
-        (XML, "<a", r"xml:1:\d+: not valid XML: unclosed token"),
-    ],
-)
-def test_mistakes_in_xml_are_told_with_their_place(tmp_path: Path, old: str, new: str, words: str) -> None:
-    """The file, the line and the column, as for YAML."""
-    path = tmp_path / "camera.xml"
-    path.write_text(XML)
-    assert read_parameters(path).matrix == pytest.approx(MATRIX)
-    path.write_text(XML.replace(old, new))
-    with pytest.raises(SetupError, match=words):
-        read_parameters(path)
 
 
 def test_missing_parameters_say_how_to_make_them(tmp_path: Path) -> None:

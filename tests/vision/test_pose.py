@@ -1,8 +1,10 @@
-"""Poses: how they compose, both solutions, and their covariance."""
+"""Poses: how they compose, both solutions of a marker, and transforms between frames at a time."""
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
+from itertools import chain, pairwise
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from roverlink.vision.markers.marker_set import square
 from roverlink.vision.poses.chi_squared import chi2_limit
 from roverlink.vision.poses.pnp import Corners, Solution, solve, square_poses, with_all_errors
 from roverlink.vision.poses.pose import Pose, predict, rotation_of
+from roverlink.vision.poses.transform_tree import KEPT_NS, NEAR_NS, TransformError, TransformTree
 
 FACING = np.diag([1.0, -1.0, -1.0])
 vectors = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array)
@@ -41,22 +44,16 @@ def solved(seen: Corners) -> list[Solution]:
 
 
 @settings(max_examples=40)
-@given(poses(), changes)
-@example(Pose(FACING, np.array([0, 0, 1.0])), np.array([0, 0, 0, 0, 0, 1e-7]))
-def test_a_change_is_undone_by_its_inverse(pose: Pose, change: np.ndarray) -> None:
-    """`change_to` finds what `moved` did."""
-    assert pose.change_to(pose.moved(change)) == pytest.approx(change, abs=1e-9)
-
-
-@settings(max_examples=40)
-@given(poses(), poses(), vectors)
-def test_composition_is_one_after_the_other(first: Pose, second: Pose, point: np.ndarray) -> None:
-    """A product applies its right side first, and the inverse takes a pose back."""
+@given(poses(), poses(), changes, vectors)
+@example(Pose(FACING, np.array([0, 0, 1.0])), Pose(FACING, np.zeros(3)), np.array([0, 0, 0, 0, 0, 1e-7]), np.zeros(3))
+def test_composition_is_one_after_the_other(first: Pose, second: Pose, change: np.ndarray, point: np.ndarray) -> None:
+    """A product applies its right side first, the inverse takes a pose back, and `change_to` finds what `moved` did."""
     assert (second @ first).apply(point) == pytest.approx(second.apply(first.apply(point)), abs=1e-12)
     assert (first.inverse() @ first).apply(point) == pytest.approx(point, abs=1e-12)
+    assert first.change_to(first.moved(change)) == pytest.approx(change, abs=1e-9)
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(poses())
 def test_the_prediction_s_derivative_is_its_derivative(pose: Pose) -> None:
     """Numerical differences agree."""
@@ -81,9 +78,8 @@ def test_the_covariance_is_symmetric_and_positive(pose: Pose, seed: int) -> None
 def test_a_marker_anywhere_on_a_board_gives_the_board_s_pose(marker: Pose, turn: np.ndarray, shift: np.ndarray) -> None:
     """The solutions are in the frame in which the corners are given."""
     on_board = Pose(rotation_of(turn), shift)
-    points, board = on_board.apply(square(0.05)), marker @ on_board.inverse()
-    seen = seen_at(board, points, 1e-7, np.random.default_rng(0))
-    found = solved(seen)
+    board = marker @ on_board.inverse()
+    found = solved(seen_at(board, on_board.apply(square(0.05)), 1e-7, np.random.default_rng(0)))
     assert min(np.abs(one.pose.change_to(board)).max() for one in found) < 1e-2
 
 
@@ -95,10 +91,8 @@ def test_landmarks_are_solved_together_as_each_alone() -> None:
         pose = Pose(rotation_of(rng.normal(0, 0.3, 3)) @ FACING, rng.uniform((-0.3, -0.3, 0.6), (0.3, 0.3, 2)))
         squares = [square(0.1) + np.array([0.2 * place, 0, 0]) for place in range(1 + number % 3)]
         corners = seen_at(pose, np.concatenate(squares), 3e-4, rng)
-        rays = corners.rays.reshape(-1, 4, 2)
-        own = [pose for poses in square_poses(np.stack(squares), rays) for pose in poses]
         seen.append(corners)
-        starts.append(own)
+        starts.append([*chain(*square_poses(np.stack(squares), corners.rays.reshape(-1, 4, 2)))])
     starts[3] = []
     starts[4] = [Pose(FACING, np.array([0, 0, -1.0])), *starts[4]]
     seen[5] = replace(seen[5], covariance=np.zeros_like(seen[5].covariance))
@@ -152,3 +146,103 @@ def test_a_fit_that_cannot_be_chance_widens_the_covariance() -> None:
 def test_the_limit_is_chi_squared_s_quantile(freedom: int, limit: float) -> None:
     """99.9 %, to a few percent of the table's value."""
     assert chi2_limit(freedom) == pytest.approx(limit, rel=0.03)
+
+
+# --- Transforms between frames at a time. Products of random transforms are the judge -------------------------------
+
+_S = 1_000_000_000
+_numbers = st.floats(-3, 3)
+_poses = st.tuples(*[_numbers] * 6).map(lambda given: Pose(rotation_of(np.array(given[:3])), np.array(given[3:])))
+_STILL = Pose(np.eye(3), np.zeros(3))
+
+
+def _same(one: Pose, other: Pose) -> bool:
+    pairs = (one.rotation, other.rotation), (one.translation, other.translation)
+    return all(np.allclose(*pair, atol=1e-9) for pair in pairs)
+
+
+def _is_known(tree: TransformTree, target: str, source: str, stamp: int) -> bool:
+    with contextlib.suppress(TransformError):
+        tree.look_up(target, source, stamp)
+        return True
+    return False
+
+
+@given(st.lists(_poses, min_size=1, max_size=6), st.data())
+def test_a_transform_is_the_product_of_those_on_its_way(poses: list[Pose], data: st.DataObject) -> None:
+    """Between any two frames of any tree, in both directions, whatever the root is."""
+    tree, to_root = TransformTree(), {"0": _STILL}
+    for index, pose in enumerate(poses, 1):
+        parent = data.draw(st.sampled_from(sorted(to_root)))
+        tree.add(parent, str(index), 0, pose, static=data.draw(st.booleans()))
+        to_root[str(index)] = to_root[parent] @ pose
+    source, target = (data.draw(st.sampled_from(sorted(to_root))) for _ in range(2))
+    assert _same(tree.look_up(target, source, 0), to_root[target].inverse() @ to_root[source])
+    assert _same(tree.look_up(source, target, 0), tree.look_up(target, source, 0).inverse())
+
+
+@given(_poses, _numbers, _numbers, st.floats(0, 1), st.permutations([0, 1, 2]))
+def test_between_two_stamps_motion_is_even(start: Pose, turn: float, way: float, part: float, order: list[int]) -> None:
+    """Transforms that arrive in any order give the pose of a body that moves evenly."""
+
+    def at(time: float) -> Pose:
+        angles = np.array([0.0, 0.0, turn / 3 * time])
+        return Pose(rotation_of(angles) @ start.rotation, start.translation + time * np.array([way, 0, 0]))
+
+    tree = TransformTree()
+    for index in order:
+        tree.add("odom", "base", index * _S, at(index))
+    assert _same(tree.look_up("odom", "base", round((1 + part) * _S)), at(round((1 + part) * _S) / _S))
+
+
+def test_a_transform_is_known_for_a_moment_before_and_after() -> None:
+    """Longer than that it is unknown, and the error says how old the newest one is."""
+    tree = TransformTree()
+    tree.add("odom", "base", 5 * _S, _STILL)
+    assert all(_is_known(tree, "odom", "base", 5 * _S + near) for near in (-NEAR_NS, NEAR_NS))
+    with pytest.raises(TransformError, match=r"from .base. to .odom. is not known now: the newest one is 2\.0 s older"):
+        tree.look_up("odom", "base", 7 * _S)
+    with pytest.raises(TransformError, match="the transforms are newer"):
+        tree.look_up("odom", "base", _S)
+    tree.add("base", "camera", 0, _STILL, static=True)
+    assert _is_known(tree, "base", "camera", 99 * _S)
+
+
+@pytest.mark.parametrize(
+    ("edges", "words"),
+    [
+        ([], "no transforms connect 'camera' with 'base'; no transforms have come"),
+        ([("base_link", "camera")], "there is no frame 'base'; did you mean 'base_link'?"),
+        ([("base", "arm"), ("lens", "camera")], "no transforms connect 'camera' with 'base'; both are known"),
+    ],
+)
+def test_frames_that_are_not_connected_are_told(edges: list[tuple[str, str]], words: str) -> None:
+    """With the frame that is missing, and the one that was perhaps meant."""
+    tree = TransformTree()
+    for parent, child in edges:
+        tree.add(parent, child, 0, _STILL)
+    with pytest.raises(TransformError) as caught:
+        tree.look_up("base", "camera", 0)
+    assert words in str(caught.value)
+
+
+def test_what_is_old_is_forgotten_and_time_may_begin_again() -> None:
+    """Ten seconds are kept. A stamp far in the past is a recording that is repeated."""
+    tree = TransformTree()
+    for second in range(30):
+        tree.add("odom", "base", second * _S, Pose(np.eye(3), np.array([second, 0.0, 0.0])))
+    assert not _is_known(tree, "odom", "base", 29 * _S - KEPT_NS - _S)
+    tree.add("odom", "base", 0, _STILL)
+    assert _same(tree.look_up("odom", "base", 0), _STILL)
+    assert not _is_known(tree, "odom", "base", 29 * _S)
+
+
+def test_a_frame_can_get_another_parent_and_a_loop_ends() -> None:
+    """The last parent counts; frames that are their own ancestors are not connected to anything else."""
+    tree = TransformTree()
+    tree.add("arm", "camera", 0, _STILL)
+    tree.add("mast", "camera", 0, _STILL)
+    assert (_is_known(tree, "mast", "camera", 0), _is_known(tree, "arm", "camera", 0)) == (True, False)
+    for parent, child in pairwise(["camera", "mast", "camera"]):
+        tree.add(parent, child, 0, _STILL)
+    assert not _is_known(tree, "base", "camera", 0)

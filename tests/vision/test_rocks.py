@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import cv2
@@ -21,23 +21,27 @@ from roverlink.vision.rocks.ground import fit_ground
 
 GOALS = {"ellipsoids": (1.5, 4, 4, 8), "irregular rocks: noise of 3.5 % of the radius": (1.5, 4, 4, 8)}
 """Median and 90 % quantile of the errors of the length, and those of the width, in percent."""
-_SCENE = next(scenes(1, 4))
-_HEIGHT, _WIDTH = _SCENE.depth.shape
+_WIDTH, _HEIGHT = 640, 480
 _COLUMNS, _ROWS = np.meshgrid(np.arange(_WIDTH), np.arange(_HEIGHT))
+_PIXELS = np.stack([_COLUMNS, _ROWS], axis=-1).astype(float)
 
 
-def _bare() -> RockScene:
-    """The same ground without the rock."""
-    normal, height = _SCENE.ground
-    rays = np.append(
-        camera().undistort(np.stack([_COLUMNS, _ROWS], axis=-1).astype(float)), np.ones((_HEIGHT, _WIDTH, 1)), axis=-1
-    )
-    slope = rays @ normal
+@cache
+def _scene() -> RockScene:
+    return next(scenes(1, 4))
+
+
+def _rays(lens: CameraParameters) -> Any:
+    return np.append(lens.undistort(_PIXELS), np.ones((_HEIGHT, _WIDTH, 1)), axis=-1)
+
+
+@cache
+def _bare() -> Any:
+    """The depths of the same ground without the rock."""
+    normal, height = _scene().ground
+    slope = _rays(camera()) @ normal
     depth = np.where(slope < 0, -height / np.minimum(slope, -1e-9), np.nan)
-    return replace(_SCENE, depth=np.where(depth < 10, depth, np.nan))
-
-
-_BARE = _bare()
+    return np.where(depth < 10, depth, np.nan)
 
 
 def _refused(depth: Any, line: Line, lens: CameraParameters | None = None) -> Unmeasurable:
@@ -53,10 +57,10 @@ def _size(depth: Any, line: Line, lens: CameraParameters | None = None) -> tuple
 
 def test_a_rendered_rock_has_its_size() -> None:
     """Noise, holes and rounded endpoints included; the ground is the one on which the rock was put."""
-    found = measure(_SCENE.depth, camera(), _SCENE.line)
-    normal, height = _SCENE.ground
-    assert found.length == pytest.approx(_SCENE.length, rel=0.04)
-    assert found.width == pytest.approx(_SCENE.width, rel=0.08)
+    found = measure(_scene().depth, camera(), _scene().line)
+    normal, height = _scene().ground
+    assert found.length == pytest.approx(_scene().length, rel=0.04)
+    assert found.width == pytest.approx(_scene().width, rel=0.08)
     assert found.ground.normal @ normal > np.cos(np.radians(0.3))
     assert found.ground.height == pytest.approx(height, rel=0.01)
     assert 0.5 < found.valid < 1
@@ -66,41 +70,34 @@ def test_a_rendered_rock_has_its_size() -> None:
 def test_sizes_are_as_accurate_as_promised() -> None:
     """Ellipsoids and irregular rocks all have a result; the depth at the two pixels alone is far worse."""
     found = list(rocks.measure_rocks(60, list(GOALS)))
-    for kind, (length, length_90, width, width_90) in GOALS.items():
+    for kind, goals in GOALS.items():
         ours = [one for one in found if (one.kind, one.contestant) == (kind, OURS)]
         assert not any(np.isnan(one.length) for one in ours)
         lengths, widths = (rocks.quantiles([getattr(one, name) for one in ours]) for name in ("length", "width"))
-        assert lengths[0] <= length
-        assert lengths[1] <= length_90
-        assert widths[0] <= width
-        assert widths[1] <= width_90
+        assert (np.array([*lengths[:2], *widths[:2]]) <= goals).all()
         alone = [one for one in found if (one.kind, one.contestant) == (kind, rocks.TWO_PIXELS)]
         assert rocks.quantiles([one.length for one in alone])[1] > 2 * lengths[1]
 
 
 def test_the_direction_of_the_line_does_not_matter() -> None:
-    """A line from right to left gives the same size."""
-    x1, y1, x2, y2 = _SCENE.line
-    assert _size(_SCENE.depth, (x2, y2, x1, y1)) == pytest.approx(_size(_SCENE.depth, _SCENE.line), rel=1e-3)
+    """A line from right to left gives the same size, and the same image always the same: RANSAC is repeatable."""
+    x1, y1, x2, y2 = _scene().line
+    assert _size(_scene().depth, (x2, y2, x1, y1)) == pytest.approx(_size(_scene().depth, _scene().line), rel=1e-3)
+    assert _size(_scene().depth, _scene().line) == _size(_scene().depth.copy(), _scene().line)
 
 
-def test_the_same_image_gives_the_same_size() -> None:
-    """The random numbers of RANSAC are always the same."""
-    assert _size(_SCENE.depth, _SCENE.line) == _size(_SCENE.depth.copy(), _SCENE.line)
-
-
-@pytest.mark.parametrize("factor", [0.5, 0.8, 1.5])
+@pytest.mark.parametrize("factor", [0.5, 1.5])
 def test_a_rock_at_twice_the_distance_is_twice_as_large(factor: float) -> None:
     """Depths without noise: all lengths are multiplied by the same factor."""
-    expected = np.multiply(_size(_SCENE.exact, _SCENE.line), factor)
-    assert _size(_SCENE.exact * factor, _SCENE.line) == pytest.approx(expected, rel=0.02)
+    expected = np.multiply(_size(_scene().exact, _scene().line), factor)
+    assert _size(_scene().exact * factor, _scene().line) == pytest.approx(expected, rel=0.02)
 
 
 @pytest.mark.parametrize("missing", [np.nan, 0.0, np.inf])
 def test_missing_depths_do_not_count(missing: float) -> None:
     """They are NaN, 0 or infinite, by the encoding of the image."""
-    depth = np.where(np.isnan(_SCENE.depth), missing, _SCENE.depth).astype(np.float32)
-    assert _size(depth, _SCENE.line) == pytest.approx(_size(_SCENE.depth, _SCENE.line), rel=1e-4)
+    depth = np.where(np.isnan(_scene().depth), missing, _scene().depth).astype(np.float32)
+    assert _size(depth, _scene().line) == pytest.approx(_size(_scene().depth, _scene().line), rel=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -109,23 +106,11 @@ def test_missing_depths_do_not_count(missing: float) -> None:
 def test_the_lens_may_distort(distortion: tuple[float, ...], fisheye: bool) -> None:
     """The rays of the pixels are those of the camera's model, so the size stays the same."""
     lens = CameraParameters(camera().matrix, np.array(distortion), (_WIDTH, _HEIGHT), fisheye)
-    sources = (
-        camera()
-        .project(
-            np.append(
-                lens.undistort(np.stack([_COLUMNS, _ROWS], axis=-1).astype(float)),
-                np.ones((_HEIGHT, _WIDTH, 1)),
-                axis=-1,
-            )
-        )
-        .astype(np.float32)
-    )
-    seen = cv2.remap(
-        _SCENE.depth.astype(np.float32), sources, None, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT, borderValue=0
-    )
-    ends = lens.distort(camera().undistort(np.reshape(_SCENE.line, (2, 2)).astype(float)))
+    sources = camera().project(_rays(lens)).astype(np.float32)
+    seen = cv2.remap(_scene().depth.astype(np.float32), sources, None, cv2.INTER_NEAREST, borderValue=0)
+    ends = lens.distort(camera().undistort(np.reshape(_scene().line, (2, 2)).astype(float)))
     x1, y1, x2, y2 = ends.ravel().tolist()
-    assert _size(seen, (x1, y1, x2, y2), lens) == pytest.approx(_size(_SCENE.depth, _SCENE.line), rel=0.02)
+    assert _size(seen, (x1, y1, x2, y2), lens) == pytest.approx(_size(_scene().depth, _scene().line), rel=0.02)
 
 
 # --- the ground ---------------------------------------------------------------------------------------------------
@@ -161,13 +146,14 @@ def test_points_in_a_line_have_no_plane(count: int) -> None:
 # --- what is refused ----------------------------------------------------------------------------------------------
 
 
-@given(
-    st.integers(0, _WIDTH - 1), st.integers(200, _HEIGHT - 1), st.integers(0, _WIDTH - 1), st.integers(200, _HEIGHT - 1)
-)
-@settings(max_examples=12)
+_ACROSS, _DOWN = st.integers(0, _WIDTH - 1), st.integers(200, _HEIGHT - 1)
+
+
+@given(_ACROSS, _DOWN, _ACROSS, _DOWN)
+@settings(max_examples=6)
 def test_bare_ground_has_no_size(x1: int, y1: int, x2: int, y2: int) -> None:
     """Wherever the line is; around a line from edge to edge, there is no ground to be seen."""
-    reason = _refused(_BARE.depth, (x1, y1, x2, y2))
+    reason = _refused(_bare(), (x1, y1, x2, y2))
     assert reason in (Unmeasurable.NO_ROCK, Unmeasurable.SHORT_LINE, Unmeasurable.NO_PLANE)
     assert reason != Unmeasurable.NO_PLANE or abs(x2 - x1) > _WIDTH / 2
 
@@ -177,7 +163,7 @@ def test_bare_ground_has_no_size(x1: int, y1: int, x2: int, y2: int) -> None:
 def test_any_line_has_a_size_or_a_reason(x1: int, y1: int, x2: int, y2: int) -> None:
     """Whatever a request contains: a size is a finite number above 0."""
     with contextlib.suppress(UnmeasurableError):
-        found = measure(_SCENE.depth, camera(), (x1, y1, x2, y2))
+        found = measure(_scene().depth, camera(), (x1, y1, x2, y2))
         assert 0 < found.length < np.inf
         assert 0 < found.width < np.inf
 
@@ -187,46 +173,36 @@ def test_any_line_has_a_size_or_a_reason(x1: int, y1: int, x2: int, y2: int) -> 
 )
 def test_a_line_must_be_in_the_image(line: Line) -> None:
     """Both endpoints are pixels."""
-    assert _refused(_SCENE.depth, line) == Unmeasurable.OUTSIDE_IMAGE
+    assert _refused(_scene().depth, line) == Unmeasurable.OUTSIDE_IMAGE
 
 
-def test_a_short_line_is_refused() -> None:
-    """An error of a pixel would be more than a tenth of it."""
-    assert _refused(_SCENE.depth, (100, 100, 107, 107)) == Unmeasurable.SHORT_LINE
-    assert _refused(_SCENE.depth, (100, 100, 100, 100)) == Unmeasurable.SHORT_LINE
+def test_a_short_line_or_a_depth_that_is_not_aligned_is_refused() -> None:
+    """An error of a pixel would be more than a tenth of the line; and the depth camera has another size."""
+    assert _refused(_scene().depth, (100, 100, 107, 107)) == Unmeasurable.SHORT_LINE
+    assert _refused(_scene().depth, (100, 100, 100, 100)) == Unmeasurable.SHORT_LINE
+    assert _refused(_scene().depth[::2, ::2], (50, 50, 90, 90)) == Unmeasurable.NOT_ALIGNED
 
 
 @pytest.mark.parametrize("where", ["around", "at", "everywhere"])
 def test_too_little_depth_is_refused(where: str) -> None:
     """Of the ring around the line and of the rock, 30 % must be there."""
-    x1, y1, x2, y2 = _SCENE.line
+    x1, y1, x2, y2 = _scene().line
     distance = np.hypot(_COLUMNS - (x1 + x2) / 2, _ROWS - (y1 + y2) / 2) / np.hypot(x2 - x1, y2 - y1)
     missing = {"around": distance > 0.6, "at": distance <= 0.95, "everywhere": distance >= 0}[where]
-    assert _refused(np.where(missing, np.nan, _SCENE.depth), _SCENE.line) == Unmeasurable.LITTLE_DEPTH
+    assert _refused(np.where(missing, np.nan, _scene().depth), _scene().line) == Unmeasurable.LITTLE_DEPTH
 
 
 def test_a_third_of_the_depth_is_enough() -> None:
     """Two of three pixels are missing, anywhere."""
-    missing = np.random.default_rng(1).random(_SCENE.depth.shape) < 0.65
-    length, width = _size(np.where(missing, np.nan, _SCENE.depth), _SCENE.line)
-    assert (length, width) == (pytest.approx(_SCENE.length, rel=0.04), pytest.approx(_SCENE.width, rel=0.1))
+    missing = np.random.default_rng(1).random(_scene().depth.shape) < 0.65
+    length, width = _size(np.where(missing, np.nan, _scene().depth), _scene().line)
+    assert (length, width) == (pytest.approx(_scene().length, rel=0.04), pytest.approx(_scene().width, rel=0.1))
 
 
 def test_ground_that_is_no_plane_is_refused() -> None:
-    """Such as a heap of stones."""
-    depth = _SCENE.exact * cv2.resize(np.random.default_rng(2).uniform(0.7, 1.3, (48, 64)), (_WIDTH, _HEIGHT))
-    assert _refused(depth, _SCENE.line) == Unmeasurable.NO_PLANE
-
-
-def test_a_line_on_the_horizon_is_refused() -> None:
-    """Rays that are nearly parallel to the ground meet it anywhere."""
-    directions = np.append(
-        camera().undistort(np.stack([_COLUMNS, _ROWS], axis=-1).astype(float)), np.ones((_HEIGHT, _WIDTH, 1)), axis=-1
-    )
-    depth = np.where(directions[..., 1] > 0.02, 0.3 / np.maximum(directions[..., 1], 1e-9), np.nan)
+    """Such as a heap of stones; and a line on the horizon, whose rays are nearly parallel to the ground."""
+    heap = _scene().exact * cv2.resize(np.random.default_rng(2).uniform(0.7, 1.3, (48, 64)), (_WIDTH, _HEIGHT))
+    assert _refused(heap, _scene().line) == Unmeasurable.NO_PLANE
+    down = _rays(camera())[..., 1]
+    depth = np.where(down > 0.02, 0.3 / np.maximum(down, 1e-9), np.nan)
     assert _refused(depth, (200, 262, 400, 262)) == Unmeasurable.NO_PLANE
-
-
-def test_a_depth_that_is_not_aligned_is_refused() -> None:
-    """Its size is that of the depth camera."""
-    assert _refused(_SCENE.depth[::2, ::2], (50, 50, 90, 90)) == Unmeasurable.NOT_ALIGNED

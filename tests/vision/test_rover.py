@@ -1,27 +1,40 @@
-"""The pose of a rover: its cameras' frames that belong together, the file of its cameras, and ROS 2's transforms."""
+"""The pose of a rover: its cameras' frames that belong together, and what goes to which ROS 2 topic."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import dataclasses
+import time
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
+from polling import wait_until
 
+from bench.vision.contestants import camera_of
+from bench.vision.scenes import lens
+from generated.interfaces.nav_msgs import Odometry
+from generated.messages import BasestationRoverLocalization, DrivingBoardMotorMessage
+from generated.registry import REGISTRY
+from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.interfaces import Time, geometry_msgs, tf2_msgs
-from roverlink.runtime.interfaces.std_msgs import Header
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces import Time, geometry_msgs, tf2_msgs, vision_msgs
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.vision import Landmark, Landmarks, Pose
-from roverlink.vision.camera.cameras_file import read_cameras
 from roverlink.vision.field.localization import FieldPose, Shot
 from roverlink.vision.field.rover import SLOP_NS, RoverLocalizer, RoverPose
+from roverlink.vision.field.view import View
+from roverlink.vision.frames import Frame
 from roverlink.vision.poses.pose import quaternion_of, rotation_of
 from roverlink.vision.poses.transform_tree import TransformTree
+from roverlink.vision.ros.publishing import Publishing
 from roverlink.vision.ros.rover_pose import RoverFrames, RoverPublishing
+from roverlink.vision.ros.rover_position import FUSED_S, ROW, position_publisher
 from roverlink.vision.ros.transform_listener import TransformListener
-from tests.vision.seen import camera_on_field, view, wall
+from tests.vision.ros_images import header
+from tests.vision.seen import FACING, camera_on_field, sighting, view, wall
 
 _MS = 1_000_000
 _S = 1_000_000_000
@@ -77,79 +90,42 @@ def test_a_frame_without_landmarks_or_mount_is_no_obstacle() -> None:
     assert _found(field.see("left", 71, 1)) == (38, {2})
 
 
-# --- cameras.yaml -------------------------------------------------------------------------------------------------
-
-_CAMERAS = """
-cameras:
-  front:
-    source: topic:/camera/image_raw
-    mount: {position: [0.3, 0, 0.45], rpy: [0, 90, 0]}
-  left:
-    source: 2
-    parameters: left.yml
-    frame: left_optical
-    mount: {position: [0, 0.25, 0.5], rpy: [0, 0, 90]}
-  film:
-    source: drive.mp4
-"""
-
-
-def test_cameras_are_read_from_a_file(tmp_path: Path) -> None:
-    """Mounts turn body axes to optical ones; files are beside the file."""
-    (tmp_path / "cameras.yaml").write_text(_CAMERAS)
-    (tmp_path / "drive.mp4").touch()
-    front, left, film = read_cameras(tmp_path / "cameras.yaml")
-    assert (front.name, front.source, front.parameters, front.frame) == ("front", "topic:/camera/image_raw", None, "")
-    assert (left.source, left.parameters, left.frame) == ("2", tmp_path / "left.yml", "left_optical")
-    assert (film.source, film.mount) == (str(tmp_path / "drive.mp4"), None)
-    assert front.mount
-    assert left.mount
-    ahead = np.array([0.0, 0, 1])
-    assert front.mount.apply(ahead) == pytest.approx([0.3, 0, -0.55])  # it looks down
-    assert left.mount.apply(ahead) == pytest.approx([0, 1.25, 0.5])  # it looks to the left
-    assert left.mount.apply(np.array([0.0, 1, 0])) == pytest.approx([0, 0.25, -0.5])  # y is down in the image
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        (_CAMERAS, "x: 1", r"the file has an unknown key 'x'; known: cameras"),
-        (_CAMERAS, "cameras: {}", r"no cameras found under the key 'cameras'"),
-        ("source: 2", "sauce: 2", r":7:5: camera left has an unknown key 'sauce'; did you mean 'source'"),
-        ("    source: 2\n", "", r":7:5: camera left has no source; add"),
-        ("  left:", "  Left one:", r"the camera's name is 'Left one'; .* letters a-z"),
-        ("left.yml", "7", r":8:17: camera left: parameters is 7; it must be a text"),
-        ("rpy: [0, 0, 90]", "rpy: [0, 0]", r":10:44: camera left: mount: rpy is a list of 2; .* 3 numbers"),
-        (", rpy: [0, 0, 90]", "", r":10:12: camera left: mount needs either rpy or orientation"),
-    ],
-)
-def test_mistakes_in_the_file_of_cameras_are_told(tmp_path: Path, old: str, new: str, words: str) -> None:
-    """With their place, and with the remedy."""
-    assert old in _CAMERAS
-    (tmp_path / "cameras.yaml").write_text(_CAMERAS.replace(old, new))
-    with pytest.raises(SetupError, match=words):
-        read_cameras(tmp_path / "cameras.yaml")
-
-
 # --- ROS 2 --------------------------------------------------------------------------------------------------------
 
 
 def _message(parent: str, child: str, pose: Pose, stamp: int = 0, turn: tuple[float, ...] = ()) -> bytes:
     quaternion = geometry_msgs.Quaternion(*(turn or quaternion_of(pose.rotation).tolist()))
     transform = geometry_msgs.Transform(geometry_msgs.Vector3(*pose.translation.tolist()), quaternion)
-    header = Header(Time(stamp // _S, stamp % _S), parent)
-    return cdr.encode(tf2_msgs.TFMessage([geometry_msgs.TransformStamped(header, child, transform)]))
+    return cdr.encode(tf2_msgs.TFMessage([geometry_msgs.TransformStamped(header(stamp, parent), child, transform)]))
 
 
 def _topic(name: str) -> str:
-    return name if name.startswith("/") else f"/{name}"
+    return f"/{name.lstrip('/')}"
 
 
-def test_transforms_of_ros_2_are_kept() -> None:
+@pytest.fixture
+def said() -> list[str]:
+    """What the user is told."""
+    return []
+
+
+@pytest.fixture
+def node() -> Iterator[MemoryMiddleware]:
+    """A node in a graph."""
+    with MemoryMiddleware(Graph()) as node:
+        yield node
+
+
+def _heard(node: MemoryMiddleware, topic: str, kind: type[Message], qos: Qos = Qos()) -> list[Any]:  # noqa: B008
+    """The messages that will have come on a topic."""
+    heard: list[Any] = []
+    node.subscribe(topic, kind, qos, lambda many: heard.extend(cdr.decode(kind, one) for one in many))
+    return heard
+
+
+def test_transforms_of_ros_2_are_kept(node: MemoryMiddleware, said: list[str]) -> None:
     """Static and moving ones make one tree; one that is none is told once and ignored."""
-    graph, said = Graph(), list[str]()
-    listener = TransformListener(MemoryMiddleware(graph), _topic, said.append)
-    node = MemoryMiddleware(graph)
+    listener = TransformListener(node, _topic, said.append)
     moving = node.publisher("/tf", tf2_msgs.TFMessage, Qos())
     static = node.publisher("/tf_static", tf2_msgs.TFMessage, Qos(durability="transient_local"))
     turned = Pose(rotation_of(np.array([0.1, -0.2, 0.3])), np.array([1.0, 2, 3]))
@@ -163,13 +139,12 @@ def test_transforms_of_ros_2_are_kept() -> None:
     assert said == ["ignoring transforms: the transform from 'base_link' to 'odom' is not one"]
 
 
-def test_the_rover_s_pose_and_the_transform_of_its_odometry_are_published() -> None:
+def test_the_rover_s_pose_and_the_transform_of_its_odometry(node: MemoryMiddleware, said: list[str]) -> None:
     """Map to odom and odom to base are together the pose; without odometry there is no transform, and one message."""
-    graph, said, poses, transforms = Graph(), list[str](), list[bytes](), list[bytes]()
-    node, tree = MemoryMiddleware(graph), TransformTree()
-    node.subscribe("/aruco/pose", geometry_msgs.PoseWithCovarianceStamped, Qos(), poses.extend)
-    node.subscribe("/tf", tf2_msgs.TFMessage, Qos(), transforms.extend)
-    publishing = RoverPublishing(MemoryMiddleware(graph), RoverFrames("base_link", "odom"), tree, _topic, said.append)
+    tree = TransformTree()
+    poses = _heard(node, "/aruco/pose", geometry_msgs.PoseWithCovarianceStamped)
+    transforms = _heard(node, "/tf", tf2_msgs.TFMessage)
+    publishing = RoverPublishing(node, RoverFrames("base_link", "odom"), tree, _topic, said.append)
     pose = Pose(rotation_of(np.array([0, 0, 0.5])), np.array([4.0, 5, 0.1]))
     rover = RoverPose(7 * _S, FieldPose("map", pose, np.eye(6) * 0.01, (1, 2), ()))
     for _ in range(3):
@@ -179,16 +154,84 @@ def test_the_rover_s_pose_and_the_transform_of_its_odometry_are_published() -> N
         "no transform from 'map' to 'odom' is published: no transforms connect 'odom' with 'base_link'; "
         "no transforms have come"
     ]
-    message = cdr.decode(geometry_msgs.PoseWithCovarianceStamped, poses[0])
+    message = poses[0]
     assert (message.header.frame_id, message.header.stamp, message.pose.pose.position.x) == ("map", Time(7, 0), 4.0)
-    odom = Pose(rotation_of(np.array([0, 0, -0.2])), np.array([1.0, -2, 0]))
-    tree.add("odom", "base_link", 7 * _S, odom)
+    tree.add("odom", "base_link", 7 * _S, Pose(rotation_of(np.array([0, 0, -0.2])), np.array([1.0, -2, 0])))
     publishing.publish(rover)
-    ((sent,),) = (cdr.decode(tf2_msgs.TFMessage, data).transforms for data in transforms)
+    ((sent,),) = (one.transforms for one in transforms)
     assert (sent.header.frame_id, sent.child_frame_id, sent.header.stamp) == ("map", "odom", Time(7, 0))
-    tree.add("map", "odom", 7 * _S, Pose(rotation_of(np.array([0, 0, 0.7])), _vector(sent.transform.translation)))
+    way = sent.transform.translation
+    tree.add("map", "odom", 7 * _S, Pose(rotation_of(np.array([0, 0, 0.7])), np.array([way.x, way.y, way.z])))
     assert tree.look_up("map", "base_link", 7 * _S).translation == pytest.approx(pose.translation)
 
 
-def _vector(one: geometry_msgs.Vector3) -> np.ndarray:
-    return np.array([one.x, one.y, one.z])
+def test_markers_that_share_a_number_are_in_the_detections_alone(node: MemoryMiddleware) -> None:
+    """A frame on /tf and a topic belong to one marker. In the detections each has its pose, and no id as an object."""
+    rng = np.random.default_rng(0)
+    places = [(7, -0.5, True), (7, 0.5, True), (9, 0.0, False)]
+    seen = tuple(
+        sighting(number, Pose(FACING, np.array([x, 0, 2.0])), rng, shared=shared) for number, x, shared in places
+    )
+    transforms, detections = _heard(node, "/tf", tf2_msgs.TFMessage), _heard(node, "/aruco/detections", _DETECTIONS)
+    poses = [_heard(node, f"/aruco/aruco_{number}/pose", geometry_msgs.PoseWithCovarianceStamped) for number in (7, 9)]
+    publishing = Publishing(node, camera_of(lens()), "aruco_", _topic)
+    publishing.publish(View(Frame(np.zeros((480, 640), np.uint8), 5, 0, "eye"), seen))
+    assert list(map(len, poses)) == [0, 1]
+    assert [one.child_frame_id for one in transforms[0].transforms] == ["aruco_9"]
+    found = [
+        (one.id, one.results[0].hypothesis.class_id, round(one.bbox.center.position.x, 2))
+        for one in detections[0].detections
+    ]
+    assert found == [("", "7", -0.5), ("", "7", 0.5), ("aruco_9", "9", 0)]
+
+
+# --- the position for the basestation -----------------------------------------------------------------------------
+
+_DETECTIONS = vision_msgs.Detection3DArray
+_POSITION = np.array([1.5, -2.0, 0.25])
+_ROUTE = REGISTRY.by_name[ROW].route
+
+
+class _MotorHandler(type(REGISTRY.by_name[ROW])):  # type: ignore[misc]  # a class of the registry's
+    message_type = DrivingBoardMotorMessage
+
+
+@pytest.mark.parametrize(
+    ("registry", "warning"),
+    [
+        (REGISTRY, ""),
+        (
+            dataclasses.replace(
+                REGISTRY, handlers=tuple(one for one in REGISTRY.handlers if one.route.name != ROW), extra_topics=()
+            ),
+            f"the rover's position is not sent: the table has no row {ROW!r} ",
+        ),
+        (
+            dataclasses.replace(REGISTRY, handlers=(_MotorHandler(),)),
+            "DrivingBoardMotorMessage, the message of row 'rover_localization', has no field x, y, z;",
+        ),
+    ],
+    ids=["row", "no row", "other message"],
+)
+def test_the_message_type_comes_from_the_row(
+    registry: Registry, warning: str, node: MemoryMiddleware, said: list[str]
+) -> None:
+    """Its fields x, y and z are set by name, on the row's topic; a warning says that the row or a field is missing."""
+    heard = _heard(node, f"/{_ROUTE.topic}", BasestationRoverLocalization, _ROUTE.qos)
+    position_publisher(node, registry, _topic, said.append)(_POSITION)
+    assert heard == ([] if warning else [BasestationRoverLocalization(x=1.5, y=-2.0, z=0.25)])
+    assert len(said) == bool(warning)
+    assert warning in "".join(said)
+
+
+def test_a_fused_position_holds_the_one_of_the_markers_back(node: MemoryMiddleware) -> None:
+    """Nothing comes on the row's topic after a message on its extra topic, and after a time without one it does."""
+    heard = _heard(node, f"/{_ROUTE.topic}", BasestationRoverLocalization, _ROUTE.qos)
+    fused = node.publisher("/odometry/global", Odometry, _ROUTE.qos)
+    publish = position_publisher(node, REGISTRY, _topic)
+    fused.publish([cdr.encode(Odometry())])
+    start = time.monotonic()
+    publish(_POSITION)
+    assert heard == []
+    wait_until(lambda: publish(_POSITION) or heard, "the position of the markers")
+    assert time.monotonic() - start > FUSED_S

@@ -1,14 +1,19 @@
-"""ROS 2 topics as sources of frames, over topics in memory."""
+"""ROS 2 topics as sources of frames, over topics in memory, and the synchronization of several topics."""
 
 from __future__ import annotations
 
+import re
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from polling import PATIENCE_S, wait_until
 
 from roverlink.runtime import MiddlewareError, Qos, SetupError
@@ -16,6 +21,7 @@ from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, CompressedImage
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.vision import CameraParameters
 from roverlink.vision.frames import Frame, TopicSets, TopicSource
+from roverlink.vision.frames.synchronization import RESTART_NS, Synchronizer
 from tests.vision.ros_images import FRAME, Camera, camera_info, header, image
 
 _TOPIC = "/camera/image_raw"
@@ -34,15 +40,9 @@ class _Reader:
 
     def _read(self, source: Any) -> None:
         try:
-            for one in source:
-                self.taken.append(one)
+            self.taken.extend(source)
         except (MiddlewareError, SetupError) as error:
             self.error = error
-
-    def wait(self, count: int) -> list[Any]:
-        """What was taken, as soon as it is so much."""
-        wait_until(lambda: len(self.taken) >= count or self.error, f"{count} frames")
-        return self.taken
 
     def join(self) -> None:
         """Wait for the end."""
@@ -107,8 +107,6 @@ def test_a_frame_has_the_stamp_and_frame_of_its_image(read: _Reader, ros: Memory
 
 def test_a_compressed_topic_is_a_source(read: _Reader, ros: MemoryMiddleware) -> None:
     """The type of the publisher decides, not the name of the topic."""
-    import cv2
-
     message = CompressedImage(header(5), "png", cv2.imencode(".png", _GREY)[1].tobytes())
     _publish_until(Camera(ros, _TOPIC, CompressedImage), lambda: read.taken, message)
     assert np.array_equal(read.taken[0].image, _GREY)
@@ -133,9 +131,8 @@ def test_an_image_without_a_stamp_has_the_time_of_its_arrival(
     before = time.time_ns()
     _publish_until(Camera(ros, _TOPIC), lambda: len(read.taken) > 1, image(_GREY, "mono8", stamp=0))
     assert before <= read.taken[0].stamp <= read.taken[1].stamp <= time.time_ns()
-    assert [text for text in said if "stamps" in text] == [
-        f"{_TOPIC}: the images have no stamps; using the times of their arrival"
-    ]
+    told = [text for text in said if "stamps" in text]
+    assert told == [f"{_TOPIC}: the images have no stamps; using the times of their arrival"]
 
 
 @pytest.mark.usefixtures("soon")
@@ -206,40 +203,25 @@ def test_a_topic_of_another_type_is_refused(read: _Reader, ros: MemoryMiddleware
     """It will never have images."""
     Camera(ros, _TOPIC, CameraInfo)
     wait_until(lambda: read.error, "an error")
-    assert "has messages of the type sensor_msgs/msg/CameraInfo; a topic with sensor_msgs/msg/Image or" in str(
-        read.error
-    )
-
-
-# --- the camera's parameters ----------------------------------------------------------------------------------------
-
-
-def _camera_of(source: TopicSource, topic: str, camera: Camera, *messages: Any) -> CameraParameters:
-    """What the source reads while a driver publishes."""
-    reader = _Reader(source.read_camera(topic) for _ in range(1))
-    _publish_until(camera, lambda: reader.taken or reader.error, *messages)
-    reader.join()
-    if reader.error:
-        raise reader.error
-    found: CameraParameters = reader.taken[0]
-    return found
+    text = "has messages of the type sensor_msgs/msg/CameraInfo; a topic with sensor_msgs/msg/Image or"
+    assert text in str(read.error)
 
 
 @pytest.mark.parametrize("given", ["", "/elsewhere/info"])
 def test_the_parameters_come_from_the_topic_beside_the_images(
     source: TopicSource, ros: MemoryMiddleware, given: str
 ) -> None:
-    """Or from the one that is given."""
+    """Or from the one that is given. For a camera that is not calibrated, the error names the topic, and what to do."""
+    topic = given or source.camera_info_topic
     camera = Camera(ros, given or "/camera/camera_info", CameraInfo)
-    found = _camera_of(source, given or source.camera_info_topic, camera, camera_info(_CAMERA))
-    assert found.matrix.tolist() == _CAMERA.matrix.tolist()
-
-
-def test_a_camera_that_is_not_calibrated_is_told(source: TopicSource, ros: MemoryMiddleware) -> None:
-    """The error names the topic, and what to do."""
-    camera = Camera(ros, "/camera/camera_info", CameraInfo)
-    with pytest.raises(SetupError, match=r"/camera/camera_info: the camera is not calibrated: K .*--parameters"):
-        _camera_of(source, source.camera_info_topic, camera, CameraInfo(width=6, height=4))
+    for message in (camera_info(_CAMERA), CameraInfo(width=6, height=4)):
+        reader = _Reader(source.read_camera(topic) for _ in range(1))
+        _publish_until(camera, lambda reader=reader: reader.taken or reader.error, message)
+        reader.join()
+        if message.k[0]:
+            assert reader.taken[0].matrix.tolist() == _CAMERA.matrix.tolist()
+        else:
+            assert re.match(rf".*{topic}: the camera is not calibrated: K .*--parameters", str(reader.error))
 
 
 # --- several topics -------------------------------------------------------------------------------------------------
@@ -267,9 +249,6 @@ def test_messages_that_belong_together_come_together(
             depth.publish(image(distances, "16UC1", stamp + shift))
             infos.publish(camera_info(_CAMERA, stamp))
         seen, far, info = next(reader)
-    assert isinstance(info, CameraInfo)
-    assert not isinstance(seen, CameraInfo)
-    assert not isinstance(far, CameraInfo)
     assert far.stamp - seen.stamp == shift
     assert (seen.frame_id, far.encoding, info.width) == (FRAME, "16UC1", 6)
     assert np.array_equal(far.pixels, distances)
@@ -287,17 +266,155 @@ def test_a_set_with_a_bad_message_is_left_out(
             depth.publish(image(_GREY, "mono8", stamp))
             infos.publish(camera_info(_CAMERA, stamp))
             wait_until(lambda: said or reader.taken, "the first set")
-        reader.wait(1)
+        wait_until(lambda: reader.taken, "the second set")
     reader.join()
     assert [one[0].stamp for one in reader.taken] == [2]
     assert "unknown image encoding 'mono9'" in said[0]
 
 
-def test_a_single_image_type_is_enough(ros: MemoryMiddleware, said: list[str]) -> None:
-    """One topic is a set of one, and needs no stamps."""
+def test_one_topic_is_a_set_of_one(ros: MemoryMiddleware, said: list[str]) -> None:
+    """It needs no stamps."""
     camera = Camera(ros, _TOPIC, Image)
     with TopicSets(ros, [_TOPIC], said.append) as sets:
         camera.publish(image(_GREY, "mono8", stamp=0))
         (only,) = next(iter(sets))
-    assert not isinstance(only, CameraInfo)
     assert np.array_equal(only.pixels, _GREY)
+
+
+# --- Synchronization by stamps, against an oracle that searches the whole history -----------------------------------
+
+Arrival = tuple[int, int]
+"""A message that arrives: the index of its topic, and its stamp."""
+Sets = list[tuple[int, ...]]
+
+_END = 10_000
+
+
+def _run(arrivals: Sequence[Arrival], topics: int, slop: int, queue: int = 1000) -> Sets:
+    """The sets of a synchronizer whose messages are their own stamps."""
+    synchronizer = Synchronizer[int](topics, slop, queue)
+    return [one for topic, stamp in arrivals for one in synchronizer.add(topic, stamp, stamp)]
+
+
+def _flushed(arrivals: Sequence[Arrival], topics: int) -> list[Arrival]:
+    """The messages, and a last one of each topic, after which nothing waits."""
+    return [*arrivals, *((topic, _END) for topic in range(topics))]
+
+
+def _expected(arrivals: Sequence[Arrival], topics: int, slop: int) -> Sets:
+    """The rules, word by word: every decision searches all messages that have ever come."""
+    history: list[set[int]] = [set() for _ in range(topics)]
+    sets: Sets = []
+
+    def is_decided(stamp: int) -> bool:
+        """Decide the set of a leading message, if that is possible; one that is complete is kept."""
+        first, *others = history
+        if not all(other and max(other) >= stamp for other in others):
+            return False
+        near = [_nearest(other, stamp) for other in others]
+        if any(abs(one - stamp) > slop for one in near):
+            return True
+        if any(max(first) < one for one in near):
+            return False
+        unused = not sets or all(one > used for one, used in zip(near, sets[-1][1:]))
+        if unused and all(_nearest(first, one) == stamp for one in near):
+            sets.append((stamp, *near))
+        return True
+
+    decided = -1
+    for topic, stamp in arrivals:
+        if topic or stamp > decided:
+            history[topic].add(stamp)
+        while (leading := [one for one in sorted(history[0]) if one > decided]) and is_decided(leading[0]):
+            decided = leading[0]
+    return sets
+
+
+def _nearest(stamps: set[int], stamp: int) -> int:
+    return min(stamps, key=lambda one: (abs(one - stamp), one))
+
+
+_COUNTS = st.integers(2, 4)
+_SLOP = st.integers(0, 12)
+
+
+@st.composite
+def _in_order(draw: st.DrawFn) -> tuple[int, list[Arrival]]:
+    """Messages of topics that are delayed against each other; each topic is in order, and has lost some."""
+    topics = draw(_COUNTS)
+    streams = [sorted(draw(st.sets(st.integers(0, 60), max_size=14))) for _ in range(topics)]
+    arrivals: list[Arrival] = []
+    while left := [topic for topic, stream in enumerate(streams) if stream]:
+        topic = draw(st.sampled_from(left))
+        arrivals.append((topic, streams[topic].pop(0)))
+    return topics, arrivals
+
+
+@st.composite
+def _reordered(draw: st.DrawFn) -> tuple[int, list[Arrival]]:
+    """Messages in any order, some of them twice."""
+    topics = draw(_COUNTS)
+    arrival = st.tuples(st.integers(0, topics - 1), st.integers(0, 60))
+    return topics, draw(st.lists(arrival, max_size=40))
+
+
+@settings(max_examples=50)
+@given(_in_order(), _SLOP)
+def test_sets_do_not_depend_on_delays(drawn: tuple[int, list[Arrival]], slop: int) -> None:
+    """However late a topic is, the sets are those of the mutually nearest stamps within the slop, oldest first."""
+    topics, arrivals = drawn
+    streams = [{stamp for index, stamp in _flushed(arrivals, topics) if index == topic} for topic in range(topics)]
+    mutual = [
+        (stamp, *near)
+        for stamp in sorted(streams[0])
+        if (near := [_nearest(stream, stamp) for stream in streams[1:]]) is not None
+        and all(abs(one - stamp) <= slop and _nearest(streams[0], one) == stamp for one in near)
+    ]
+    assert _run(_flushed(arrivals, topics), topics, slop) == mutual
+
+
+@settings(max_examples=50)
+@given(_reordered(), _SLOP)
+def test_a_late_message_is_used_until_its_set_is_decided(drawn: tuple[int, list[Arrival]], slop: int) -> None:
+    """Whatever comes late, twice or never: the sets are those of a search in everything that had come."""
+    topics, arrivals = drawn
+    arrivals = _flushed(arrivals, topics)
+    assert _run(arrivals, topics, slop) == _expected(arrivals, topics, slop)
+
+
+@settings(max_examples=50)
+@given(_reordered(), _SLOP, st.integers(1, 4))
+def test_short_queues_lose_sets_and_break_no_rule(drawn: tuple[int, list[Arrival]], slop: int, queue: int) -> None:
+    """Each stamp is used once, stamps increase in every topic, none is farther than the slop, and each has come."""
+    topics, arrivals = drawn
+    sets = _run(_flushed(arrivals, topics), topics, slop, queue)
+    for earlier, later in pairwise(sets):
+        assert all(before < after for before, after in zip(earlier, later))
+    for one in sets:
+        assert max(abs(stamp - one[0]) for stamp in one) <= slop
+        assert {*enumerate(one)} <= {*_flushed(arrivals, topics)}
+
+
+def test_equal_stamps_do_not_wait() -> None:
+    """A set of equal stamps is complete with its last message; a lost message costs its own set alone."""
+    synchronizer = Synchronizer[str](3)
+    assert synchronizer.add(2, 7, "info") == []
+    assert synchronizer.add(0, 7, "colour") == []
+    assert synchronizer.add(1, 7, "depth") == [("colour", "depth", "info")]
+    assert _run([(0, 10), (0, 20), (1, 20), (0, 30), (1, 30)], 2, 0) == [(20, 20), (30, 30)]
+
+
+def test_a_silent_topic_does_not_fill_the_memory() -> None:
+    """Of what waits for a topic that says nothing, the newest messages stay, and find their partners later."""
+    waiting = [(0, stamp) for stamp in range(100)]
+    assert _run([*waiting, (1, 94), (1, 96)], 2, 0, queue=5) == [(96, 96)]
+    assert _run([*waiting, (1, 97)], 2, 0, queue=5) == [(97, 97)]
+
+
+@pytest.mark.parametrize("slop", [0, 5])
+def test_a_recording_that_starts_again_is_synchronized_again(slop: int) -> None:
+    """After a jump back of the stamps, sets continue, although all stamps are older than before."""
+    late, early = 100 * RESTART_NS, 3
+    arrivals = [(topic, late + stamp) for stamp in (0, 10) for topic in (0, 1)]
+    again = [(topic, early + stamp) for stamp in (0, 10) for topic in (0, 1)]
+    assert _run([*arrivals, *again], 2, slop)[-2:] == [(3, 3), (13, 13)]

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from bench.vision.contestants import camera_of
-from bench.vision.scenes import SIDE, drive, lens
+from bench.vision.scenes import SIDE, DriveFrame, drive, lens
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision import CameraParameters, MarkerSet, Sighting, Tracker, read_parameters, write_parameters
-from roverlink.vision.camera.uncertainty import (
-    UNKNOWN_CAMERA,
-    Uncertainty,
-    camera_roots,
-    pixels_by_camera,
-    pixels_to_rays,
-)
+from roverlink.vision.camera import uncertainty
+from roverlink.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_by_camera, pixels_to_rays
 from roverlink.vision.field.landmarks import Landmark, Landmarks
 from roverlink.vision.field.localization import localize
 from roverlink.vision.poses.pnp import with_all_errors
@@ -29,22 +25,22 @@ CAMERA = camera_of(lens(1280, 720))
 NOTHING = Uncertainty(side_sigma=0, corner_floor=0)
 
 
-@pytest.fixture(scope="module")
-def frames() -> list[tuple[np.ndarray, int]]:
-    """Two frames of a camera that moves before four markers."""
-    return [(shot.frame, shot.stamp) for shot in drive(2, 5)]
-
-
-def seen(frames: list[tuple[np.ndarray, int]], uncertainty: Uncertainty, exact: bool = True) -> tuple[Sighting, ...]:
-    """Markers in the last frame."""
+@cache
+def seen(exact: bool = True, **changed: float) -> tuple[Sighting, ...]:
+    """Markers in the second frame of a camera that moves, with a certainty that is perfect unless it is changed."""
     camera = replace(CAMERA, covariance=np.zeros((4, 4))) if exact else CAMERA
-    tracker = Tracker(camera, MarkerSet(side=SIDE), uncertainty=uncertainty)
-    return [tracker.track(frame, stamp) for frame, stamp in frames][-1]
+    tracker = Tracker(camera, MarkerSet(side=SIDE), uncertainty=replace(NOTHING, **changed))
+    return [tracker.track(shot.frame, shot.stamp) for shot in film()][-1]
 
 
-def test_an_unknown_side_makes_the_distance_uncertain(frames: list[tuple[np.ndarray, int]]) -> None:
+@cache
+def film() -> list[DriveFrame]:
+    return list(drive(2, 5))
+
+
+def test_an_unknown_side_makes_the_distance_uncertain() -> None:
     """A side that is known to 1 % gives a distance that is known to 1 %, and the same rotation."""
-    for exact, other in zip(seen(frames, NOTHING), seen(frames, replace(NOTHING, side_sigma=0.01))):
+    for exact, other in zip(seen(), seen(side_sigma=0.01)):
         sight = exact.pose.translation / np.linalg.norm(exact.pose.translation)
         more = other.covariance - exact.covariance
         assert sight @ more[:3, :3] @ sight == pytest.approx((0.01 * np.linalg.norm(exact.pose.translation)) ** 2)
@@ -52,30 +48,24 @@ def test_an_unknown_side_makes_the_distance_uncertain(frames: list[tuple[np.ndar
 
 
 @pytest.mark.parametrize("change", [{"corner_floor": 0.1}, {"covariance_scale": 2.0}, {"readout_time": 0.02}])
-def test_every_uncertainty_enlarges_the_covariance(
-    frames: list[tuple[np.ndarray, int]], change: Mapping[str, float]
-) -> None:
-    """No direction becomes more certain; the poses stay the same."""
-    for exact, other in zip(seen(frames, NOTHING), seen(frames, replace(NOTHING, **change))):
+def test_every_uncertainty_enlarges_the_covariance(change: Mapping[str, float]) -> None:
+    """No direction becomes more certain; the poses stay the same. The scale multiplies standard deviations."""
+    for exact, other in zip(seen(), seen(**change)):
         assert other.pose.change_to(exact.pose) == pytest.approx(np.zeros(6), abs=1e-12)
         each = 1 / np.sqrt(exact.covariance.diagonal())
         more = (other.covariance - exact.covariance) * each * each[:, None]
         assert np.linalg.eigvalsh(more).min() > -1e-6
         assert np.trace(more) > 0.1
+        if "covariance_scale" in change:
+            assert other.covariance == pytest.approx(4 * exact.covariance, rel=1e-6, abs=1e-15)
 
 
-def test_the_scale_multiplies_standard_deviations(frames: list[tuple[np.ndarray, int]]) -> None:
-    """All of the covariance is scaled."""
-    for one, other in zip(seen(frames, Uncertainty()), seen(frames, Uncertainty(covariance_scale=3))):
-        assert other.covariance == pytest.approx(9 * one.covariance, rel=1e-6, abs=1e-15)
-
-
-def test_a_camera_without_covariance_is_not_exact(frames: list[tuple[np.ndarray, int]]) -> None:
+def test_a_camera_without_covariance_is_not_exact() -> None:
     """Its focal length counts as known to some thousandths, and so do distances."""
-    for exact, other in zip(seen(frames, NOTHING), seen(frames, NOTHING, exact=False)):
+    for exact, other in zip(seen(), seen(exact=False)):
         distance = np.linalg.norm(exact.pose.translation)
         more = np.sqrt(np.trace((other.covariance - exact.covariance)[:3, :3]))
-        assert UNKNOWN_CAMERA < more / distance < 3 * UNKNOWN_CAMERA
+        assert uncertainty.UNKNOWN_CAMERA < more / distance < 3 * uncertainty.UNKNOWN_CAMERA
 
 
 @pytest.mark.parametrize("size", [4, 9])
@@ -90,8 +80,7 @@ def test_the_camera_s_errors_move_rays(size: int) -> None:
     for column, shift in zip(roots.T, shifts.T):
         matrix = CAMERA.matrix.copy()
         matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += column[:4]
-        distortion = CAMERA.distortion + (column[4:] if size > 4 else 0)
-        other = CameraParameters(matrix, distortion)
+        other = CameraParameters(matrix, CAMERA.distortion + (column[4:] if size > 4 else 0))
         moved = other.undistort(CAMERA.distort(rays)) - rays
         assert moved.ravel() == pytest.approx(shift, rel=0.05, abs=1e-8)
 
@@ -99,9 +88,8 @@ def test_the_camera_s_errors_move_rays(size: int) -> None:
 def test_landmarks_do_not_average_shared_errors_away() -> None:
     """The camera's error stays however many landmarks are seen; errors of the single landmarks become smaller."""
     rng = np.random.default_rng(3)
-    places, camera = wall(), camera_on_field(rng)
-    known = Landmarks("field", {number: Landmark(place, 1e-6, 1e-6) for number, place in places.items()})
-    sightings = view(camera, places, rng)
+    known = Landmarks("field", {number: Landmark(place, 1e-6, 1e-6) for number, place in wall().items()})
+    sightings = view(camera_on_field(rng), wall(), rng)
 
     def sigma(sightings: list[Sighting]) -> float:
         found = localize(sightings, known)

@@ -1,0 +1,391 @@
+"""Detected objects: their positions, their numbers from frame to frame, the selected one, and what judges detectors."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterable, Iterator, Sequence
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from needs import NO_OPENCV, NO_SCIPY
+
+pytest.importorskip("cv2", reason=NO_OPENCV)
+np = pytest.importorskip("numpy", reason=NO_OPENCV)
+pytest.importorskip("scipy", reason=NO_SCIPY)
+
+from roverlink.vision import CameraParameters, Pose  # noqa: E402  # they need OpenCV and SciPy
+from roverlink.vision.objects.detected_objects import Box, Detection, TrackedObject  # noqa: E402
+from roverlink.vision.objects.location import Location, locate  # noqa: E402
+from roverlink.vision.objects.metrics import average_precisions, overlap  # noqa: E402
+from roverlink.vision.objects.object_tracker import CERTAIN, ObjectTracker  # noqa: E402
+from roverlink.vision.objects.scenes import CAMERA, CLASSES, RenderedScene, scenes, sequence  # noqa: E402
+from roverlink.vision.objects.scenes.panel_parts import PARTS, draw_part  # noqa: E402
+from roverlink.vision.objects.selection import KNOWN_NS, Scene, Selection, State  # noqa: E402
+from roverlink.vision.poses.pose import rotation_of  # noqa: E402
+
+_S = 1_000_000_000
+
+# --- positions from a depth image ---------------------------------------------------------------------------------
+
+_CAMERA = CameraParameters(np.array([[600.0, 0, 320], [0, 610, 240], [0, 0, 1]]), np.array([0.1, -0.2, 0, 0, 0]))
+_LENGTHS = st.floats(4, 200)
+
+
+def _depth(distance: float) -> np.ndarray:
+    return np.full((480, 640), distance)
+
+
+@settings(max_examples=40)
+@given(st.floats(0.3, 8.0), st.floats(0, 600), st.floats(0, 440), _LENGTHS, _LENGTHS)
+def test_the_position_is_seen_at_the_middle_of_the_box(
+    z: float, x: float, y: float, width: float, height: float
+) -> None:
+    """For any box in the image, whose lens bends."""
+    box = Box(x, y, min(width, 640 - x), min(height, 480 - y))
+    found = locate(box, _depth(z), _CAMERA)
+    assert found
+    assert found.point[2] == pytest.approx(z)
+    assert _CAMERA.project(found.point) == pytest.approx([box.x + box.width / 2, box.y + box.height / 2], abs=1e-6)
+    assert np.linalg.eigvalsh(found.covariance).min() > 0
+
+
+def test_the_background_at_the_rim_does_not_count() -> None:
+    """The depths in the middle of the box decide; their median ignores some that are wrong."""
+    depth = _depth(5.0)
+    depth[100:200, 100:200] = 2.0
+    depth[140:150, 140:160] = 9.0
+    found = locate(Box(90, 90, 120, 120), depth, _CAMERA)
+    assert found
+    assert found.point[2] == 2.0
+
+
+@pytest.mark.parametrize(("missing", "value"), [(0.0, 0), (0.6, 0), (0.6, np.nan), (0.8, 0), (1.0, 0), (1.0, np.nan)])
+def test_too_few_depths_give_no_position(missing: float, value: float) -> None:
+    """At least 30 % of the middle must have a depth; outside a depth image that is smaller, there is none."""
+    depth = _depth(2.0)
+    depth[:, : round(640 * missing)] = value
+    depth = np.random.default_rng(0).permuted(depth, axis=1)
+    assert (locate(Box(200, 100, 200, 200), depth, _CAMERA) is None) == (missing > 0.7)
+    assert locate(Box(700, 100, 20, 20), depth, _CAMERA) is None
+
+
+def test_the_covariance_covers_the_error() -> None:
+    """Boxes that are wrong by 5 % and depths that are wrong by 1 % give a normalized squared error of 3."""
+    rng = np.random.default_rng(1)
+    truth, nees = np.array([0.3, -0.2, 3.0]), []
+    u, v = _CAMERA.project(truth)
+    for _ in range(400):
+        box = Box(u - 50 + rng.normal(0, 5), v - 30 + rng.normal(0, 3), 100, 60)
+        found = locate(box, _depth(3 * (1 + rng.normal(0, 0.01))), _CAMERA)
+        assert found
+        error = found.point - truth
+        nees.append(error @ np.linalg.solve(found.covariance, error))
+    assert np.mean(nees) == pytest.approx(3, abs=0.5)
+
+
+def test_a_position_goes_to_other_frames() -> None:
+    """Its covariance turns with it."""
+    one = Location(np.array([1.0, 2, 3]), np.diag([1.0, 4, 9]))
+    other = one.through(Pose(rotation_of(np.array([0, 0, np.pi / 2])), np.array([10.0, 0, 0])))
+    assert other.point == pytest.approx([8, 1, 3])
+    assert np.diag(other.covariance) == pytest.approx([4, 1, 9])
+    assert np.diag(one.after(2, 0.5).covariance) == pytest.approx([2, 5, 10])
+
+
+# --- quality of detectors -----------------------------------------------------------------------------------------
+
+_A, _B, _C = Box(0, 0, 10, 10), Box(20, 0, 10, 10), Box(40, 0, 10, 10)
+
+
+def test_overlap_is_intersection_over_union() -> None:
+    """Of any two boxes, in both orders."""
+    others = [_A, _B, Box(5, 0, 10, 10), Box(0, 0, 5, 5), Box(10, 0, 10, 10)]
+    assert [overlap(_A, one) for one in others] == pytest.approx([1, 0, 1 / 3, 0.25, 0])
+    assert [overlap(one, _A) for one in others] == pytest.approx([1, 0, 1 / 3, 0.25, 0])
+
+
+@pytest.mark.parametrize(
+    ("seen", "truth", "expected"),
+    [
+        ([(_A, "rock", 0.9), (_B, "plate", 0.3)], [("rock", _A), ("plate", _B)], {"rock": 1, "plate": 1}),
+        # A wrong detection below all right ones costs nothing; above them it halves the precision.
+        ([(_A, "rock", 0.9), (_B, "rock", 0.1)], [("rock", _A)], {"rock": 1}),
+        ([(_A, "rock", 0.5), (_B, "rock", 0.9)], [("rock", _A)], {"rock": 0.5}),
+        # An object that is found twice counts once; half of the objects are found: 51 of 101 recalls.
+        ([(_A, "rock", 0.9), (_A, "rock", 0.8)], [("rock", _A), ("rock", _B)], {"rock": 51 / 101}),
+        # Found, wrong, found, of three objects: 1 up to the recall 1/3, 2/3 up to 2/3, then 0.
+        (
+            [(_A, "rock", 0.9), (Box(99, 0, 9, 9), "rock", 0.8), (_B, "rock", 0.7)],
+            [("rock", one) for one in (_A, _B, _C)],
+            {"rock": (34 * 1 + 33 * 2 / 3) / 101},
+        ),
+        ([(_A, "plate", 0.9)], [("rock", _A)], {"rock": 0}),
+        ([], [], {}),
+    ],
+)
+def test_precision_is_interpolated_at_101_recalls(seen: list, truth: list, expected: dict[str, float]) -> None:
+    """Of each class that the images show, by the scores of the detections."""
+    found = average_precisions([([Detection(*one) for one in seen], truth)])
+    assert found == {name: pytest.approx(one) for name, one in expected.items()}
+
+
+# --- rendered scenes ----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def some() -> list[RenderedScene]:
+    return list(scenes(5, 12))
+
+
+def test_a_seed_gives_the_same_scenes(some: list[RenderedScene]) -> None:
+    """Pixel by pixel; another seed gives others."""
+    again, other = next(scenes(5, 1)), next(scenes(6, 1))
+    assert (again.image == some[0].image).all()
+    boxes = [[(one.class_name, one.box) for one in scene.objects] for scene in (again, some[0])]
+    assert boxes[0] == boxes[1]
+    assert (other.image != some[0].image).any()
+
+
+def test_scenes_show_rocks_and_all_parts_of_panels(some: list[RenderedScene]) -> None:
+    """Every image has an object, boxes lie inside the image, and the classes are types of the proto."""
+    from generated.messages import BasestationDetectedObject
+
+    assert all(hasattr(BasestationDetectedObject, f"OBJECT_{name.upper()}") for name in CLASSES)
+    assert {one.class_name for scene in some for one in scene.objects} == set(CLASSES)
+    for scene in some:
+        assert scene.image.shape == (480, 640, 3)
+        assert scene.objects
+        for box in (one.box for one in scene.objects):
+            assert 0 <= box.x < box.x + box.width <= 640
+            assert 0 <= box.y < box.y + box.height <= 480
+            assert min(box.width, box.height) >= 9
+
+
+@pytest.mark.parametrize("panel", [True, False])
+def test_objects_keep_their_numbers_and_places_in_a_sequence(panel: bool) -> None:
+    """The camera moves; the place of each object in the world does not, and it is where the depth image says."""
+    places: dict[int, list[object]] = {}
+    for scene in sequence(3, 6, panel=panel):
+        for one in scene.objects:
+            box = one.box
+            places.setdefault(one.number, []).append(scene.camera.apply(one.position))
+            found = locate(box, scene.depth, CAMERA)
+            if panel and min(box.x, box.y, 640 - box.x - box.width, 480 - box.y - box.height) > 0:
+                assert found
+                assert found.point == pytest.approx(one.position, abs=0.04)
+    assert places
+    for number, seen in places.items():
+        assert np.ptp(np.array(seen), axis=0).max() < 1e-9, number
+
+
+def test_a_depth_is_where_the_ray_meets_the_ground(some: list[RenderedScene]) -> None:
+    """At the lower edge of an image of rocks, the point has the height 0."""
+    for scene in some:
+        if scene.objects[0].class_name == "rock" and max(one.box.y + one.box.height for one in scene.objects) <= 470:
+            ray = np.append(CAMERA.undistort(np.array([[320.0, 479.0]]))[0], 1.0) * scene.depth[479, 320]
+            assert scene.camera.apply(ray)[2] == pytest.approx(0, abs=1e-5)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_a_part_fits_its_canvas(name: str) -> None:
+    """In any of its looks, with a margin for turning and scaling."""
+    for seed in range(10):
+        _, mask = draw_part(name, np.random.default_rng(seed))
+        places = np.argwhere(mask)
+        assert len(places) > 200
+        assert 2 < places.min() <= places.max() < 158
+
+
+# --- numbers of objects -------------------------------------------------------------------------------------------
+
+_PERIOD_NS = 33_333_333
+Frame = Sequence[tuple[int, Detection]]
+"""Detections of one frame, each with the true number of its object."""
+
+
+def _seen(x: float, y: float, name: str = "rock", confidence: float = 0.8) -> Detection:
+    return Detection(Box(x, y, 60.0, 60.0), name, confidence)
+
+
+def _ids(frames: Iterable[Frame]) -> dict[int, set[int]]:
+    """The numbers that each true object got."""
+    tracker, given = ObjectTracker(), dict[int, set[int]]()
+    for number, frame in enumerate(frames):
+        for one in tracker.track([detection for _, detection in frame], number * _PERIOD_NS):
+            truth = next(truth for truth, detection in frame if detection.box is one.box)
+            given.setdefault(truth, set()).add(one.id)
+    return given
+
+
+def _crossing(rng: random.Random) -> Iterator[Frame]:
+    """Two objects that pass each other; every fifth detection is missing, and three frames in succession of one."""
+    speed, gap, hidden = rng.uniform(200, 500), rng.randrange(20, 70), rng.randrange(2)
+    for number in range(90):
+        way = speed * (number / 90 - 0.5)
+        yield [
+            (truth, _seen(x + rng.gauss(0, 1), y + rng.gauss(0, 1)))
+            for truth, (x, y) in enumerate(((300 + way, 200), (300 - way, 205)))
+            if rng.random() > 0.2 and not (truth == hidden and gap <= number < gap + 3)
+        ]
+
+
+def test_objects_that_cross_keep_their_numbers() -> None:
+    """Also with gaps, and with a fifth of the detections missing."""
+    for seed in range(20):
+        given = _ids(_crossing(random.Random(seed)))  # noqa: S311  # no secrets
+        assert [len(ids) for ids in given.values()] == [1, 1], seed
+        assert given[0] != given[1], seed
+
+
+@pytest.mark.parametrize(("pixels", "hertz"), [(50, 0.5), (100, 1.0), (50, 2.0)])
+def test_a_camera_that_shakes_changes_no_numbers(pixels: float, hertz: float) -> None:
+    """What most objects have in common is the motion of the camera."""
+    rng = random.Random(3)  # noqa: S311  # no secrets
+    shifts = [pixels * math.sin(2 * math.pi * hertz * max(number / 30 - 1, 0)) for number in range(200)]
+    frames = (
+        [
+            (truth, _seen(60 + 110 * truth + shift + rng.gauss(0, 1), 200 + rng.gauss(0, 1)))
+            for truth in range(5)
+            if rng.random() > 0.1
+        ]
+        for shift in shifts
+    )
+    assert sorted(map(sorted, _ids(frames).values())) == [[number] for number in range(1, 6)]
+
+
+class _Tracked:
+    """A tracker that is shown the same detections for some frames; the number of the frame goes on."""
+
+    def __init__(self) -> None:
+        self._tracker, self.number = ObjectTracker(), 0
+
+    def show(self, frames: int, *detections: Detection) -> list[TrackedObject]:
+        for _ in range(frames):
+            shown = self._tracker.track(detections, self.number * _PERIOD_NS)
+            self.number += 1
+        return shown
+
+
+def test_numbers_rise_from_1_and_are_never_used_again() -> None:
+    """0 is what a selection has if none is set. What returns after it was forgotten, or after a jump back, is new."""
+    tracked = _Tracked()
+    ids = [one.id for place in range(3) for one in tracked.show(2, _seen(200 * place, 100))]
+    assert tracked.show(40) == []
+    ids += [one.id for one in tracked.show(3, _seen(0, 100))]
+    tracked.number = 0
+    ids += [one.id for one in tracked.show(2, _seen(0, 100))]
+    assert ids == [1, 2, 3, 4, 5]
+
+
+def test_an_error_of_one_frame_is_no_object() -> None:
+    """Neither is what the detector never was certain of."""
+    tracked = _Tracked()
+    assert tracked.show(1, _seen(100, 100)) == []
+    assert tracked.show(5, _seen(300, 100, confidence=CERTAIN / 2)) == []
+
+
+def test_an_object_is_what_most_detections_say_where_the_newest_one_is() -> None:
+    """Its confidence falls slowly, and one wrong class does not change it; its box is not smoothed."""
+    tracked = _Tracked()
+    tracked.show(5, _seen(100, 100, "socket", 0.9))
+    (one,) = tracked.show(5, _seen(100, 100, "socket", 0.3))
+    assert (one.id, 0.6 < one.confidence < 0.9) == (1, True)
+    moved = _seen(104, 97, "switch", 0.99)
+    (one,) = tracked.show(1, moved)
+    assert (one.id, one.class_name, one.box is moved.box) == (1, "socket", True)
+
+
+_BOXES = st.tuples(st.floats(0, 600), st.floats(0, 400), st.floats(1, 200), st.floats(1, 200))
+
+
+@settings(max_examples=40)
+@given(st.lists(st.lists(st.tuples(_BOXES, st.floats(0, 1)), max_size=6), max_size=12))
+def test_each_detection_has_at_most_one_number(frames: list[list[tuple[tuple[float, ...], float]]]) -> None:
+    """Whatever is detected, the numbers of a frame differ, and each box is one of those that were detected."""
+    tracked = _Tracked()
+    for frame in frames:
+        detections = [Detection(Box(*box), "rock", confidence) for box, confidence in frame]
+        shown = tracked.show(1, *detections)
+        assert len({one.id for one in shown}) == len({id(one.box) for one in shown}) == len(shown)
+        assert {id(one.box) for one in shown} <= {id(one.box) for one in detections}
+
+
+# --- the object that the operator selects -------------------------------------------------------------------------
+
+_BASE, _MAP = (Pose(np.eye(3), np.array([x, 0, 0])) for x in (0.5, 10.0))
+"""From the camera to the rover, and to the field."""
+
+
+def _scene(*numbers: int, to_map: Pose | None = _MAP) -> Scene:
+    return Scene({one: Location(np.array([one, 0.0, 1.0]), np.eye(3) / 100) for one in numbers}, _BASE, to_map)
+
+
+def _selected(number: int, scene: Scene, hold_s: int = 5) -> Selection:
+    selection = Selection(hold_s * _S)
+    selection.see(scene, 0)
+    assert selection.select(number, 0)
+    return selection
+
+
+def test_a_visible_object_is_where_the_camera_sees_it() -> None:
+    """In the frame of the rover and in that of the field."""
+    selection = _selected(4, _scene(3, 4))
+    selection.see(_scene(3, 4), _S)
+    place = selection.place(_S, None)
+    assert (selection.object, selection.state) == (4, State.VISIBLE)
+    assert place.in_base.point == pytest.approx([4.5, 0, 1])
+    assert place.in_map.point == pytest.approx([14, 0, 1])
+    assert place.in_base.covariance == pytest.approx(np.eye(3) / 100)
+
+
+def test_a_hidden_object_stays_on_the_field() -> None:
+    """The rover drives on, the covariance grows, and after the time to hold it is lost."""
+    selection = _selected(3, _scene(3))
+    selection.see(_scene(), 2 * _S)
+    assert selection.state is State.HELD
+    place = selection.place(2 * _S, Pose(np.eye(3), np.array([-11.0, 0, 0])))
+    assert place.in_map.point == pytest.approx([13, 0, 1])
+    assert place.in_base.point == pytest.approx([2, 0, 1])
+    assert np.diag(place.in_map.covariance) == pytest.approx([0.05] * 3)
+    selection.update(5 * _S)
+    assert selection.state is State.HELD
+    selection.update(5 * _S + 1)
+    assert selection.state is State.LOST
+
+
+def test_without_the_field_a_hidden_object_stays_before_the_rover() -> None:
+    """No position on the field is invented."""
+    place = _selected(3, _scene(3, to_map=None)).place(_S, None)
+    assert place.in_base.point == pytest.approx([3.5, 0, 1])
+    assert place.in_map is None
+
+
+def test_an_object_that_returns_in_time_is_visible_again() -> None:
+    """But one that was lost needs another selection."""
+    selection = _selected(3, _scene(3))
+    for stamp, state in ((4 * _S, State.VISIBLE), (20 * _S, State.LOST)):
+        selection.update(stamp)
+        selection.see(_scene(3), stamp)
+        assert selection.state is state
+    assert selection.select(3, 20 * _S)
+    assert selection.state is State.VISIBLE
+
+
+def test_an_unknown_object_is_refused() -> None:
+    """The selection stays as it was; an object can be selected for a while after it was seen, and is then forgotten."""
+    selection = _selected(3, _scene(3), 60)
+    assert not selection.select(4, 0)
+    assert selection.object == 3
+    selection.see(_scene(4), 1)
+    selection.see(_scene(5), KNOWN_NS + 1)
+    assert selection.known(KNOWN_NS + 1) == [4, 5]
+    assert not selection.select(3, KNOWN_NS + 1)
+    assert (selection.object, selection.state) == (3, State.HELD)
+    assert selection.select(4, KNOWN_NS + 1)
+    selection.clear()
+    assert (selection.object, selection.state) == (None, State.NONE)
+    for number in range(100):
+        selection.see(_scene(number), KNOWN_NS + number * _S)
+    assert len(selection.known(KNOWN_NS + 99 * _S)) == 3
