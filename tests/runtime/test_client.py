@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 from polling import PATIENCE_S, wait_until
-from tables import changed, unguarded
+from rig import changed, unguarded
 
 from generated.pb2.components.basestation.control_mode_pb2 import MODE_AUTO, BasestationControlMode
 from generated.pb2.components.basestation.detected_object_pb2 import BasestationDetectedObject, BoundingBox
