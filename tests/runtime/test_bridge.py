@@ -318,8 +318,9 @@ class _Broken(MemoryMiddleware):
 
 def test_a_defect_ends_the_bridge_and_is_not_swallowed() -> None:
     """What nobody foresaw comes out of `run`, instead of a bridge that lives on half dead."""
-    with pytest.raises(ValueError, match="a defect"), Rig(middleware=_Broken) as rig:
-        rig.send(_IMU)
+    rig = Rig(middleware=_Broken)
+    rig.send(_IMU)
+    with pytest.raises(ValueError, match="a defect"), rig:
         rig.bridge.run()
 
 
