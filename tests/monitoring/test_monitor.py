@@ -586,26 +586,6 @@ def records() -> tuple[logging.Logger, list[logging.LogRecord]]:
     return logger, kept
 
 
-def test_warnings_say_how_many_they_swallowed(records: tuple[logging.Logger, list[logging.LogRecord]]) -> None:
-    """With the next warning of the subject, or at the end, in words and as a fact of the record."""
-    logger, kept = records
-    now = [0.0]
-    warnings = ThrottledWarnings(logger, lambda: now[0])
-    for _ in range(5):
-        warnings.warn("malformed", "dropped: no PBEnvelope")
-    now[0] = 2.5
-    warnings.warn("malformed", "dropped: no PBEnvelope")
-    for _ in range(3):
-        warnings.warn("malformed", "dropped: another")
-    warnings.log_suppressed()
-    warnings.log_suppressed()
-    assert [(record.getMessage(), record.facts["kept_back"]) for record in kept] == [  # type: ignore[attr-defined]
-        ("dropped: no PBEnvelope", 0),
-        ("dropped: no PBEnvelope (and 4 more like it)", 4),
-        ("dropped: no PBEnvelope (and 3 more like it)", 3),
-    ]
-
-
 def test_records_as_json(records: tuple[logging.Logger, list[logging.LogRecord]]) -> None:
     """An object a line, with the record's facts beside its message."""
     logger, kept = records
