@@ -12,10 +12,10 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from bridge_rig import INBOUND, OUTBOUND, QUIET, Rig, envelope, listener, of_peers
 from google.protobuf.message import DecodeError
 from needs import needs_linux
 from polling import wait_until
-from rig import INBOUND, OUTBOUND, QUIET, Rig, envelope, listener, of_peers
 
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roverlink.runtime.bridge.deadman import Watchdog
@@ -42,6 +42,7 @@ def test_a_publisher_that_leaves_is_not_waited_for() -> None:
     assert _due(watchdog, 1.03, 3.0, 3.01) == [3.01]
 
 
+@settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(0, 3), st.booleans()), max_size=60))
 def test_whatever_happens_silence_is_never_longer_than_after(events: list[tuple[float, bool]]) -> None:
     """Asked at its own times, the watchdog tells of every silence just when it is long enough."""

@@ -8,9 +8,9 @@ import sys
 from collections.abc import Iterator
 
 import pytest
+from bridge_rig import listener, port_of
 from needs import NOT_LINUX, needs_linux
 from polling import PATIENCE_S
-from rig import listener, port_of
 
 from generated.pb2.components.basestation.control_mode_pb2 import BasestationControlMode
 from generated.registry import REGISTRY

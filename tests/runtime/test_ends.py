@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bridge_rig import QUIET, Rig, changed, end, envelope, listener, of_peers, port_of, waiting
 from needs import needs_linux
 from polling import PATIENCE_S, wait_until
-from rig import QUIET, Rig, changed, end, envelope, listener, of_peers, port_of, waiting
 
 from roverlink.runtime import Registry
 from roverlink.runtime.bridge.ends import LinkState

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import pytest
+from bridge_rig import QUIET, Rig, changed, envelope, listener, of_peers
 from polling import wait_until
-from rig import QUIET, Rig, changed, envelope, listener, of_peers
 
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pytest
+from bridge_rig import Rig, of_peers, port_of
 from linked import linked_registry
 from polling import wait_until
-from rig import Rig, of_peers, port_of
 
 from generated.registry import REGISTRY
 from roverlink.generator.ir import largest_link_size

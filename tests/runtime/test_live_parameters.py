@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from rig import LOGGER, QUIET, Rig, end, envelope, listener, of_peers, port_of
+from bridge_rig import LOGGER, QUIET, Rig, end, envelope, listener, of_peers, port_of
 
 from generated.registry import REGISTRY
 from roverlink.runtime import SetupError

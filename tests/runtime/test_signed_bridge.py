@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bridge_rig import INBOUND, LOGGER, QUIET, Rig, changed, envelope, listener, of_peers, port_of
 from linked import linked_registry
 from polling import PATIENCE_S, wait_until
-from rig import INBOUND, LOGGER, QUIET, Rig, changed, envelope, listener, of_peers, port_of
 
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
