@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import random
-
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
@@ -33,7 +31,7 @@ def _damaged(draw: st.DrawFn) -> bytes:
 
 
 @pytest.mark.parametrize("name", TARGETS)
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(data=st.binary(max_size=200) | _damaged())
 @example(data=b"")
 @example(data=b"\x0a\xff\xff\xff\xff\x0f")
@@ -43,14 +41,10 @@ def test_whatever_the_bytes(name: str, data: bytes) -> None:
     TARGETS[name](data)
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
+@settings(max_examples=100_000)
 @pytest.mark.parametrize("name", TARGETS)
-def test_many_damaged_bytes(name: str) -> None:
-    """As many as a minute takes, from a seed."""
-    rng = random.Random(3)  # noqa: S311  # repeatable, not secret
-    whole = _ENVELOPES + _SAMPLES
-    for _ in range(300_000):
-        data = bytearray(rng.choice(whole))
-        for _ in range(rng.randrange(4)):
-            data[rng.randrange(len(data))] = rng.randrange(256)
-        TARGETS[name](bytes(data[: rng.randrange(len(data) + 1)]))
+@given(data=_damaged())
+def test_many_damaged_bytes(name: str, data: bytes) -> None:
+    """As many as some minutes take."""
+    TARGETS[name](data)

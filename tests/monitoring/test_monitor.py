@@ -121,17 +121,6 @@ def test_levels_of_a_row_of_which_a_rate_is_expected(
     assert (bridge.row("imu_info").level, bridge.row("imu_info").message) == (level, message)
 
 
-def test_a_slow_row_is_not_stale_between_two_messages() -> None:
-    """One message a second, seen at moments between, is as expected."""
-    bridge = _Bridge(gps_info=1)
-    for _ in range(5):
-        bridge.account.published["gps_info"] += 1
-        bridge.let(1)
-        assert bridge.row("gps_info").level == Level.OK
-    bridge.let(3)
-    assert bridge.row("gps_info").level == Level.STALE
-
-
 def test_what_is_dropped_is_a_warning_for_two_seconds_and_an_error_where_nothing_passes() -> None:
     """Drops of a row are told by reason; refused messages of topics among them."""
     bridge = _Bridge()
@@ -185,8 +174,19 @@ def test_stops_of_the_deadman() -> None:
     assert (row.stops, row.stopping, row.message) == (3, True, "silent; the bridge sends the stop")
 
 
-def test_a_node_whose_qos_does_not_match_is_a_warning() -> None:
-    """The row says why; on an extra topic, only the status of the node says it."""
+def test_a_slow_row_is_not_stale_between_two_messages() -> None:
+    """One message a second, seen at moments between, is as expected."""
+    bridge = _Bridge(gps_info=1)
+    for _ in range(5):
+        bridge.account.published["gps_info"] += 1
+        bridge.let(1)
+        assert bridge.row("gps_info").level == Level.OK
+    bridge.let(3)
+    assert bridge.row("gps_info").level == Level.STALE
+
+
+def test_what_concerns_the_whole_bridge_is_told_of_it() -> None:
+    """A node whose QoS does not match is a warning, of which its row says why; a recording that has ended an error."""
     bridge = _Bridge(imu_info=40)
     bridge.let(3, imu_info=40)
     bridge.account.qos_mismatches = {"imu_data": ["a subscription of /viz gets no messages"], "imu/mag": ["another"]}
@@ -194,6 +194,21 @@ def test_a_node_whose_qos_does_not_match_is_a_warning() -> None:
     assert (row.level, row.message, row.qos_mismatches) == (Level.WARN, "a subscription of /viz gets no messages", 1)
     state = bridge.monitor.state()
     assert (state.level, state.message) == (Level.WARN, "the QoS of other nodes does not match on imu_data, imu/mag")
+    bridge.recording = Recording("run.mcap", 0, 7, 1000, "No space left on device")
+    state = bridge.monitor.state()
+    assert (state.level, state.message) == (Level.ERROR, "the recording stopped: No space left on device")
+
+
+def _lines(shown: Any, width: int) -> list[str]:
+    """What a terminal shows."""
+    console = Console(width=width, record=True, file=io.StringIO())
+    console.print(shown)
+    return console.export_text().splitlines()
+
+
+def _printed(page: Any, width: int) -> list[str]:
+    """The lines of one bridge's page."""
+    return [line.rstrip() for line in _lines(top_screen.printed([HeardBridge(page, 0, 0)], width), width)]
 
 
 def _reports() -> list[EndReport]:
@@ -203,19 +218,9 @@ def _reports() -> list[EndReport]:
         echo = {"received": 10 * index, "echo_us": 1000 + index, "echo_age_us": 0}
         message = LinkMessage(1, index + 1, sent=10 * index, time_us=index * 1_000_000, hashes={}, **echo)
         statistics.take(message, index * 1_000_000 + 21_000, 9 * index, 10 * index)
-    board = EndReport(
-        EndName("hardware", "Drive"),
-        DIFFERS,
-        ("drive_motor", "drive_diag"),
-        (),
-        senders=1,
-        restarts=2,
-        age=0.5,
-        statistics=statistics,
-        lost_in=2,
-        loss_in=0.1,
-        clock_offset_us=-4000,
-    )
+    measured = {"senders": 1, "restarts": 2, "age": 0.5, "lost_in": 2, "loss_in": 0.1, "clock_offset_us": -4000}
+    rows = ("drive_motor", "drive_diag")
+    board = EndReport(EndName("hardware", "Drive"), DIFFERS, rows, (), statistics=statistics, **measured)  # type: ignore[arg-type]
     return [board, EndReport(EndName("basestation"), UNKNOWN, (), ("map",))]
 
 
@@ -229,23 +234,12 @@ def test_what_the_link_messages_tell_is_in_the_diagnostics_and_on_the_screen_of_
     assert has_problems(page)
     assert len(page["rows"]) == len(REGISTRY.handlers)
     board, base = page["links"]
-    assert (board["name"], board["level"], board["message"], board["peer"], board["board"]) == (
-        "Drive of hardware",
-        "WARN",
-        "another schema of drive_motor, drive_diag",
-        "hardware",
-        "Drive",
-    )
-    assert (board["lost_in"], board["loss_in"], board["restarts"], board["round_trip"]) == (2, 0.1, 2, 0.02)
-    assert (base["level"], base["message"], base["schema"], "loss_in" in base) == (
-        "OK",
-        "no link message yet",
-        "unknown",
-        False,
-    )
-    console = Console(width=200, record=True, file=io.StringIO())
-    console.print(top_screen.printed([HeardBridge(page, 0, 0)], 200))
-    shown = console.export_text()
+    told = {"name": "Drive of hardware", "level": "WARN", "message": "another schema of drive_motor, drive_diag"}
+    told |= {"peer": "hardware", "board": "Drive", "lost_in": 2, "loss_in": 0.1, "restarts": 2, "round_trip": 0.02}
+    assert told.items() <= board.items()
+    assert {"level": "OK", "message": "no link message yet", "schema": "unknown"}.items() <= base.items()
+    assert "loss_in" not in base
+    shown = "".join(f"{line}\n" for line in _printed(page, 200))
     assert (
         "Drive of hardware: another schema of drive_motor, drive_diag; loss in 10.0%; round trip 20.0 ms; "
         "jitter 0.0 ms; clock -4.0 ms; 2 restarts\n" in shown
@@ -271,14 +265,6 @@ def test_what_the_link_messages_tell_is_in_the_metrics() -> None:
     assert samples["roverlink_link_restarts_total", "Drive"] == 2
     bridge.links = []
     assert "roverlink_link_schema" not in prometheus.text_of(bridge.monitor.state())
-
-
-def test_a_recording_that_has_ended_is_an_error() -> None:
-    """It is the one thing that nobody can make good in the evening."""
-    bridge = _Bridge()
-    bridge.recording = Recording("run.mcap", 0, 7, 1000, "No space left on device")
-    state = bridge.monitor.state()
-    assert (state.level, state.message) == (Level.ERROR, "the recording stopped: No space left on device")
 
 
 def test_how_long_batches_take() -> None:
@@ -331,9 +317,7 @@ def test_the_page_of_top(request: pytest.FixtureRequest) -> None:
     """The screen, as an operator sees it; `--update-cases` writes it anew."""
     page = page_of(diagnostic_array.array_of(_busy(), _STAMP, {}))
     assert page is not None
-    console = Console(width=120, record=True, file=io.StringIO())
-    console.print(top_screen.printed([HeardBridge(page, 0, 0)], 120))
-    shown = "\n".join(line.rstrip() for line in console.export_text().splitlines()) + "\n"
+    shown = "".join(f"{line}\n" for line in _printed(page, 120))
     if request.config.getoption("--update-cases"):
         _SCREEN.write_text(shown, encoding="utf-8")
     assert shown == _SCREEN.read_text(encoding="utf-8")
@@ -344,9 +328,7 @@ def test_top_shows_a_line_for_each_end_with_link_messages() -> None:
     """The problems of an address, the schema and the statistics of a board stand in one line, problems first."""
     page = page_of(diagnostic_array.array_of(dataclasses.replace(_busy(), ends=ENDS, links=LINKS), _STAMP, {}))
     assert page is not None
-    console = Console(width=140, record=True, file=io.StringIO())
-    console.print(top_screen.printed([HeardBridge(page, 0, 0)], 140))
-    lines = [line.rstrip() for line in console.export_text().splitlines()]
+    lines = _printed(page, 140)
     arm = lines.index("ArmBoard of hardware: not resolved; no link message yet")
     times = "round trip 2.1 ms; jitter 0.3 ms; clock 0.3 ms"
     assert lines[arm + 1 : arm + 3] == [
@@ -378,9 +360,7 @@ class _Heard(HeardBridges):
         top_screen.live(bridges, self, view, width, height)
         for key in keys:
             assert view.press(key, [bridge.page for bridge in bridges])
-        console = Console(width=width, record=True, file=io.StringIO())
-        console.print(top_screen.live(bridges, self, view, width, height))
-        return console.export_text().splitlines()
+        return _lines(top_screen.live(bridges, self, view, width, height), width)
 
 
 def _without(array: DiagnosticArray, status: int, key: str, value: str | None = None) -> bytes:
@@ -425,6 +405,10 @@ def test_two_bridges_with_one_name_are_told_from_one_that_was_started_again() ->
     assert "process 34 on laptop" in warning
     assert "process 56 on jetson" in warning
     assert warning[:60] in heard.screen(80, 24, top_screen.View())[0]
+    # Neither characters nor the markup of the library that draws the screen command the terminal.
+    heard = _Heard()
+    heard.hear("a\x1b[2J[/red]")
+    assert "a?[2J[/red]" in heard.screen(100, 24, top_screen.View())[0]
 
 
 @pytest.mark.parametrize(("width", "height"), [(80, 24), (70, 20), (200, 60), (30, 8), (1, 1)])
@@ -503,13 +487,6 @@ def test_bridges_stand_side_by_side_where_there_is_room() -> None:
     assert "no longer publishes its state" in heard.screen(100, 24, view)[1]
 
 
-def test_names_cannot_command_the_terminal() -> None:
-    """Whatever a node is called: neither by characters nor by the markup of the library that draws the screen."""
-    heard = _Heard()
-    heard.hear("a\x1b[2J[/red]")
-    assert "a?[2J[/red]" in heard.screen(100, 24, top_screen.View())[0]
-
-
 def test_diagnostics_are_those_of_ros2() -> None:
     """The bytes are what the definition of diagnostic_msgs, as rosbags has it, reads."""
     array = diagnostic_array.array_of(_busy(), _STAMP, {})
@@ -527,9 +504,10 @@ def test_diagnostics_are_those_of_ros2() -> None:
 
 
 def test_prometheus_reads_the_metrics() -> None:
-    """The package's own parser takes every line, and finds the numbers under their labels."""
-    state = _busy()
+    """The package's own parser takes every line, and finds each number under its label, whatever a node is called."""
+    state = dataclasses.replace(_busy(), node='a"b\\c\nd')
     families = {family.name: family for family in text_string_to_metric_families(prometheus.text_of(state))}
+    assert families["roverlink_info"].samples[0].labels["node"] == state.node
     kinds = {name: family.type for name, family in families.items()}
     assert kinds["roverlink_received"] == "counter"
     assert kinds["roverlink_rate"] == "gauge"
@@ -553,13 +531,6 @@ def test_prometheus_reads_the_metrics() -> None:
     assert [value for _, value in buckets] == sorted(value for _, value in buckets)
 
 
-def test_labels_are_escaped() -> None:
-    """Whatever a node is called, the text stays readable."""
-    state = dataclasses.replace(_busy(), node='a"b\\c\nd')
-    families = {family.name: family for family in text_string_to_metric_families(prometheus.text_of(state))}
-    assert families["roverlink_info"].samples[0].labels["node"] == 'a"b\\c\nd'
-
-
 def test_metrics_are_served() -> None:
     """On /metrics, with Prometheus's content type; anything else is not found; a port in use is told."""
     state = _busy()
@@ -576,51 +547,15 @@ def test_metrics_are_served() -> None:
 # --- logging ----------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def records() -> tuple[logging.Logger, list[logging.LogRecord]]:
-    """A logger, and what it was given."""
-    logger = logging.getLogger("test_monitor")
-    kept: list[logging.LogRecord] = []
-    logger.handlers = [logging.Handler()]
-    logger.handlers[0].emit = kept.append  # type: ignore[method-assign]
-    return logger, kept
-
-
-def test_warnings_say_how_many_they_swallowed(records: tuple[logging.Logger, list[logging.LogRecord]]) -> None:
-    """With the next warning of the subject, or at the end, in words and as a fact of the record."""
-    logger, kept = records
-    now = [0.0]
-    warnings = ThrottledWarnings(logger, lambda: now[0])
-    for _ in range(5):
-        warnings.warn("malformed", "dropped: no PBEnvelope")
-    now[0] = 2.5
-    warnings.warn("malformed", "dropped: no PBEnvelope")
-    for _ in range(3):
-        warnings.warn("malformed", "dropped: another")
-    warnings.log_suppressed()
-    warnings.log_suppressed()
-    assert [(record.getMessage(), record.facts["kept_back"]) for record in kept] == [  # type: ignore[attr-defined]
-        ("dropped: no PBEnvelope", 0),
-        ("dropped: no PBEnvelope (and 4 more like it)", 4),
-        ("dropped: no PBEnvelope (and 3 more like it)", 3),
-    ]
-
-
-def test_records_as_json(records: tuple[logging.Logger, list[logging.LogRecord]]) -> None:
+def test_records_as_json(caplog: pytest.LogCaptureFixture) -> None:
     """An object a line, with the record's facts beside its message."""
-    logger, kept = records
-    ThrottledWarnings(logger).warn("empty", 'dropped: "nothing"\nat all')
-    line = LOG_FORMATS["json"]().format(kept[0])
+    ThrottledWarnings(logging.getLogger("test_monitor")).warn("empty", 'dropped: "nothing"\nat all')
+    line = LOG_FORMATS["json"]().format(caplog.records[0])
     assert "\n" not in line
     said = json.loads(line)
     assert said.pop("time") > 1.7e9
-    assert said == {
-        "level": "warning",
-        "logger": "test_monitor",
-        "message": 'dropped: "nothing"\nat all',
-        "subject": "empty",
-        "kept_back": 0,
-    }
+    facts = {"subject": "empty", "kept_back": 0}
+    assert said == {"level": "warning", "logger": "test_monitor", "message": 'dropped: "nothing"\nat all', **facts}
 
 
 def test_the_silent_board_is_named_with_its_address() -> None:

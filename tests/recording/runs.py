@@ -27,14 +27,11 @@ def record_everything(path: Path, turns: int = 20, **settings: Any) -> dict[str,
     handed: dict[str, list[bytes]] = {}
     writing = recorder(path, **settings)
     taps: dict[str, Any] = {"/datagrams/received": writing.datagrams("received")}
+    for peer in REGISTRY.peers:
+        taps[f"/datagrams/sent/{peer.name}"] = writing.datagrams(f"sent/{peer.name}")
     for handler in REGISTRY.handlers:
-        taps[f"/{handler.route.topic}"] = writing.topic(
-            f"/{handler.route.topic}", handler.message_type, handler.route.qos
-        )
-        if not handler.route.inbound:
-            taps.setdefault(
-                sent := f"/datagrams/sent/{handler.route.peer}", writing.datagrams(sent[len("/datagrams/") :])
-            )
+        topic = f"/{handler.route.topic}"
+        taps[topic] = writing.topic(topic, handler.message_type, handler.route.qos)
     with writing:
         for turn in range(turns):
             for handler in REGISTRY.handlers:
@@ -58,9 +55,9 @@ def _record_everything_until_full(path: Path) -> None:
         (handler, writing.topic(f"/{handler.route.topic}", handler.message_type, handler.route.qos))
         for handler in REGISTRY.handlers
     ]
-    handed, deadline = 0, time.monotonic() + 60
+    handed = 0
     with writing:
-        while writing.failure is None and time.monotonic() < deadline:
+        while writing.failure is None:
             for handler, topic in topics:
                 payload = payload_at(handler.payload_type, handed * 0.1)
                 received([REGISTRY.envelope(**{handler.route.name: payload}).SerializeToString()])
@@ -92,8 +89,7 @@ def _record_until_full(path: Path) -> None:
     writing = recorder(path)
     received = writing.datagrams("received")
     with writing:
-        deadline = time.monotonic() + 60
-        while writing.failure is None and time.monotonic() < deadline:
+        while writing.failure is None:
             received([os.urandom(1400) for _ in range(100)])
             time.sleep(0.05)  # a rate that the queue holds, so that the disk is what ends the recording
         received([b"late"])
@@ -101,10 +97,5 @@ def _record_until_full(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    {
-        "killed": _record_until_killed,
-        "full": _record_until_full,
-        "everything": _record_everything_until_full,
-    }[
-        sys.argv[1]
-    ](Path(sys.argv[2]))
+    runs = {"killed": _record_until_killed, "full": _record_until_full, "everything": _record_everything_until_full}
+    runs[sys.argv[1]](Path(sys.argv[2]))

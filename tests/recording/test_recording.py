@@ -19,7 +19,7 @@ from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
 from polling import wait_until
 from rosbags.highlevel import AnyReader
-from runs import LOGGER, ROWS, record_everything, recorder
+from runs import ROWS, record_everything, recorder
 
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
@@ -27,7 +27,6 @@ from roverlink.runtime import Qos, SetupError
 from roverlink.runtime.core.messages import fields_of
 from roverlink.runtime.recording.mcap_file import Channel, McapFile
 from roverlink.runtime.recording.reader import Recording
-from roverlink.runtime.recording.recorder import Recorder
 from roverlink.runtime.text.values import message_to_values
 
 _ROOT = Path(__file__).parents[2]
@@ -140,14 +139,15 @@ def test_the_file_of_topics_is_what_rosbag2_reads(tmp_path: Path) -> None:
 
 
 def test_a_datagram_that_is_no_plain_protobuf_is_kept_as_it_came(tmp_path: Path) -> None:
-    """Stripped, padded and broken datagrams are on a channel without a schema: readers of protobuf never meet them."""
+    """Stripped, padded and broken ones are on a channel without a schema; in a folder, a run is named by its time."""
     plain = REGISTRY.envelope(imu_info={"accel_x": 1.0}).SerializeToString()
     odd = [plain + bytes(3), b"\x5a", b"\xff\xff", b"\x6a\x50"]
-    writing = recorder(tmp_path / "run.mcap")
+    writing = recorder(tmp_path)
     received = writing.datagrams("received")
     with writing:
         received([plain, *odd, plain])
-    assert _read(tmp_path / "run.mcap") == {"/datagrams/received": [plain] * 2, "/datagrams/received/raw": odd}
+    assert (writing.path.parent, writing.path.name[:2], writing.path.suffix) == (tmp_path, "20", ".mcap")
+    assert _read(writing.path) == {"/datagrams/received": [plain] * 2, "/datagrams/received/raw": odd}
 
 
 def test_it_rotates_by_size(tmp_path: Path) -> None:
@@ -184,17 +184,6 @@ def test_a_place_where_it_cannot_be_is_told(tmp_path: Path, name: str, expected:
     (tmp_path / "half.datagrams.mcap").touch()
     with pytest.raises(SetupError, match=expected):
         recorder(tmp_path / name)
-
-
-def test_in_a_folder_it_is_named_by_the_time(tmp_path: Path) -> None:
-    """A service that always gives the same argument keeps its earlier runs."""
-    writing = recorder(tmp_path)
-    received = writing.datagrams("received")
-    with writing:
-        received([b"x"])
-    assert writing.path.parent == tmp_path
-    assert writing.path.name.startswith("20")
-    assert writing.path.is_file()
 
 
 # --- when it goes wrong -----------------------------------------------------------------------------------------
@@ -284,7 +273,7 @@ def _read_to_the_end(path: Path) -> int:
 # From a disk that has no room for the schemas to one where a summary makes the last messages go.
 @pytest.mark.parametrize(
     "small_disk",
-    ["8k", "64k", *(pytest.param(size, marks=pytest.mark.slow) for size in ("16k", "32k", "48k", "96k", "256k"))],
+    ["8k", "64k", *(pytest.param(size, marks=pytest.mark.slow) for size in ("16k", "48k", "256k"))],
     indirect=True,
 )
 def test_a_tiny_disk_that_fills_leaves_files_with_an_end(small_disk: Path) -> None:
@@ -319,7 +308,7 @@ def test_any_limit_leaves_a_file_with_an_end_or_none(tmp_path: Path) -> None:
     none, empty, some = 0, 0, 0
     channel = Channel(1, "/x", "", "x", "text", b"a schema that takes some room" * 10)
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    for limit in range(60, 6000, 17):
+    for limit in range(60, 6000, 51):
         path = tmp_path / f"{limit}.mcap"
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, before[1]))
         try:
@@ -335,7 +324,7 @@ def test_any_limit_leaves_a_file_with_an_end_or_none(tmp_path: Path) -> None:
         found = sum(map(len, _read_by_mcap(path).values()))
         assert (found, found + lost) == (file.counts.total(), 20 * 5)
         empty, some = empty + (not found), some + bool(found)
-    assert min(none, empty, some) >= 3
+    assert min(none, empty, some) >= 2
 
 
 def _fill(file: McapFile, channel: Channel) -> int:
@@ -366,7 +355,7 @@ def test_what_the_disk_does_not_keep_up_with_is_counted(tmp_path: Path) -> None:
         received([b"x"])
     with writing:
         pass
-    assert writing.lost == 20
+    assert (writing.lost, writing.waiting) == (20, 0)
     assert len(_read(tmp_path / "run.mcap")["/datagrams/received/raw"]) == 10
     assert writing.summary().endswith("; 20 were lost because the disk was too slow")
 
@@ -383,46 +372,24 @@ def test_a_defect_of_the_recorder_does_not_reach_the_bridge(tmp_path: Path, capl
     assert writing.lost == 1
 
 
-@pytest.mark.parametrize(
-    ("content", "expected"),
-    [(b"", "not an MCAP file"), (b"hello, this is text", "not an MCAP file"), (None, "no such file")],
-)
-def test_a_foreign_file_is_told(tmp_path: Path, content: bytes | None, expected: str) -> None:
-    """What is no recording is refused by name."""
-    path = tmp_path / "run.mcap"
-    if content is not None:
-        path.write_bytes(content)
-    with pytest.raises(SetupError, match=f"run.mcap: {expected}"):
-        Recording(path)
-
-
 def test_any_cut_and_any_damage_is_read_up_to_there_or_told(tmp_path: Path) -> None:
     """Cut anywhere, a file gives a beginning of its messages; with any byte changed, that or an error."""
     path = tmp_path / "run.mcap"
     handed = [message for messages in record_everything(path, turns=2).values() for message in messages]
     data = path.read_bytes()
     (tmp_path / "run.datagrams.mcap").unlink()
-    for cut in range(8, len(data), 997):
+    for cut in range(8, len(data), 1997):
         path.write_bytes(data[:cut])
         assert {message.data for message in Recording(path).messages()} <= set(handed)
-    for place in range(8, len(data), 499):
+    for place in range(8, len(data), 997):
         path.write_bytes(data[:place] + bytes([data[place] ^ 0x55]) + data[place + 1 :])
         with contextlib.suppress(SetupError):  # and nothing else
             Recording(path).channels()
             list(Recording(path).messages())
-
-
-def test_a_million_messages_cost_the_bridge_under_2_us_each(tmp_path: Path) -> None:
-    """Handing over is all that the bridge's thread does; measured here with 200,000, in `make bench` with a million."""
-    count, batch = 200_000, [b"x" * 51] * 8
-    writing = Recorder(tmp_path / "run.mcap", REGISTRY, {}, LOGGER)
-    received = writing.datagrams("received")
-    best = float("inf")
-    with writing:
-        for _ in range(20):
-            start = time.thread_time()
-            for _ in range(count // 20 // len(batch)):
-                received(batch)
-            best = min(best, (time.thread_time() - start) / (count / 20))
-            time.sleep(0.02)  # the writer takes what there is: what is measured is a queue that is not full
-    assert best < 2e-6
+    for content in (b"", b"hello, this is text"):
+        path.write_bytes(content)
+        with pytest.raises(SetupError, match=r"run\.mcap: not an MCAP file"):
+            Recording(path)
+    path.unlink()
+    with pytest.raises(SetupError, match=r"run\.mcap: no such file"):
+        Recording(path)

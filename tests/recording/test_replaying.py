@@ -68,23 +68,20 @@ def test_as_board_it_reproduces_the_original_datagrams(tmp_path: Path) -> None:
 
 
 def test_as_ros_it_publishes_the_recorded_topics(tmp_path: Path) -> None:
-    """Each inbound topic's messages as they were; what commands the rover only when that is asked for."""
+    """Each inbound topic's messages as they were; what commands the rover, or one topic alone, if that is asked for."""
     handed = record_everything(tmp_path / "run.mcap", turns=3)
-    for commands in (False, True):
-        replay = RosReplay(Recording(tmp_path / "run.mcap"), REGISTRY, commands=commands)
+    inbound = {f"/{handler.route.topic}" for handler in REGISTRY.handlers if handler.route.inbound}
+    for topics, commands, wanted in (
+        (None, False, inbound),
+        (None, True, set(ROWS)),
+        ({"/imu_data"}, False, {"/imu_data"}),
+    ):
+        replay = RosReplay(Recording(tmp_path / "run.mcap"), REGISTRY, *filter(None, [topics]), commands=commands)
         found: defaultdict[str, list[bytes]] = defaultdict(list)
         for message in replay.messages():
             found[message.topic].append(message.data)
-        wanted = {f"/{handler.route.topic}" for handler in REGISTRY.handlers if handler.route.inbound or commands}
         assert found == {topic: handed[topic] for topic in wanted}
-        assert len(replay.left_out) == (0 if commands else 6)
-
-
-def test_only_the_topics_that_are_named(tmp_path: Path) -> None:
-    """With topics given, no other is replayed."""
-    record_everything(tmp_path / "run.mcap", turns=2)
-    replay = RosReplay(Recording(tmp_path / "run.mcap"), REGISTRY, {"/imu_data"})
-    assert [message.topic for message in replay.messages()] == ["/imu_data"] * 2
+        assert topics or len(replay.left_out) == (0 if commands else 6)
 
 
 class _Player:
@@ -113,15 +110,11 @@ class _Player:
 
 
 def test_it_keeps_the_timing_of_the_run() -> None:
-    """Each message waits for its time, twice as fast where that is asked for; the first one for nothing."""
+    """Each message waits for its time, twice as fast if that is asked for; a wait that was too long moves nothing."""
     assert _Player((7.0, 7.5, 7.5, 9.0), speed=2.0).rest() == [(0.0, 7.0), (0.25, 7.5), (0.0, 7.5), (0.75, 9.0)]
-
-
-def test_a_late_replay_catches_up() -> None:
-    """A wait that was too long does not move the messages after it."""
-    player = _Player((0.0, 1.0, 2.0))
-    player.wait(1.5)
-    assert player.rest() == [(0.0, 0.0), (0.0, 1.0), (0.5, 2.0)]
+    late = _Player((0.0, 1.0, 2.0))
+    late.wait(1.5)
+    assert late.rest() == [(0.0, 0.0), (0.0, 1.0), (0.5, 2.0)]
 
 
 def test_a_pause_moves_all_that_follows() -> None:
@@ -182,47 +175,39 @@ def test_a_moved_payload_is_carried_to_its_number_of_today(tmp_path: Path) -> No
     assert "converted to the present table, field by field: imu_info (40)" in replay.notes[0]
 
 
-def test_a_field_whose_type_has_changed_is_carried_by_name(tmp_path: Path) -> None:
-    """What fits is carried; what does not, stays at its default."""
+def _rename(files: Any) -> None:
+    imu = _message(files, "SensorBoardIMUInfo")
+    _field(imu, "accel_x").name = "acceleration_x"
+    imu.field.remove(_field(imu, "error_code"))
 
-    def change(files: Any) -> None:
-        imu = _message(files, "SensorBoardIMUInfo")
-        _field(imu, "accel_x").type = descriptor_pb2.FieldDescriptorProto.TYPE_DOUBLE
-        _field(imu, "accel_y").type = descriptor_pb2.FieldDescriptorProto.TYPE_STRING
 
+def _swap(files: Any) -> None:
+    imu = _message(files, "SensorBoardIMUInfo")
+    x, y = _field(imu, "accel_x"), _field(imu, "accel_y")
+    x.number, y.number = y.number, x.number
+
+
+def _retype(files: Any) -> None:
+    imu = _message(files, "SensorBoardIMUInfo")
+    _field(imu, "accel_x").type = descriptor_pb2.FieldDescriptorProto.TYPE_DOUBLE
+    _field(imu, "accel_y").type = descriptor_pb2.FieldDescriptorProto.TYPE_STRING
+
+
+@pytest.mark.parametrize(
+    ("change", "then", "now"),
+    [
+        (_rename, {"acceleration_x": 1.5}, {"accel_x": 1.5}),  # protobuf itself keeps them compatible
+        (_swap, {"accel_x": 1.0, "accel_y": 2.0}, {"accel_x": 1.0, "accel_y": 2.0}),
+        (_retype, {"accel_x": 1.5, "accel_y": "up", "accel_z": 3.0}, {"accel_x": 1.5, "accel_z": 3.0}),
+    ],
+)
+def test_fields_of_an_older_schema_are_carried_by_name(change: Any, then: dict[str, Any], now: dict[str, Any]) -> None:
+    """Values follow names that are there then and now; a value of a type that does not fit stays at its default."""
     older = _older(change)
-    datagram = older(imu_info={"accel_x": 1.5, "accel_y": "up", "accel_z": 3.0}).SerializeToString()
-    replay = BoardReplay(_record(tmp_path / "run.mcap", older, datagram), REGISTRY)
-    (message,) = replay.messages()
-    assert REGISTRY.envelope.FromString(message.data) == REGISTRY.envelope(imu_info={"accel_x": 1.5, "accel_z": 3.0})
-
-
-def test_added_and_renamed_fields_change_no_byte() -> None:
-    """What protobuf itself keeps compatible is left to it."""
-
-    def change(files: Any) -> None:
-        imu = _message(files, "SensorBoardIMUInfo")
-        _field(imu, "accel_x").name = "acceleration_x"
-        imu.field.remove(_field(imu, "error_code"))
-
-    adapter = Adapter(_older(change), REGISTRY)
-    assert adapter.identical
-
-
-def test_two_fields_that_changed_places_are_no_renaming() -> None:
-    """Values follow their names, where both names are there then and now."""
-
-    def swap(files: Any) -> None:
-        imu = _message(files, "SensorBoardIMUInfo")
-        x, y = _field(imu, "accel_x"), _field(imu, "accel_y")
-        x.number, y.number = y.number, x.number
-
-    older = _older(swap)
     adapter = Adapter(older, REGISTRY)
-    datagram = older(imu_info={"accel_x": 1.0, "accel_y": 2.0}).SerializeToString()
-    assert REGISTRY.envelope.FromString(adapter.adapt(datagram)) == REGISTRY.envelope(
-        imu_info={"accel_x": 1.0, "accel_y": 2.0}
-    )
+    assert adapter.identical is (change is _rename)
+    adapted = adapter.adapt(older(imu_info=then).SerializeToString())
+    assert REGISTRY.envelope.FromString(adapted) == REGISTRY.envelope(imu_info=now)
 
 
 def _other_payload(files: Any) -> None:

@@ -3,20 +3,19 @@
 Started by the tests as a program of its own, so that everything goes over the wire. Each line that it prints is JSON.
 """
 
-# No `from __future__ import annotations`: cyclonedds reads the annotations as they stand.
+from __future__ import annotations
 
 import argparse
 import dataclasses
 import json
 import os
 import time
-from dataclasses import dataclass
 from typing import Any
 
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
 from cyclonedds.core import Policy, Qos
 from cyclonedds.domain import Domain, DomainParticipant
-from cyclonedds.idl import IdlStruct, types
+from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
@@ -30,79 +29,29 @@ _LOOPBACK = (
 _PATIENCE_S = 30.0
 
 
-@dataclass
-class SensorState_(IdlStruct, typename="comms.msg.dds_.SensorState_"):  # noqa: N801  # as ROS 2's IDL has it
-    """comms/msg/SensorState."""
-
-    state: types.uint8 = 0
-
-
-@dataclass
-class ImuSensorInformation_(IdlStruct, typename="comms.msg.dds_.ImuSensorInformation_"):  # noqa: N801
-    """comms/msg/ImuSensorInformation."""
-
-    accel_x: types.float32 = 0.0
-    accel_y: types.float32 = 0.0
-    accel_z: types.float32 = 0.0
-    gyro_x: types.float32 = 0.0
-    gyro_y: types.float32 = 0.0
-    gyro_z: types.float32 = 0.0
-    mag_x: types.float32 = 0.0
-    mag_y: types.float32 = 0.0
-    mag_z: types.float32 = 0.0
-    is_calibrated: bool = False
-    state: SensorState_ = dataclasses.field(default_factory=SensorState_)
-    error_code: types.uint8 = 0
+_AXES = [f"{sensor}_{axis}" for sensor in ("accel", "gyro", "mag") for axis in "xyz"]
+SensorState = make_idl_struct("SensorState_", "comms.msg.dds_.SensorState_", {"state": types.uint8})
+ImuSensorInformation = make_idl_struct(
+    "ImuSensorInformation_",
+    "comms.msg.dds_.ImuSensorInformation_",
+    {
+        **dict.fromkeys(_AXES, types.float32),
+        "is_calibrated": bool,
+        "state": SensorState,
+        "error_code": types.uint8,
+    },
+)
 
 
-@dataclass
-class Gid24(IdlStruct, typename="rmw_dds_common.msg.dds_.Gid_"):
-    """rmw_dds_common/msg/Gid up to Humble."""
-
-    data: types.array[types.uint8, 24]
-
-
-@dataclass
-class Gid16(IdlStruct, typename="rmw_dds_common.msg.dds_.Gid_"):
-    """rmw_dds_common/msg/Gid from Iron on."""
-
-    data: types.array[types.uint8, 16]
-
-
-@dataclass
-class Node24(IdlStruct, typename="rmw_dds_common.msg.dds_.NodeEntitiesInfo_"):
-    """rmw_dds_common/msg/NodeEntitiesInfo up to Humble."""
-
-    node_namespace: types.bounded_str[256]
-    node_name: types.bounded_str[256]
-    reader_gid_seq: types.sequence[Gid24]
-    writer_gid_seq: types.sequence[Gid24]
-
-
-@dataclass
-class Node16(IdlStruct, typename="rmw_dds_common.msg.dds_.NodeEntitiesInfo_"):
-    """rmw_dds_common/msg/NodeEntitiesInfo from Iron on."""
-
-    node_namespace: types.bounded_str[256]
-    node_name: types.bounded_str[256]
-    reader_gid_seq: types.sequence[Gid16]
-    writer_gid_seq: types.sequence[Gid16]
-
-
-@dataclass
-class Graph24(IdlStruct, typename="rmw_dds_common.msg.dds_.ParticipantEntitiesInfo_"):
-    """rmw_dds_common/msg/ParticipantEntitiesInfo up to Humble."""
-
-    gid: Gid24
-    node_entities_info_seq: types.sequence[Node24]
-
-
-@dataclass
-class Graph16(IdlStruct, typename="rmw_dds_common.msg.dds_.ParticipantEntitiesInfo_"):
-    """rmw_dds_common/msg/ParticipantEntitiesInfo from Iron on."""
-
-    gid: Gid16
-    node_entities_info_seq: types.sequence[Node16]
+def _graph_type(gid_bytes: int) -> Any:
+    """rmw_dds_common/msg/ParticipantEntitiesInfo; a Gid has 24 bytes up to Humble, and 16 from Iron on."""
+    package = "rmw_dds_common.msg.dds_"
+    gid = make_idl_struct("Gid_", f"{package}.Gid_", {"data": types.array[types.uint8, gid_bytes]})
+    names = dict.fromkeys(("node_namespace", "node_name"), types.bounded_str[256])
+    gids = dict.fromkeys(("reader_gid_seq", "writer_gid_seq"), types.sequence[gid])
+    node = make_idl_struct("NodeEntitiesInfo_", f"{package}.NodeEntitiesInfo_", {**names, **gids})
+    fields = {"gid": gid, "node_entities_info_seq": types.sequence[node]}
+    return make_idl_struct("ParticipantEntitiesInfo_", f"{package}.ParticipantEntitiesInfo_", fields)
 
 
 _RELIABLE = Policy.Reliability.Reliable(0)
@@ -119,7 +68,7 @@ def _deadline() -> float:
 
 def _read(participant: DomainParticipant, arguments: argparse.Namespace) -> None:
     """Say each sample of a topic, as an ordinary reliable ROS 2 subscription gets it."""
-    topic = Topic(participant, arguments.topic, ImuSensorInformation_)
+    topic = Topic(participant, arguments.topic, ImuSensorInformation)
     reader = DataReader(participant, topic, Qos(_RELIABLE, Policy.History.KeepLast(10), _PLAIN_CDR))
     _say(ready=True)
     left, deadline = arguments.count, _deadline()
@@ -132,20 +81,19 @@ def _read(participant: DomainParticipant, arguments: argparse.Namespace) -> None
 
 def _write(participant: DomainParticipant, arguments: argparse.Namespace) -> None:
     """Write one sample to the first reader that matches, as an ordinary ROS 2 publisher does, and go."""
-    topic = Topic(participant, arguments.topic, ImuSensorInformation_)
+    topic = Topic(participant, arguments.topic, ImuSensorInformation)
     writer = DataWriter(participant, topic, Qos(_RELIABLE, Policy.History.KeepLast(10), _PLAIN_CDR))
     deadline = _deadline()
     while not writer.get_matched_subscriptions() and time.monotonic() < deadline:
         time.sleep(0.005)
     values = json.loads(arguments.sample)
-    writer.write(ImuSensorInformation_(**{**values, "state": SensorState_(**values["state"])}))
+    writer.write(ImuSensorInformation(**{**values, "state": SensorState(**values["state"])}))
     writer.wait_for_acks(duration(seconds=_PATIENCE_S))
 
 
 def _graph(participant: DomainParticipant, arguments: argparse.Namespace) -> None:
     """Say what ros_discovery_info says of a node, and what DDS itself says of endpoints, once both are complete."""
-    types_of_size: dict[int, Any] = {24: Graph24, 16: Graph16}
-    topic = Topic(participant, "ros_discovery_info", types_of_size[arguments.gid_bytes])
+    topic = Topic(participant, "ros_discovery_info", _graph_type(arguments.gid_bytes))
     qos = Qos(_RELIABLE, Policy.Durability.TransientLocal, Policy.History.KeepLast(1), _PLAIN_CDR)
     reader = DataReader(participant, topic, qos)
     publications = BuiltinDataReader(participant, BuiltinTopicDcpsPublication)

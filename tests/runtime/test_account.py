@@ -8,72 +8,31 @@ from collections import Counter
 
 import pytest
 
-from roverlink.runtime.bridge.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
+from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 
 
-class _Clock:
-    """Time that passes when it is told to."""
-
-    def __init__(self) -> None:
-        self.now = 1000.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-@pytest.fixture
-def clock() -> _Clock:
-    """A clock of our own."""
-    return _Clock()
-
-
-@pytest.fixture
-def warnings(clock: _Clock) -> ThrottledWarnings:
-    """Warnings by that clock."""
-    return ThrottledWarnings(logging.getLogger("test_account"), clock)
-
-
-def test_the_first_warning_is_given_at_once(warnings: ThrottledWarnings, caplog: pytest.LogCaptureFixture) -> None:
-    """A warning is logged as such, in its own words."""
+def test_a_subject_is_warned_of_once_in_two_seconds(caplog: pytest.LogCaptureFixture) -> None:
+    """The next warning, or the end, says how many there were between, as a fact too; subjects have intervals each."""
+    times = iter([1000.0, *[1000.0, 1001.0, 1001.99] * 2, 1002.0, 1004.0, 1004.0])
+    warnings = ThrottledWarnings(logging.getLogger("test_account"), lambda: next(times))
     warnings.warn("malformed", "dropped: 100% of it")
-    assert [(record.levelname, record.getMessage()) for record in caplog.records] == [
-        ("WARNING", "dropped: 100% of it")
+    for subject, message in (("malformed", "between"), ("empty", "another")):
+        for _ in range(3):
+            warnings.warn(subject, message)
+    for _ in range(2):
+        warnings.warn("malformed", "on time")
+    warnings.warn("malformed", "good news", logging.INFO)
+    warnings.log_suppressed()
+    warnings.log_suppressed()
+    assert [(record.getMessage(), record.facts["kept_back"]) for record in caplog.records] == [  # type: ignore[attr-defined]
+        ("dropped: 100% of it", 0),
+        ("another", 0),
+        ("on time (and 3 more like it)", 3),
+        ("on time", 0),
+        ("another (and 2 more like it)", 2),
+        ("on time (and 1 more like it)", 1),
     ]
-
-
-def test_more_of_it_is_kept_back_and_counted(
-    warnings: ThrottledWarnings, clock: _Clock, caplog: pytest.LogCaptureFixture
-) -> None:
-    """Within two seconds a subject is warned of once; the next warning says how many there were between."""
-    warnings.warn("malformed", "first")
-    for _ in range(1000):
-        clock.now += WARNING_INTERVAL_S / 2000
-        warnings.warn("malformed", "between")
-    clock.now += WARNING_INTERVAL_S
-    warnings.warn("malformed", "second")
-    clock.now += WARNING_INTERVAL_S
-    warnings.warn("malformed", "third")
-    assert caplog.messages == ["first", "second (and 1000 more like it)", "third"]
-
-
-def test_the_interval_is_two_seconds(
-    warnings: ThrottledWarnings, clock: _Clock, caplog: pytest.LogCaptureFixture
-) -> None:
-    """Just before two seconds nothing is said, at two seconds it is."""
-    assert WARNING_INTERVAL_S == 2.0
-    warnings.warn("a", "first")
-    clock.now += 1.99
-    warnings.warn("a", "early")
-    clock.now += 0.01
-    warnings.warn("a", "on time")
-    assert caplog.messages == ["first", "on time (and 1 more like it)"]
-
-
-def test_subjects_do_not_silence_each_other(warnings: ThrottledWarnings, caplog: pytest.LogCaptureFixture) -> None:
-    """Each subject has an interval of its own."""
-    for subject in ("malformed", "empty", "malformed", "lost"):
-        warnings.warn(subject, subject)
-    assert caplog.messages == ["malformed", "empty", "lost"]
+    assert {record.levelname for record in caplog.records} == {"WARNING"}
 
 
 def _account() -> Account:

@@ -11,6 +11,7 @@ import oracle
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rosbags.typesys import Stores, get_typestore
 from strategies import messages
 
 from roverlink.runtime import ConversionError
@@ -35,6 +36,7 @@ from roverlink.runtime.core.messages import (
     fields_of,
 )
 from roverlink.runtime.interfaces import from_rosbags
+from roverlink.runtime.recording.message_definitions import definition_of
 
 
 @dataclass(slots=True)
@@ -83,60 +85,15 @@ class Everything(Message):
     two_points: Annotated[list[Point], Length(2)] = dataclasses.field(default_factory=lambda: [Point(), Point()])
 
 
-_EVERYTHING = """
-bool a_bool
-float64 a_float64
-byte a_byte
-uint16 a_uint16
-char a_char
-uint64 a_uint64
-int8 an_int8
-int32 an_int32
-string a_text
-int64 an_int64
-string<=4 short_text
-int16 an_int16
-uint8 a_uint8
-uint32 a_uint32
-Point point
-float32 a_float32
-uint8[] some_bytes
-uint8[<=3] few_bytes
-uint8[4] four_bytes
-bool[] flags
-float64[] doubles
-float64[3] three_doubles
-int16[<=2] few_shorts
-string[] texts
-string[2] two_texts
-string<=4[<=2] short_texts
-Point[] points
-Point[2] two_points
-"""
-
-_STANDARD = [
-    "sensor_msgs/msg/Imu",
-    "sensor_msgs/msg/NavSatFix",
-    "sensor_msgs/msg/PointCloud2",
-    "sensor_msgs/msg/JointState",
-    "diagnostic_msgs/msg/DiagnosticArray",
-    "geometry_msgs/msg/PoseArray",
-    "geometry_msgs/msg/TwistStamped",
-    "nav_msgs/msg/OccupancyGrid",
-    "shape_msgs/msg/SolidPrimitive",
-    "std_msgs/msg/String",
-    "std_msgs/msg/Empty",
-    "std_msgs/msg/Bool",
-    "std_msgs/msg/Float64MultiArray",
-    "tf2_msgs/msg/TFMessage",
-    "unique_identifier_msgs/msg/UUID",
-]
+_STANDARD = ["geometry_msgs/msg/PoseArray", "sensor_msgs/msg/JointState", "sensor_msgs/msg/PointCloud2"]
+_STANDARD += ["nav_msgs/msg/OccupancyGrid", "diagnostic_msgs/msg/DiagnosticArray", "unique_identifier_msgs/msg/UUID"]
 
 
 @pytest.fixture(scope="module", autouse=True)
 def _known_to_rosbags() -> None:
-    oracle.register("tests/msg/Point", "bool valid\nfloat64 x\n")
-    oracle.register("tests/msg/Everything", _EVERYTHING)
+    definition = definition_of(Everything)
+    assert "string<=4[<=2] short_texts\ntests/Point[] points\ntests/Point[2] two_points\n" in definition
+    oracle.register("tests/msg/Everything", definition)
 
 
 def _round_trip(message: Message) -> None:
@@ -147,7 +104,7 @@ def _round_trip(message: Message) -> None:
         assert cdr.encode(cdr.decode(type(message), data)) == expected
 
 
-@settings(max_examples=75)
+@settings(max_examples=30)
 @given(messages(Everything))
 def test_every_kind_of_field_both_ways(message: Everything) -> None:
     """Primitives, strings, sequences and arrays, bounded or not, nested or not, are as rosbags has them."""
@@ -155,7 +112,7 @@ def test_every_kind_of_field_both_ways(message: Everything) -> None:
 
 
 @pytest.mark.parametrize("type_name", _STANDARD)
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(data=st.data())
 def test_standard_messages_both_ways(type_name: str, data: st.DataObject) -> None:
     """Messages of ROS 2's common interfaces, made at run time, are as rosbags has them."""
@@ -164,13 +121,10 @@ def test_standard_messages_both_ways(type_name: str, data: st.DataObject) -> Non
 
 def test_every_standard_message_starts_empty() -> None:
     """Each class that can be made at run time has a default for each field, and it is written and read."""
-    names = sorted(from_rosbags._store().fielddefs)
+    names = [name for name in get_typestore(Stores.ROS2_HUMBLE).fielddefs if "/msg/" in name]
     assert len(names) > 100
     for name in names:
-        if name.startswith("tests/"):
-            continue
-        message_type = from_rosbags.message_type(name)
-        _round_trip(message_type())
+        _round_trip(from_rosbags.message_type(name)())
 
 
 @given(messages(Everything))
@@ -184,7 +138,7 @@ def test_a_variable_message_cut_short_is_refused(message: Everything) -> None:
 
 
 @given(st.binary(max_size=120))
-@settings(max_examples=300)
+@settings(max_examples=100)
 def test_decoding_any_bytes_raises_nothing_else(body: bytes) -> None:
     """Whatever arrives on a topic is a message or a `ConversionError`; a hostile count takes no memory."""
     for header in (b"\0\1\0\0", b"\0\0\0\0"):
@@ -195,13 +149,6 @@ def test_decoding_any_bytes_raises_nothing_else(body: bytes) -> None:
         assert isinstance(message, Everything)
 
 
-@pytest.mark.parametrize("name", ["std_msgs/msg/String", "std_msgs/msg/Float64MultiArray", "tf2_msgs/msg/TFMessage"])
-def test_a_count_beyond_the_data_is_refused(name: str) -> None:
-    """A sequence that claims four billion elements is too short, at once."""
-    with pytest.raises(ConversionError, match="too short"):
-        cdr.decode(from_rosbags.message_type(name), b"\0\1\0\0" + b"\xff" * 16)
-
-
 @pytest.mark.parametrize("header", ["", "00", "000100", "00020000", "00030000", "00060000", "00070000", "01000000"])
 def test_other_encapsulations_are_refused(header: str) -> None:
     """Anything but plain CDR 1 is named by its header, not misread."""
@@ -209,30 +156,21 @@ def test_other_encapsulations_are_refused(header: str) -> None:
         cdr.decode(Point, bytes.fromhex(header) + bytes(32) * bool(len(header) == 8))
 
 
-def test_options_in_the_header_are_ignored() -> None:
-    """The two bytes of options, in which some writers count their padding, change nothing."""
+def test_what_other_writers_say_is_understood_or_refused() -> None:
+    """Options in the header, and an empty text without its NUL; but no bytes that are not UTF-8, nor false counts."""
     assert cdr.decode(Point, b"\0\1\0\3" + cdr.encode(Point(True, 1.5))[4:]) == Point(True, 1.5)
-
-
-def test_an_empty_message_carries_one_byte() -> None:
-    """A message without fields has the placeholder that ROS 2's IDL gives it, and needs it to be read."""
-    empty = from_rosbags.message_type("std_msgs/msg/Empty")
+    string, empty = from_rosbags.message_type("std_msgs/msg/String"), from_rosbags.message_type("std_msgs/msg/Empty")
+    assert cdr.decode(string, bytes(1) + b"\1" + bytes(6)) == string()
+    with pytest.raises(ConversionError, match="not UTF-8"):
+        cdr.decode(string, bytes.fromhex("00010000 02000000 ff00"))
+    # A message without fields has the placeholder that ROS 2's IDL gives it.
     assert cdr.encode(empty()) == bytes.fromhex("0001000000")
     assert cdr.decode(empty, bytes.fromhex("0001000000")) == empty()
+    for name in ("std_msgs/msg/String", "std_msgs/msg/Float64MultiArray", "tf2_msgs/msg/TFMessage"):
+        with pytest.raises(ConversionError, match="too short"):
+            cdr.decode(from_rosbags.message_type(name), b"\0\1\0\0" + b"\xff" * 16)
     with pytest.raises(ConversionError, match="too short"):
         cdr.decode(empty, bytes.fromhex("00010000"))
-
-
-def test_a_string_that_is_not_utf8_is_refused() -> None:
-    """A string of other bytes is no text, and is not guessed at."""
-    with pytest.raises(ConversionError, match="not UTF-8"):
-        cdr.decode(from_rosbags.message_type("std_msgs/msg/String"), bytes.fromhex("00010000 02000000 ff00"))
-
-
-def test_a_string_without_its_nul_byte_is_empty() -> None:
-    """Some writers give an empty string the length 0 in place of an empty one with its NUL."""
-    string = from_rosbags.message_type("std_msgs/msg/String")
-    assert cdr.decode(string, bytes(1) + b"\1" + bytes(6)) == string()
 
 
 _WRONG: dict[str, tuple[dict[str, Any], str]] = {
@@ -278,12 +216,11 @@ def test_a_value_that_does_not_fit_names_its_field(values: dict[str, Any], path:
     assert caught.value.field == path.replace("\\", "")
 
 
-def test_a_wrong_value_of_a_fixed_message_names_its_field() -> None:
+@pytest.mark.parametrize(("message", "error"), [(Point(valid="yes"), "valid: 'yes'"), (Point(x=None), "x: None")])  # type: ignore[arg-type]
+def test_a_wrong_value_of_a_fixed_message_names_its_field(message: Point, error: str) -> None:
     """Messages that are packed in one call explain themselves as well."""
-    with pytest.raises(ConversionError, match=r"^valid: 'yes' does not fit bool"):
-        cdr.encode(Point(valid="yes"))  # type: ignore[arg-type]
-    with pytest.raises(ConversionError, match=r"^x: None does not fit float64"):
-        cdr.encode(Point(x=None))  # type: ignore[arg-type]
+    with pytest.raises(ConversionError, match=f"^{error} does not fit "):
+        cdr.encode(message)
 
 
 def test_a_large_wrong_value_makes_a_short_error() -> None:
@@ -302,13 +239,6 @@ def test_floats_at_the_edges() -> None:
     assert nan != nan
     with pytest.raises(ConversionError, match="a_float32"):
         cdr.encode(Everything(a_float32=largest * 1.0001))
-
-
-def test_type_names_are_those_of_msg_files() -> None:
-    """A field's type is named as its .msg file spells it."""
-    named = {field.name: cdr.type_name(field.type) for field in fields_of(Everything)}
-    expected = dict(reversed(line.split(" ")) for line in _EVERYTHING.split("\n") if line)
-    assert named == {name: text.replace("Point", "tests/msg/Point") for name, text in expected.items()}
 
 
 def test_the_layout_of_a_message_of_variable_size_is_refused() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roverlink.runtime.bridge.deadman import Watchdog
@@ -23,26 +23,13 @@ def test_the_stop_is_due_once_the_topic_was_silent_long_enough() -> None:
     assert watchdog.silent
 
 
-def test_a_topic_that_speaks_is_never_stopped() -> None:
-    """However long it goes on."""
-    watchdog = Watchdog(0.5, 2.0, now=0.0)
-    for tick in range(1000):
-        watchdog.message_passed(tick * 0.4)
-        assert not watchdog.is_due(tick * 0.4 + 0.39)
-
-
 def test_a_topic_that_speaks_again_is_watched_as_before() -> None:
-    """The stop ends with the first message, and comes back after the same silence."""
-    watchdog = Watchdog(0.5, 2.0, now=0.0)
-    assert _due(watchdog, 0.5) == [0.5]
-    watchdog.message_passed(10.0)
+    """What commanded the peer before we started is not known; the stop ends with the first message, and comes back."""
+    watchdog = Watchdog(0.5, 2.0, now=100.0)
+    assert _due(watchdog, 100.4, 100.5) == [100.5]
+    watchdog.message_passed(110.0)
     assert not watchdog.silent
-    assert _due(watchdog, 10.4, 10.5) == [10.5]
-
-
-def test_a_topic_that_never_spoke_is_silent() -> None:
-    """What commanded the peer before we started is not known."""
-    assert _due(Watchdog(0.5, 1.0, now=100.0), 100.4, 100.5) == [100.5]
+    assert _due(watchdog, 110.4, 110.5) == [110.5]
 
 
 def test_a_publisher_that_leaves_is_not_waited_for() -> None:
@@ -55,6 +42,7 @@ def test_a_publisher_that_leaves_is_not_waited_for() -> None:
     assert _due(watchdog, 1.03, 3.0, 3.01) == [3.01]
 
 
+@settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(0, 3), st.booleans()), max_size=60))
 def test_whatever_happens_silence_is_never_longer_than_after(events: list[tuple[float, bool]]) -> None:
     """Asked at its own times, the watchdog tells of every silence just when it is long enough."""

@@ -13,7 +13,6 @@ from roverlink.runtime.core.errors import DatagramError, SetupError
 from roverlink.runtime.core.signing import Signer
 from roverlink.runtime.keys.key_file import add_keys, make_key_file, read_keys
 from roverlink.runtime.keys.signed_links import SignedLinks
-from roverlink.runtime.keys.stored_timestamps import read_timestamps
 
 NUMBER = 23
 MADE = datetime(2026, 11, 23, 7, 30, tzinfo=timezone.utc)
@@ -80,26 +79,28 @@ def basestation(tmp_path: Path, key_file: Path) -> Computer:
 
 
 def test_a_key_file_is_for_its_owner_and_is_never_overwritten(key_file: Path) -> None:
-    """The mode is 0600, and a second run of keygen is an error."""
+    """The mode is 0600; nobody else gets keys: the bridge has none of its own, and a name is no path."""
     assert stat.S_IMODE(key_file.stat().st_mode) == 0o600
     before = key_file.read_bytes()
-    with pytest.raises(SetupError, match="the file exists; to change its keys, add new ones with --rotate"):
-        make_key_file(key_file, "basestation", MADE)
-    assert key_file.read_bytes() == before
+    refused = "is not the name of a peer or board"
+    for path, name, made, error in (
+        (key_file, "basestation", MADE, "the file exists; to change its keys, add new ones with --rotate"),
+        *((key_file.with_name("x"), name, MADE, refused) for name in ("ros", "../x", "a b", "")),
+        # The time of its keys is the oldest that a datagram may have.
+        (key_file.with_name("x"), "base", MADE.replace(year=1970), "clock of this computer says 1970-11-23; set it"),
+    ):
+        with pytest.raises(SetupError, match=error):
+            make_key_file(path, name, made)
+    assert [file.read_bytes() for file in key_file.parent.iterdir()] == [before]
 
 
 def test_a_key_file_has_one_key_for_each_direction(key_file: Path) -> None:
-    """Two senders never share a key, because their clocks differ."""
+    """Two senders never share a key, because their clocks differ; ids differ from those of others in the folder."""
     one, two = read_keys(key_file)
     assert (one.key.sender, one.receiver, two.key.sender, two.receiver) == ("basestation", "ros", "ros", "basestation")
     assert one.key.secret != two.key.secret
-    assert one.key.id != two.key.id
-
-
-def test_ids_differ_from_those_of_other_key_files_in_the_folder(key_file: Path) -> None:
-    """The bridge reads the key files of all its peers, and a datagram says only the id."""
     others = make_key_file(key_file.with_name("ArmBoard.keys"), "ArmBoard", MADE)
-    assert [one.key.id for one in (*read_keys(key_file), *others)] == [1, 2, 3, 4]
+    assert [key.key.id for key in (one, two, *others)] == [1, 2, 3, 4]
 
 
 @pytest.mark.parametrize("mode", [0o640, 0o604, 0o660])
@@ -211,7 +212,7 @@ def test_a_crash_loses_at_most_the_second_that_a_restart_adds(rover: Computer, b
     links = rover.links()
     basestation.passes(1.5)
     assert _verdict(links, signer.sign(b"\x6a\0"), "basestation") == "accepted"
-    links._store_all()  # what the thread does each second
+    rover.runs(links)  # which stores them, as the thread does each second
     basestation.passes(0.9)
     lost = signer.sign(b"\x6a\0")
     assert _verdict(links, lost, "basestation") == "accepted"
@@ -240,18 +241,6 @@ def test_without_stored_timestamps_only_the_last_minute_is_accepted(
     assert ("is damaged" in caplog.text) is (content is not None)
 
 
-def test_timestamps_are_stored_while_the_program_runs(rover: Computer, basestation: Computer) -> None:
-    """At the end of the block the file has the latest timestamps of all keys of the program."""
-    links = rover.links()
-    with links:
-        assert _verdict(links, _signer(basestation.links(), "ros").sign(b"\x6a\0"), "basestation") == "accepted"
-        _signer(links, "basestation").sign(b"")
-    assert read_timestamps(rover.keys.with_name("link.keys.ros.timestamps")) == {
-        **links.verifier.lasts(),
-        2: links.clock.last,
-    }
-
-
 def test_a_folder_that_cannot_be_written_is_an_error_at_the_start(rover: Computer) -> None:
     """Without stored timestamps, a restart would accept recordings."""
     (rover.keys.with_name("link.keys.ros.timestamps")).mkdir()
@@ -259,26 +248,9 @@ def test_a_folder_that_cannot_be_written_is_an_error_at_the_start(rover: Compute
         rover.links()
 
 
-def test_two_files_with_one_id_are_an_error(tmp_path: Path, rover: Computer, basestation: Computer) -> None:
-    """The error says how to make another id."""
+def test_keys_of_others_are_an_error(rover: Computer, basestation: Computer) -> None:
+    """Two files with one id, which says how to make another; and a key of an unknown end, which would not be used."""
     with pytest.raises(SetupError, match="both have a key 1; make one of them again in the folder of the other"):
         SignedLinks(NUMBER, [rover.keys, basestation.keys], LOGGER)
-
-
-def test_a_name_that_is_no_peer_gets_a_hint(rover: Computer) -> None:
-    """A key of an unknown end would never be used."""
     with pytest.raises(SetupError, match=r"the key 1 is of 'basestation'.*did you mean 'base_station'"):
         rover.links().check_ends(["hardware", "base_station"])
-
-
-@pytest.mark.parametrize("name", ["ros", "../x", "a b", ""])
-def test_only_peers_and_boards_get_keys(tmp_path: Path, name: str) -> None:
-    """The bridge has no key file of its own, and a name is no path."""
-    with pytest.raises(SetupError, match="is not the name of a peer or board"):
-        make_key_file(tmp_path / "x.keys", name, MADE)
-
-
-def test_a_computer_without_a_clock_makes_no_keys(tmp_path: Path) -> None:
-    """The time of its keys is the oldest that a datagram may have."""
-    with pytest.raises(SetupError, match="the clock of this computer says 1970-01-01; set it first"):
-        make_key_file(tmp_path / "x.keys", "base", datetime(1970, 1, 1, tzinfo=timezone.utc))

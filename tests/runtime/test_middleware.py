@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import logging
 import sys
 import threading
 import types
 from collections.abc import Iterator, Sequence
-from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any
+from unittest.mock import MagicMock, call
 
 import pytest
 from polling import PATIENCE_S, wait_until
@@ -26,6 +25,7 @@ from roverlink.runtime.interfaces import rcl_interfaces
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
 from roverlink.runtime.middleware import Endpoint, NodeIdentity, open_middleware
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime.middleware.serving import ServedTopic, serve
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
@@ -55,37 +55,26 @@ def _refused(name: str) -> str:
     return str(caught.value)
 
 
-def test_rclpy_that_is_not_there_is_told(absent: Any) -> None:
-    """Without ROS 2, the error says which file to source."""
-    absent("rclpy")
-    message = _refused("rclpy")
-    assert "rclpy cannot be imported" in message
-    assert "source /opt/ros/humble/setup.bash" in message
-
-
-def test_cyclone_that_is_not_there_is_told(absent: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without Cyclone DDS, the error says what to install."""
-    monkeypatch.setattr("platform.machine", lambda: "x86_64")
-    absent("cyclonedds")
-    message = _refused("dds")
-    assert "Cyclone DDS cannot be imported" in message
-    assert "pip install cyclonedds" in message
-    assert "aarch64" not in message
-
-
-def test_on_the_jetson_the_error_leads_to_rclpy(absent: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where there is no wheel of Cyclone DDS, the error says so, and what works instead."""
-    monkeypatch.setattr("platform.machine", lambda: "aarch64")
-    absent("cyclonedds")
-    message = _refused("dds")
-    assert "no wheel for aarch64" in message
-    assert "--middleware rclpy" in message
-
-
-def test_auto_without_any_says_what_to_do(absent: Any) -> None:
-    """With neither ROS 2 nor Cyclone DDS, `auto` is an error of Cyclone DDS's, which could be installed."""
-    absent("cyclonedds", "rclpy")
-    assert "pip install cyclonedds" in _refused("auto")
+@pytest.mark.parametrize(
+    ("name", "machine", "packages", "said"),
+    [
+        ("rclpy", "x86_64", ["rclpy"], ["rclpy cannot be imported", "source /opt/ros/humble/setup.bash"]),
+        ("dds", "x86_64", ["cyclonedds"], ["Cyclone DDS cannot be imported", "pip install cyclonedds"]),
+        # Where there is no wheel of Cyclone DDS, as on the Jetson, the error says what works instead.
+        ("dds", "aarch64", ["cyclonedds"], ["no wheel for aarch64", "--middleware rclpy"]),
+        ("auto", "x86_64", ["cyclonedds", "rclpy"], ["pip install cyclonedds"]),
+        ("zenoh", "x86_64", [], ["unknown middleware 'zenoh' (known: auto, dds, rclpy, memory)"]),
+    ],
+)
+def test_a_middleware_that_is_not_there_is_told(
+    absent: Any, monkeypatch: pytest.MonkeyPatch, name: str, machine: str, packages: list[str], said: list[str]
+) -> None:
+    """The error says what to install or to source; `auto` ends with Cyclone DDS, which could be installed."""
+    monkeypatch.setattr("platform.machine", lambda: machine)
+    absent(*packages)
+    message = _refused(name)
+    assert all(part in message for part in said)
+    assert ("aarch64" in message) is (machine == "aarch64")
 
 
 def test_auto_does_not_take_an_rclpy_that_does_not_import(
@@ -98,17 +87,6 @@ def test_auto_does_not_take_an_rclpy_that_does_not_import(
     monkeypatch.syspath_prepend(tmp_path)
     assert "built for another Python" in _refused("rclpy")
     assert "pip install cyclonedds" in _refused("auto")
-
-
-def test_an_unknown_middleware_is_told() -> None:
-    """A name that is none lists those that are."""
-    assert _refused("zenoh") == "unknown middleware 'zenoh' (known: auto, dds, rclpy, memory)"
-
-
-def test_memory_needs_nothing() -> None:
-    """The middleware in memory is always there."""
-    with open_middleware("memory", _NODE) as middleware:
-        assert isinstance(middleware, MemoryMiddleware)
 
 
 @pytest.mark.parametrize(("namespace", "full_name"), [("/", "/node"), ("/rover", "/rover/node"), ("/a/b", "/a/b/node")])
@@ -127,36 +105,67 @@ def test_middlewares_that_share_a_graph_see_each_other() -> None:
         publisher = talker.publisher("/imu", ImuSensorInformation, Qos())
         assert not publisher.has_subscribers()
         seen: list[tuple[str, Sequence[bytes]]] = []
-        first.subscribe("/imu", ImuSensorInformation, Qos(), lambda messages: seen.append(("first", messages)))
-        second.subscribe("/imu", ImuSensorInformation, Qos(), lambda messages: seen.append(("second", messages)))
-        second.subscribe("/other", ImuSensorInformation, Qos(), lambda messages: seen.append(("other", messages)))
+        for name, node, topic in (("first", first, "/imu"), ("second", second, "/imu"), ("other", second, "/other")):
+            node.subscribe(
+                topic, ImuSensorInformation, Qos(), lambda messages, name=name: seen.append((name, messages))
+            )
         assert publisher.has_subscribers()
         assert publisher.publish([b"a", b"b"]) == 2
         assert seen == [("first", [b"a", b"b"]), ("second", [b"a", b"b"])]
 
 
-def test_leaving_takes_only_ones_own_subscriptions_away() -> None:
-    """A middleware that is left hears nothing more; another on the same graph still does."""
+def test_leaving_takes_only_ones_own_subscriptions_and_topics_away() -> None:
+    """A middleware that is left hears nothing more and has no topics; another on the same graph still does."""
     graph = Graph()
-    staying, leaving = MemoryMiddleware(graph), MemoryMiddleware(graph)
+    staying, seen = MemoryMiddleware(graph), list[bytes]()
     publisher = staying.publisher("/imu", ImuSensorInformation, Qos())
-    seen: list[bytes] = []
     staying.subscribe("/imu", ImuSensorInformation, Qos(), seen.extend)
     staying.subscribe("/imu", ImuSensorInformation, Qos(), seen.extend).close()
-    with leaving:
+    with open_middleware("memory", _NODE) as apart, MemoryMiddleware(graph) as leaving:
+        assert apart.topics() == {}
+        leaving.publisher("/gps", ImuSensorInformation, Qos())
         leaving.subscribe("/imu", ImuSensorInformation, Qos(), seen.extend)
+        assert staying.topics() == dict.fromkeys(("/imu", "/gps"), "comms/msg/ImuSensorInformation")
         publisher.publish([b"both"])
     publisher.publish([b"one"])
     assert seen == [b"both", b"both", b"one"]
+    assert staying.topics().keys() == {"/imu"}
 
 
-def test_topics_in_memory_have_types() -> None:
-    """A topic is listed while it has a publisher."""
-    graph = Graph()
-    with MemoryMiddleware(graph) as node:
-        node.publisher("/imu", ImuSensorInformation, Qos())
-        assert MemoryMiddleware(graph).topics() == {"/imu": "comms/msg/ImuSensorInformation"}
-    assert MemoryMiddleware(graph).topics() == {}
+# --- the order in which a middleware serves its topics ------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("queues", "priorities", "handled"),
+    [
+        # An urgent message that arrives meanwhile waits for one small batch only.
+        ({"urgent": 0, "first": 100, "second": 100}, (9, 0, 0), [("first", 8), ("urgent", 1), ("second", 8)]),
+        # Without an urgent topic a batch is large, but not endless: the other topics get their turn.
+        ({"first": 100, "second": 5}, (0, 0), [("first", 64), ("second", 5)]),
+    ],
+)
+def test_topics_are_served_by_their_priority(
+    queues: dict[str, int], priorities: tuple[int, ...], handled: list[tuple[str, int]]
+) -> None:
+    """After each batch of another topic, an urgent message arrives."""
+    done: list[tuple[str, int]] = []
+
+    def topic(name: str, priority: int) -> ServedTopic:
+        def take(most: int) -> list[bytes]:
+            taken = min(most, queues[name])
+            queues[name] -= taken
+            return [b""] * taken
+
+        def handle(messages: Sequence[bytes]) -> None:
+            done.append((name, len(messages)))
+            if name != "urgent" and "urgent" in queues:
+                queues["urgent"] += 1
+
+        return ServedTopic(types.SimpleNamespace(take=take), handle, priority)
+
+    topics = [topic(name, priority) for name, priority in zip(queues, priorities)]
+    serve(topics, topics[-2:])
+    assert done == handled
 
 
 # --- rclpy ------------------------------------------------------------------------------------------------------
@@ -192,131 +201,41 @@ def _graph_endpoint(node: str, reliability: str, deadline: int = 0, lease: int =
     return types.SimpleNamespace(node_name=node, node_namespace="/", qos_profile=profile)
 
 
-class _Ros:
-    """What rclpy offers of what we use, with the signatures of ROS 2 Humble, and a record of its use."""
+@pytest.fixture
+def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+    """A stand-in for an installed ROS 2, which records its use; `make test-ros2` runs the same code with a real one."""
+    for name in [name for name in sys.modules if name.partition(".")[0] in ("rclpy", "rcl_interfaces", "comms")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.delitem(sys.modules, "roverlink.runtime.middleware.rclpy", raising=False)
+    ros, spinning, end_spin = MagicMock(), threading.Event(), threading.Event()
+    ros.node, ros.spinning, ros.end_spin, ros.ending = ros.create_node.return_value, spinning, end_spin, None
 
-    def __init__(self) -> None:
-        self.calls: list[tuple[Any, ...]] = []
-        self.subscriptions: dict[str, Any] = {}
-        self.parameters: dict[str, Any] = {}
-        self.change: Any = None
-        self.published: list[tuple[str, bytes]] = []
-        self.spinning, self.end_spin = threading.Event(), threading.Event()
-        self.shut_down_from_outside = False
-        self.imu = _generated(_IMU_FIELDS)
-        self.endpoint = _graph_endpoint("joystick", "BEST_EFFORT")
+    def spin() -> None:
+        spinning.set()
+        assert end_spin.wait(PATIENCE_S)
+        if ros.ending is not None:
+            raise ros.ending
 
-    def modules(self) -> dict[str, types.ModuleType]:
-        """The modules that are imported."""
-        names = ("executors", "parameter", "qos", "signals", "serialization")
-        root = types.ModuleType("rclpy")
-        executors, parameter, qos, signals, serialization = (types.ModuleType(f"rclpy.{name}") for name in names)
-        rcl, rcl_messages = types.ModuleType("rcl_interfaces"), types.ModuleType("rcl_interfaces.msg")
-        comms, messages = types.ModuleType("comms"), types.ModuleType("comms.msg")
-        root.__dict__.update(
-            Context=self.context, init=self.init, create_node=self.create_node, try_shutdown=self.try_shutdown
-        )
-        root.__path__ = []
-        executors.__dict__.update(SingleThreadedExecutor=self.executor, ExternalShutdownException=_ExternalShutdown)
-        parameter.__dict__.update(Parameter=lambda name, type_=None, value=None: (name, value))
-        qos.__dict__.update(
-            QoSProfile=dict,
-            ReliabilityPolicy=Enum("ReliabilityPolicy", ["SYSTEM_DEFAULT", "RELIABLE", "BEST_EFFORT"]),
-            DurabilityPolicy=Enum("DurabilityPolicy", ["SYSTEM_DEFAULT", "TRANSIENT_LOCAL", "VOLATILE"]),
-            HistoryPolicy=Enum("HistoryPolicy", ["SYSTEM_DEFAULT", "KEEP_LAST", "KEEP_ALL"]),
-        )
-        signals.__dict__.update(SignalHandlerOptions=Enum("SignalHandlerOptions", ["NO", "ALL"]))
-        serialization.__dict__.update(deserialize_message=lambda data, cls: cdr.decode(cls, data))
-        rcl.__path__ = []
-        rcl_messages.__dict__.update(
-            ParameterDescriptor=rcl_interfaces.ParameterDescriptor,
-            SetParametersResult=rcl_interfaces.SetParametersResult,
-        )
-        comms.__path__ = []
-        messages.__dict__.update(ImuSensorInformation=self.imu, SensorState=_generated({"state": "uint8"}))
-        made = (root, executors, parameter, qos, signals, serialization, rcl, rcl_messages, comms, messages)
-        return {module.__name__: module for module in made}
-
-    def context(self) -> str:
-        return "context"
-
-    def init(
-        self, *, args: Any = None, context: Any = None, domain_id: Any = None, signal_handler_options: Any = None
-    ) -> None:
-        self.calls.append(("init", args, context, domain_id, signal_handler_options.name))
-
-    def create_node(
-        self,
-        node_name: str,
-        *,
-        context: Any = None,
-        cli_args: Any = None,
-        namespace: Any = None,
-        use_global_arguments: bool = True,
-        parameter_overrides: Any = None,
-    ) -> _Ros:
-        self.calls.append(("create_node", node_name, namespace, context, use_global_arguments))
-        self.overrides = parameter_overrides
-        return self
-
-    def declare_parameter(self, name: str, value: Any = None, descriptor: Any = None) -> None:
-        assert self.change is None  # rclpy asks the callback about declarations too
-        self.parameters[name] = (value, descriptor.read_only)
-
-    def add_on_set_parameters_callback(self, callback: Any) -> None:
-        self.change = callback
-
-    def create_publisher(self, msg_type: Any, topic: str, qos_profile: Any) -> Any:
-        self.calls.append(("create_publisher", msg_type, topic, qos_profile))
-        handle = contextlib.ExitStack()  # entered like a handle of rclpy's
-        handle.publish_raw = lambda message: self.published.append((topic, message))  # type: ignore[attr-defined]
-        handle.get_subscription_count = lambda: len(self.published)  # type: ignore[attr-defined]
-        return types.SimpleNamespace(handle=handle)
-
-    def create_subscription(
-        self, msg_type: Any, topic: str, callback: Any, qos_profile: Any, *, raw: bool = False
-    ) -> str:
-        self.calls.append(("create_subscription", msg_type, topic, qos_profile, raw))
-        self.subscriptions[topic] = callback
-        return topic
-
-    def destroy_subscription(self, subscription: Any) -> None:
-        del self.subscriptions[subscription]
-
-    def count_publishers(self, topic: str) -> int:
-        return len(self.get_publishers_info_by_topic(topic))
-
-    def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
-        return [("/cmd", ["comms/msg/Command"]), ("/imu", ["comms/msg/Imu"])]
-
-    def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[Any]:
-        return [self.endpoint] if topic_name == "/cmd" else []
-
-    def get_subscriptions_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[Any]:
-        return [self.endpoint] if topic_name == "/imu" else []
-
-    def executor(self, *, context: Any = None) -> _Ros:
-        self.calls.append(("executor", context))
-        return self
-
-    def add_node(self, node: Any) -> None:
-        assert node is self
-
-    def spin(self) -> None:
-        self.spinning.set()
-        assert self.end_spin.wait(PATIENCE_S)
-        if self.shut_down_from_outside:
-            raise _ExternalShutdown
-
-    def shutdown(self) -> None:
-        self.calls.append(("executor.shutdown",))
-        self.end_spin.set()
-
-    def destroy_node(self) -> None:
-        self.calls.append(("destroy_node",))
-
-    def try_shutdown(self, *, context: Any = None) -> None:
-        self.calls.append(("try_shutdown", context))
+    ros.executors.ExternalShutdownException = _ExternalShutdown
+    ros.executors.SingleThreadedExecutor.return_value.configure_mock(
+        **{"spin.side_effect": spin, "shutdown.side_effect": end_spin.set}
+    )
+    ros.parameter.Parameter = lambda name, type_=None, value=None: (name, value)
+    ros.qos.QoSProfile = dict
+    for policy in (ros.qos.ReliabilityPolicy, ros.qos.DurabilityPolicy, ros.qos.HistoryPolicy):
+        policy.__getitem__.side_effect = str
+    ros.serialization.deserialize_message = lambda data, cls: cdr.decode(cls, data)
+    ros.node.count_publishers.side_effect = lambda topic: len(ros.node.get_publishers_info_by_topic(topic))
+    ros.comms = types.SimpleNamespace(
+        ImuSensorInformation=_generated(_IMU_FIELDS), SensorState=_generated({"state": "uint8"})
+    )
+    names = ("executors", "parameter", "qos", "serialization", "signals")
+    parts = {f"rclpy.{name}": getattr(ros, name) for name in names}
+    for name, module in {"rclpy": ros, **parts, "rcl_interfaces.msg": rcl_interfaces, "comms.msg": ros.comms}.items():
+        monkeypatch.setitem(sys.modules, name, module)
+    yield ros
+    end_spin.set()
+    sys.modules.pop("roverlink.runtime.middleware.rclpy", None)
 
 
 def _live() -> LiveParameters:
@@ -324,146 +243,121 @@ def _live() -> LiveParameters:
     return LiveParameters(REGISTRY, settings, logging.getLogger("test_middleware"))
 
 
-@pytest.fixture
-def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[_Ros]:
-    """A stand-in for an installed ROS 2."""
-    ros = _Ros()
-    for name in [name for name in sys.modules if name.partition(".")[0] in ("rclpy", "rcl_interfaces", "comms")]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.delitem(sys.modules, "roverlink.runtime.middleware.rclpy", raising=False)
-    for name, module in ros.modules().items():
-        monkeypatch.setitem(sys.modules, name, module)
-    yield ros
-    ros.end_spin.set()
-    sys.modules.pop("roverlink.runtime.middleware.rclpy", None)
-
-
-def test_a_node_of_rclpys_is_ours_alone(ros: _Ros) -> None:
+def test_a_node_of_rclpys_is_ours_alone(ros: Any) -> None:
     """The node has its name and namespace, a context of its own, the parameters, and leaves signals to the program."""
-    open_middleware("rclpy", _NODE, _live())
-    assert ros.calls[:2] == [
-        ("init", [], "context", None, "NO"),
-        ("create_node", "udp_forwarder", "/rover", "context", False),
-    ]
-    assert ("executor", "context") in ros.calls
-    assert ros.parameters["listen_port"] == (5000, True)
-    assert ros.parameters["dst_ip"] == ("10.0.0.7", False)
+    assert type(open_middleware("auto", _NODE, _live())).__name__ == "RclpyMiddleware"  # it is there, so it is taken
+    context = ros.Context.return_value
+    ros.init.assert_called_once_with(
+        args=[], context=context, signal_handler_options=ros.signals.SignalHandlerOptions.NO
+    )
+    ros.create_node.assert_called_once_with(
+        "udp_forwarder", namespace="/rover", context=context, use_global_arguments=False, parameter_overrides=None
+    )
+    ros.executors.SingleThreadedExecutor.assert_called_once_with(context=context)
+    ros.executors.SingleThreadedExecutor().add_node.assert_called_once_with(ros.node)
+    declarations = [arguments for arguments, _ in ros.node.declare_parameter.call_args_list]
+    declared = {name: (value, descriptor.read_only) for name, value, descriptor in declarations}
+    assert (declared["listen_port"], declared["dst_ip"]) == ((5000, True), ("10.0.0.7", False))
+    # rclpy asks the callback about declarations too.
+    assert [name for name, *_ in ros.node.method_calls].index("add_on_set_parameters_callback") == len(declared)
 
 
 @pytest.mark.parametrize("simulated", [True, False])
-def test_rclpy_knows_whether_the_time_is_simulated(ros: _Ros, simulated: bool) -> None:
+def test_rclpy_knows_whether_the_time_is_simulated(ros: Any, simulated: bool) -> None:
     """The node declares `use_sim_time` by itself, as every node of rclpy; only its value is given."""
     open_middleware("rclpy", _NODE, types.SimpleNamespace(values={"use_sim_time": simulated}))
-    assert ros.overrides == ([("use_sim_time", True)] if simulated else None)
-    assert "use_sim_time" not in ros.parameters
+    assert ros.create_node.call_args.kwargs["parameter_overrides"] == ([("use_sim_time", True)] if simulated else None)
+    assert not ros.node.declare_parameter.called
 
 
-def test_rclpy_changes_what_the_node_can_change(ros: _Ros) -> None:
+def test_rclpy_changes_what_the_node_can_change(ros: Any) -> None:
     """A change reaches the node as a whole; a refusal gives ROS 2 the reason."""
     live, applied = _live(), []
     live.on_change(applied.append)
     open_middleware("rclpy", _NODE, live)
+    (change,), _ = ros.node.add_on_set_parameters_callback.call_args
     changes = [types.SimpleNamespace(name=name, value=value) for name, value in (("dst_ip", "::"), ("dst_a_port", 7))]
-    assert ros.change(changes).successful
+    assert change(changes).successful
     assert [(changed.dst_ip, changed.addresses[EndName("basestation")].port) for changed in applied] == [("::", 7)]
-    result = ros.change([types.SimpleNamespace(name="listen_port", value=7)])
+    result = change([types.SimpleNamespace(name="listen_port", value=7)])
     assert (result.successful, result.reason) == (
         False,
         "the parameter 'listen_port' is read-only; restart the node with -p listen_port:=7",
     )
 
 
-def test_rclpy_publishes_serialized_messages(ros: _Ros) -> None:
-    """A publisher of the installed class is given bytes, on the full name, with the row's quality of service."""
+def test_rclpy_publishes_and_subscribes_to_serialized_messages(ros: Any) -> None:
+    """With the installed class, on the full name, with the row's quality of service; the callback gets bytes."""
     middleware = open_middleware("rclpy", _NODE)
     qos = Qos(reliability="best_effort", durability="transient_local", history="keep_all", depth=7)
     publisher = middleware.publisher("/rover/imu_data", ImuSensorInformation, qos)
-    kind, message_class, topic, profile = ros.calls[-1]
-    assert (kind, message_class, topic) == (
-        "create_publisher",
-        ros.imu,
-        "/rover/imu_data",
-    )
-    assert {name: getattr(value, "name", value) for name, value in profile.items()} == {
-        "reliability": "BEST_EFFORT",
-        "durability": "TRANSIENT_LOCAL",
-        "history": "KEEP_ALL",
-        "depth": 7,
-    }
-    assert not publisher.has_subscribers()
+    profile = {"reliability": "BEST_EFFORT", "durability": "TRANSIENT_LOCAL", "history": "KEEP_ALL", "depth": 7}
+    ros.node.create_publisher.assert_called_once_with(ros.comms.ImuSensorInformation, "/rover/imu_data", profile)
+    handle = ros.node.create_publisher.return_value.handle
+    assert handle.__enter__.call_count == 1
+    for count in (0, 1):
+        handle.get_subscription_count.return_value = count
+        assert publisher.has_subscribers() is bool(count)
     message = cdr.encode(ImuSensorInformation())
     assert publisher.publish([message, message]) == 2
-    assert ros.published == [("/rover/imu_data", message)] * 2
-    assert publisher.has_subscribers()
+    assert handle.publish_raw.call_args_list == [call(message)] * 2
 
-
-def test_rclpy_subscribes_to_serialized_messages(ros: _Ros) -> None:
-    """A subscription is raw, so that its callback gets bytes, with rclcpp's default quality of service."""
     seen: list[bytes] = []
-    open_middleware("rclpy", _NODE).subscribe("/imu_data", ImuSensorInformation, Qos(), seen.extend)
-    kind, message_class, topic, profile, raw = ros.calls[-1]
-    assert (kind, message_class, topic) == ("create_subscription", ros.imu, "/imu_data")
-    assert raw is True
-    assert {name: getattr(value, "name", value) for name, value in profile.items()} == {
-        "reliability": "RELIABLE",
-        "durability": "VOLATILE",
-        "history": "KEEP_LAST",
-        "depth": 10,
-    }
-    ros.subscriptions["/imu_data"](b"message")
+    subscription = middleware.subscribe("/imu_data", ImuSensorInformation, Qos(), seen.extend)
+    (message_class, topic, callback, profile), options = ros.node.create_subscription.call_args
+    assert (message_class, topic, options) == (ros.comms.ImuSensorInformation, "/imu_data", {"raw": True})
+    assert profile == {"reliability": "RELIABLE", "durability": "VOLATILE", "history": "KEEP_LAST", "depth": 10}
+    callback(b"message")
     assert seen == [b"message"]
+    subscription.close()
+    ros.node.destroy_subscription.assert_called_once_with(ros.node.create_subscription.return_value)
 
 
-def test_rclpy_lists_the_endpoints_of_a_topic(ros: _Ros) -> None:
-    """Node and QoS of each publisher or subscription; what no publisher of ours offers is a demand."""
+def test_rclpy_lists_endpoints_and_topics(ros: Any) -> None:
+    """Node and QoS of each endpoint; what no publisher of ours offers is a demand; topics that have publishers."""
+    joystick = _graph_endpoint("joystick", "BEST_EFFORT")
+    unknown = _graph_endpoint("_NODE_NAME_UNKNOWN_", "RELIABLE", deadline=1, lease=1)
+    ros.node.get_publishers_info_by_topic.side_effect = lambda topic: [joystick] if topic == "/cmd" else []
+    ros.node.get_subscriptions_info_by_topic.side_effect = lambda topic: [unknown] if topic == "/imu" else []
+    ros.node.get_topic_names_and_types.return_value = [("/cmd", ["comms/msg/Command"]), ("/imu", ["comms/msg/Imu"])]
     middleware = open_middleware("rclpy", _NODE)
     assert middleware.endpoints("/imu", True) == []
     assert middleware.endpoints("/cmd", True) == [Endpoint("/joystick", Qos("best_effort"))]
-    ros.endpoint = _graph_endpoint("_NODE_NAME_UNKNOWN_", "RELIABLE", deadline=1, lease=1)
     assert middleware.endpoints("/imu", False) == [Endpoint("", Qos(), ("deadline", "liveliness"))]
+    assert middleware.topics() == {"/cmd": "comms/msg/Command"}
 
 
-def test_rclpy_lists_the_topics_that_have_publishers(ros: _Ros) -> None:
-    """Each with its type; a topic that has subscriptions only is not listed."""
-    assert open_middleware("rclpy", _NODE).topics() == {"/cmd": "comms/msg/Command"}
-
-
-def test_a_subscription_of_rclpy_can_end(ros: _Ros) -> None:
-    """Its callback is not called any more."""
-    subscription = open_middleware("rclpy", _NODE).subscribe("/imu_data", ImuSensorInformation, Qos(), lambda _: None)
-    subscription.close()
-    assert ros.subscriptions == {}
-
-
-def test_rclpy_spins_while_it_is_entered(ros: _Ros) -> None:
+def test_rclpy_spins_while_it_is_entered(ros: Any) -> None:
     """A thread spins the node; leaving ends it before node and context are taken down."""
     with open_middleware("rclpy", _NODE) as middleware:
         assert ros.spinning.wait(PATIENCE_S)
-        assert ("destroy_node",) not in ros.calls
-    left = [("executor.shutdown",), ("destroy_node",), ("try_shutdown", "context")]
-    assert ros.calls[-3:] == left
+        assert not ros.node.destroy_node.called
+    assert ros.mock_calls[-3:] == [
+        call.executors.SingleThreadedExecutor().shutdown(),
+        call.create_node().destroy_node(),
+        call.try_shutdown(context=ros.Context.return_value),
+    ]
     middleware.close()
-    assert ros.calls.count(("destroy_node",)) == 1
+    ros.node.destroy_node.assert_called_once_with()
 
 
-def test_a_shutdown_from_outside_ends_the_spinning_quietly(ros: _Ros, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_shutdown_from_outside_ends_the_spinning_quietly(ros: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where ROS 2 is shut down by somebody else, the thread ends without a traceback."""
     failures: list[Any] = []
     monkeypatch.setattr(threading, "excepthook", failures.append)
-    ros.shut_down_from_outside = True
+    ros.ending = _ExternalShutdown()
     with open_middleware("rclpy", _NODE):
         ros.end_spin.set()
         wait_until(lambda: "rclpy-spin" not in {thread.name for thread in threading.enumerate()}, "the thread's end")
     assert not failures
 
 
-def test_an_interface_that_is_not_built_is_told(ros: _Ros) -> None:
+def test_an_interface_that_is_not_built_is_told(ros: Any) -> None:
     """A message without type support in the installed package is named, with how to build or install it."""
     middleware = open_middleware("rclpy", _NODE)
     with pytest.raises(MiddlewareError, match=r"comms/msg/DrivingBoardMotorMessage is not installed .*colcon"):
         middleware.publisher("/drive_motor", DrivingBoardMotorMessage, Qos())
     sys.modules.pop("comms.msg")
-    sys.modules.pop("comms")
     with pytest.raises(MiddlewareError, match=r"comms/msg/ImuSensorInformation is not installed .*colcon"):
         middleware.subscribe("/imu_data", ImuSensorInformation, Qos(), lambda data: None)
     module = "my_rover.generated.messages.moved"
@@ -472,11 +366,6 @@ def test_an_interface_that_is_not_built_is_told(ros: _Ros) -> None:
         middleware.publisher("/moved", moved, Qos())
     with pytest.raises(MiddlewareError, match=r"apt install ros-\$ROS_DISTRO-tf2-msgs`"):
         middleware.publisher("/tf", TFMessage, Qos())
-
-
-def test_auto_takes_rclpy_where_it_imports(ros: _Ros) -> None:
-    """With ROS 2 at hand, `auto` is rclpy."""
-    assert type(open_middleware("auto", _NODE)).__name__ == "RclpyMiddleware"
 
 
 _WITHOUT_MAG_Z = {name: kind for name, kind in _IMU_FIELDS.items() if name != "mag_z"}
@@ -489,32 +378,24 @@ _WITHOUT_MAG_Z = {name: kind for name, kind in _IMU_FIELDS.items() if name != "m
         ("ImuSensorInformation", _IMU_FIELDS | {"heat": "float"}, "has a field heat that is unknown here"),
         ("ImuSensorInformation", _WITHOUT_MAG_Z | {"mag_z": "float"}, "have another order"),
         ("ImuSensorInformation", _IMU_FIELDS | {"mag_z": "double"}, "mag_z .* has the type double instead of float"),
-        (
-            "SensorState",
-            {"state": "uint8[2]"},
-            r"state of comms/msg/SensorState has the type uint8\[2\] instead of uint8",
-        ),
+        ("SensorState", {"state": "uint8[2]"}, r"state of comms/msg/SensorState has the type uint8\[2\] instead"),
     ],
 )
-def test_a_stale_interface_is_told(ros: _Ros, name: str, installed: dict[str, str], difference: str) -> None:
+def test_a_stale_interface_is_told(ros: Any, name: str, installed: dict[str, str], difference: str) -> None:
     """An installed message whose fields differ from the generated ones is refused, nested messages included."""
     setattr(sys.modules["comms.msg"], name, _generated(installed))
     with pytest.raises(MiddlewareError, match=rf"ImuSensorInformation is not the one .*{difference}.*colcon build"):
         open_middleware("rclpy", _NODE).publisher("/imu_data", ImuSensorInformation, Qos())
 
 
-def test_interfaces_of_ros_2_are_compared_too(ros: _Ros, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interfaces_of_ros_2_are_compared_too(ros: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Strings, sequences and arrays are spelled as rosidl spells them; a package that is missing comes by apt."""
     fields = {"position": "double[3]", "name": "sequence<string>", "raw": "sequence<uint8, 8>", "unit": "string<4>"}
-    package, messages = types.ModuleType("probe_msgs"), types.ModuleType("probe_msgs.msg")
-    package.__path__ = []
-    messages.__dict__.update(Probe=_generated(fields))
     kinds = [Annotated[list[Float64], Length(3)], list[str], Annotated[bytes, Bound(8)], Annotated[str, Bound(4)]]
     namespace = {"__msgtype__": "probe_msgs/msg/Probe"}
     probe = dataclasses.make_dataclass("Probe", zip(fields, kinds), bases=(Message,), namespace=namespace)
     middleware = open_middleware("rclpy", _NODE)
     with pytest.raises(MiddlewareError, match=r"apt install ros-\$ROS_DISTRO-probe-msgs`"):
         middleware.publisher("/probe", probe, Qos())
-    for module in (package, messages):
-        monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setitem(sys.modules, "probe_msgs.msg", types.SimpleNamespace(Probe=_generated(fields)))
     middleware.publisher("/probe", probe, Qos())

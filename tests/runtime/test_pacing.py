@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roverlink.runtime.bridge.pacing import Pacer
@@ -44,6 +44,7 @@ def test_what_waits_can_be_withdrawn() -> None:
     assert pacer.take(9.0) is None
 
 
+@settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(0, 0.3), st.booleans()), max_size=100))
 def test_order_is_kept_the_rate_is_kept_and_the_sums_agree(events: list[tuple[float, bool]]) -> None:
     """Whatever the times of offers and takes."""

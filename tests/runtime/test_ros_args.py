@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 
+from generated.registry import REGISTRY
 from roverlink.runtime import SetupError
-from roverlink.runtime.ros_arguments import ros_args
+from roverlink.runtime.ros_arguments import parameters, ros_args
 from roverlink.runtime.ros_arguments.ros_args import RosArguments, parse, split
 
 _NODE = "udp_forwarder"
@@ -49,48 +49,24 @@ def test_the_line_is_split(line: str, own: str, ros: str) -> None:
     assert split(line.split()) == (own.split(), ros.split())
 
 
-def test_nothing_given() -> None:
-    """Without arguments a node has its own name, in the root namespace."""
-    parsed = _parsed("")
-    assert parsed.node.full_name == "/udp_forwarder"
-    assert (parsed.parameters, parsed.log_level) == ({}, "info")
-    assert parsed.topic("imu_data") == "/imu_data"
-
-
 # --- parameters -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("text", "value"),
     [
-        ("5001", 5001),
-        ("1.5", 1.5),
-        ("true", True),
-        ("rover", "rover"),
-        ("'5001'", "5001"),
-        ('"a b"', "a b"),
-        ("10.0.0.7", "10.0.0.7"),
-        ("[1, 2]", [1, 2]),
-        ("a:=b", "a:=b"),
-        ("", None),
+        *[("5001", 5001), ("1.5", 1.5), ("true", True), ("'5001'", "5001"), ("10.0.0.7", "10.0.0.7")],
+        *[('"a b"', "a b"), ("[1, 2]", [1, 2]), ("", None), ("a:=b", "a:=b")],
     ],
 )
-@pytest.mark.parametrize("option", ["-p", "--param"])
-def test_a_parameter_has_the_type_that_yaml_gives_it(option: str, text: str, value: object) -> None:
+def test_a_parameter_has_the_type_that_yaml_gives_it(text: str, value: object) -> None:
     """`name:=value` is read as YAML, so that a number is a number and a quoted one a string."""
-    parsed = parse([option, f"some_name:={text}"], _NODE)
-    assert parsed.parameters == {"some_name": value}
+    assert parse(["-p", f"a:={text}", "--param", f"b:={text}"], _NODE).parameters == {"a": value, "b": value}
 
 
-def test_the_last_parameter_of_a_name_counts() -> None:
-    """As in rcl, a later assignment replaces an earlier one."""
-    assert _parsed("-p a:=1 -p b:=2 -p a:=3").parameters == {"a": 3, "b": 2}
-
-
-def test_a_parameter_may_name_its_node() -> None:
+def test_a_parameter_may_name_its_node_and_the_last_one_counts() -> None:
     """A parameter of another node is left to it; one of this node, by its remapped name, is taken."""
-    parsed = _parsed("-p udp_forwarder:a:=1 -p other:a:=2 -p other:b:=3")
-    assert parsed.parameters == {"a": 1}
+    assert _parsed("-p udp_forwarder:a:=1 -p other:a:=2 -p b:=1 -p b:=3").parameters == {"a": 1, "b": 3}
     assert _parsed("-r __node:=other -p udp_forwarder:a:=1 -p other:a:=2").parameters == {"a": 2}
 
 
@@ -115,17 +91,14 @@ _SECTION = "{key}:\n  ros__parameters:\n    a: 1\n"
         ("'**'", "", True),
         ("/*", "", True),
         ("other", "", False),
-        ("/udp_forwarder_2", "", False),
         ("/udp_forwarde", "", False),
         ("/rover/udp_forwarder", "", False),
         ("udp_forwarder", "-r __ns:=/rover", False),
         ("/rover/udp_forwarder", "-r __ns:=/rover", True),
         ("/rover/*", "-r __ns:=/rover", True),
-        ("/*/udp_forwarder", "-r __ns:=/rover", True),
         ("/*", "-r __ns:=/rover", False),
         ("/**", "-r __ns:=/rover/front", True),
         ("/**/udp_forwarder", "-r __ns:=/rover/front", True),
-        ("/rover/**", "-r __ns:=/rover/front", True),
         ("/rover/*", "-r __ns:=/rover/front", False),
         ("udp_forwarder", "-r __node:=other", False),
         ("other", "-r __node:=other", True),
@@ -163,13 +136,6 @@ def test_later_sections_files_and_parameters_count(tmp_path: Path) -> None:
     assert _parsed("", "--params-file", path, "-p", "b:=7").parameters["b"] == 7
 
 
-def test_the_generated_file_is_read() -> None:
-    """The parameter file that ships with the ROS 2 package holds the node's defaults."""
-    parameters = _parsed("", "--params-file", str(_GENERATED_FILE)).parameters
-    assert parameters["listen_port"] == 5000
-    assert parameters["dst_ip"] == "127.0.0.1"
-
-
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
@@ -177,7 +143,7 @@ def test_the_generated_file_is_read() -> None:
         ("a: 2024-13-45", ":1:4: 2024-13-45 is not a valid value"),
         ("a: !!timestamp x", ":1:4: x is not a valid value"),
         ("udp_forwarder: {}\nudp_forwarder: {}", ":2:1: the key udp_forwarder occurs twice"),
-        ("[" * 3000, "nested too deeply"),
+        ("[" * 1100, "nested too deeply"),
         ("just a text", "expected node names"),
         ("", "expected node names"),
         ("- a", "expected node names"),
@@ -214,6 +180,7 @@ def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
     [
         ("-r imu_data:=imu/raw", "imu_data", "/imu/raw"),
         ("--remap imu_data:=imu/raw", "imu_data", "/imu/raw"),
+        ("", "imu_data", "/imu_data"),
         ("-r imu_data:=imu/raw", "gps_data", "/gps_data"),
         ("-r imu_data:=/imu", "imu_data", "/imu"),
         ("-r /imu_data:=imu", "imu_data", "/imu"),
@@ -249,6 +216,7 @@ def test_a_topic_is_remapped(line: str, topic: str, expected: str) -> None:
 @pytest.mark.parametrize(
     ("line", "full_name"),
     [
+        ("", "/udp_forwarder"),
         ("-r __node:=bridge", "/bridge"),
         ("-r __ns:=/rover/front", "/rover/front/udp_forwarder"),
         ("-r __ns:=/rover -r __node:=bridge", "/rover/bridge"),
@@ -264,12 +232,12 @@ def test_the_node_is_renamed(line: str, full_name: str) -> None:
     assert _parsed(line).node.full_name == full_name
 
 
-@pytest.mark.parametrize("level", ros_args.LOG_LEVELS)
-def test_log_levels(level: str) -> None:
-    """Every level of ROS 2 is taken, in any case, for all loggers or for one."""
-    assert _parsed(f"--log-level {level}").log_level == level
-    assert _parsed(f"--log-level {level.upper()}").log_level == level
-    assert _parsed(f"--log-level udp_forwarder:={level}").log_level == level
+def test_log_levels() -> None:
+    """Every level of ROS 2 is taken, in any case, for all loggers or for one; it is info else."""
+    assert _parsed("").log_level == "info"
+    for level in ros_args.LOG_LEVELS:
+        for given in (level, level.upper(), f"udp_forwarder:={level}"):
+            assert _parsed(f"--log-level {given}").log_level == level
 
 
 @pytest.mark.parametrize(
@@ -285,7 +253,7 @@ def test_log_levels(level: str) -> None:
         (["-p", "a:=[1"], "the value of the parameter a: not valid YAML: expected"),
         (["-p", "a:=2024-13-45"], "the value of the parameter a: 2024-13-45 is not a valid value"),
         (["-p", "a:=!!timestamp x"], "the value of the parameter a: x is not a valid value"),
-        (["-p", f"a:={'[' * 3000}"], "the value of the parameter a: nested too deeply"),
+        (["-p", f"a:={'[' * 1100}"], "the value of the parameter a: nested too deeply"),
         (["-p", f"a:={'9' * 5000}"], f"the value of the parameter a: {'9' * 40}..."),
         (["-r", "imu_data"], "the remap 'imu_data' is not of the form name:=value"),
         (["-r", "imu data:=imu"], "'imu data' in the remap 'imu data:=imu' is not a topic name"),
@@ -301,7 +269,7 @@ def test_log_levels(level: str) -> None:
         (["-r", "__ns:="], "'' is not a namespace"),
         (["--log-level", "loud"], "unknown log level 'loud' (known: debug, info, warn, error, fatal)"),
     ],
-    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+    ids=lambda value: " ".join(value)[:30] if isinstance(value, list) else "",
 )
 def test_what_is_not_understood_is_quoted(arguments: list[str], expected: str) -> None:
     """A wrong argument is a `SetupError` that quotes it and says what would be right."""
@@ -309,11 +277,9 @@ def test_what_is_not_understood_is_quoted(arguments: list[str], expected: str) -
 
 
 def test_the_generated_file_names_what_the_node_has() -> None:
-    """Every parameter in the shipped file is one that the node knows."""
-    from generated.registry import REGISTRY
-    from roverlink.runtime.ros_arguments import parameters
-
-    shipped = yaml.safe_load(_GENERATED_FILE.read_text(encoding="utf-8"))["/**"]["ros__parameters"]
+    """The parameter file that ships with the ROS 2 package holds the node's defaults."""
+    shipped = _parsed("", "--params-file", str(_GENERATED_FILE)).parameters
+    assert shipped["listen_port"] == 5000
     assert parameters.read(REGISTRY, shipped) == parameters.read(REGISTRY, {})
 
 

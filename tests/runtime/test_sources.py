@@ -32,11 +32,9 @@ def test_an_address_speaks_for_the_peers_that_name_it(address: str, peers: set[s
 
 
 @pytest.mark.parametrize("address", ["10.0.0.6", "10.0.2.0", "127.0.0.1", "255.255.255.255", "0.0.0.1"])
-def test_a_stranger_is_refused_and_leaves_no_trace(address: str) -> None:
-    """However many addresses a flood pretends to come from, nothing is kept of them."""
-    gate = SourceGate([_BOARD, _BASE])
-    assert _refused(gate, address) is Reason.UNKNOWN_SOURCE
-    assert not gate._known
+def test_a_stranger_is_refused(address: str) -> None:
+    """An address that no peer names may say nothing."""
+    assert _refused(SourceGate([_BOARD, _BASE]), address) is Reason.UNKNOWN_SOURCE
 
 
 def test_a_peer_without_sources_is_anyone() -> None:
@@ -69,27 +67,30 @@ def test_the_flood_of_one_address_takes_nothing_from_another() -> None:
 
 
 def test_an_address_of_two_peers_has_the_larger_allowance() -> None:
-    """Any number, where one of them says nothing."""
-    gate = SourceGate([_BOARD, _BASE])
+    """Any number, where one that names it says nothing; a peer that names nobody makes nobody generous."""
+    gate = SourceGate([_BOARD, _BASE, _ANYONE])
     for _ in range(1000):
         gate.admit(socket.inet_aton("10.0.1.9"), 0.0)
-
-
-def test_a_peer_that_names_nobody_makes_nobody_generous() -> None:
-    """A board keeps to its rate, though it might speak for that peer as well."""
-    gate = SourceGate([_BOARD, _ANYONE])
-    address = socket.inet_aton("10.0.0.7")
     for _ in range(32):
-        assert gate.admit(address, 0.0) == {"board", "anyone"}
+        assert gate.admit(socket.inet_aton("10.0.0.7"), 0.0) == {"board", "anyone"}
     assert _refused(gate, "10.0.0.7") is Reason.OVER_RATE
 
 
 def test_what_is_known_of_addresses_is_bounded() -> None:
-    """Also where every address may speak."""
-    gate = SourceGate([_ANYONE])
+    """The newest 4096 addresses that may speak; of strangers, however many a flood pretends to be, nothing is kept."""
+    gate = SourceGate([Peer("board", "p", 1, sources=("10.0.0.0/8",), source_rate=100)])
+    own = 10 << 24
+    for _ in range(32):
+        gate.admit(own.to_bytes(4, "big"), 0.0)
     for number in range(10_000):
+        with contextlib.suppress(DatagramError):
+            gate.admit(number.to_bytes(4, "big"), 0.0)
+    for number in range(own + 1, own + 4096):
         gate.admit(number.to_bytes(4, "big"), 0.0)
-    assert len(gate._known) == 4096
+    assert _refused(gate, "10.0.0.0") is Reason.OVER_RATE
+    for number in range(own + 1, own + 4098):
+        gate.admit(number.to_bytes(4, "big"), 0.0)
+    gate.admit(own.to_bytes(4, "big"), 0.0)  # as one that was never heard
 
 
 def test_a_table_that_names_nobody_restricts_nobody() -> None:

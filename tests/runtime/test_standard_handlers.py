@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
@@ -96,14 +96,9 @@ def _payloads(handler: StandardHandler[Any, Any]) -> st.SearchStrategy[dict[str,
     return st.fixed_dictionaries(fields)
 
 
-def test_every_feed_is_checked() -> None:
-    """Each standard message of the table has its hand-computed values here."""
-    assert set(_CHECKS) == set(_EXTRA_TOPICS)
-
-
-@pytest.mark.parametrize("topic", sorted(_CHECKS))
+@pytest.mark.parametrize("topic", sorted(_EXTRA_TOPICS))
 @given(data=st.data())
-@pytest.mark.slow
+@settings(max_examples=10)
 def test_a_feed_says_what_the_payload_says(topic: str, data: st.DataObject) -> None:
     """Any payload, as protobuf, becomes CDR in which Humble and Jazzy read the physical values, and comes back."""
     handler, (frame_id, check) = _EXTRA_TOPICS[topic], _CHECKS[topic]

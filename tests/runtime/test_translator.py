@@ -63,48 +63,31 @@ def test_a_payload_that_never_comes_from_a_peer_is_refused(handler: AnyHandler, 
     )
 
 
-def test_an_unknown_payload_is_refused_with_its_number(translator: Translator) -> None:
-    """A number that the table does not have is told."""
-    error = _refused(translator, delimited(25, b"\x0d1234"))
-    assert error.reason is Reason.UNKNOWN_PAYLOAD
-    assert str(error) == "no row of the table has payload 25"
+_WITHOUT_IMU = dataclasses.replace(
+    REGISTRY,
+    handlers=tuple(handler for handler in REGISTRY.handlers if handler.route.name != "imu_info"),
+    retired={28: "thermal_info"},
+)
 
 
-def test_of_several_unknown_payloads_the_last_one_is_told(translator: Translator) -> None:
-    """As of known ones, the last counts."""
-    error = _refused(translator, delimited(25, b"") + delimited(26, b"") + varint(27 << 3) + varint(1))
-    assert str(error) == "no row of the table has payload 26"
-
-
-def test_a_stripped_unknown_payload_is_unknown_and_not_malformed(translator: Translator) -> None:
-    """An unknown payload is told from a malformed one even where its zeros were stripped."""
-    error = _refused(translator, bytes.fromhex("ca01"))
-    assert (error.reason, str(error)) == (Reason.UNKNOWN_PAYLOAD, "no row of the table has payload 25")
-
-
-def test_a_retired_payload_is_refused_with_number_and_name() -> None:
-    """A board with old firmware is told from one with new: the number is named as it used to be."""
-    translator = Translator(dataclasses.replace(REGISTRY, retired={25: "thermal_info"}))
-    error = _refused(translator, delimited(25, b""))
-    assert error.reason is Reason.UNKNOWN_PAYLOAD
-    assert str(error) == "no row of the table has payload 25 (retired: thermal_info)"
-
-
-def test_a_payload_of_the_envelope_without_a_handler_is_refused_with_number_and_name() -> None:
-    """Where the envelope knows a payload and the registry does not, the envelope's name is told."""
-    rest = tuple(handler for handler in REGISTRY.handlers if handler.route.name != "imu_info")
-    translator = Translator(dataclasses.replace(REGISTRY, handlers=rest))
-    error = _refused(translator, _envelope(imu_info={}))
-    assert error.reason is Reason.UNKNOWN_PAYLOAD
-    assert str(error) == "no handler for payload 13 ('imu_info'): the table does not bridge this payload"
-
-
-def test_number_and_name_belong_together_where_an_unknown_payload_follows() -> None:
-    """A field behind the payload does not lend it its number."""
-    rest = tuple(handler for handler in REGISTRY.handlers if handler.route.name != "imu_info")
-    translator = Translator(dataclasses.replace(REGISTRY, handlers=rest))
-    error = _refused(translator, _envelope(imu_info={}) + delimited(99, b"x"))
-    assert str(error) == "no handler for payload 13 ('imu_info'): the table does not bridge this payload"
+@pytest.mark.parametrize(
+    ("datagram", "expected"),
+    [
+        (delimited(25, b"\x0d1234"), "no row of the table has payload 25"),
+        (bytes.fromhex("ca01"), "no row of the table has payload 25"),  # stripped, and so not malformed
+        (delimited(25, b"") + delimited(26, b"") + varint(27 << 3) + varint(1), "no row of the table has payload 26"),
+        (delimited(28, b""), "no row of the table has payload 28 (retired: thermal_info)"),
+        (_envelope(imu_info={}), "no handler for payload 13 ('imu_info'): the table does not bridge this payload"),
+        (
+            _envelope(imu_info={}) + delimited(99, b"x"),  # a field behind it does not lend it its number
+            "no handler for payload 13 ('imu_info'): the table does not bridge this payload",
+        ),
+    ],
+)
+def test_an_unknown_payload_is_refused_with_its_number(datagram: bytes, expected: str) -> None:
+    """The last number is told, named as it used to be, or as the envelope has it."""
+    error = _refused(Translator(_WITHOUT_IMU), datagram)
+    assert (error.reason, str(error)) == (Reason.UNKNOWN_PAYLOAD, expected)
 
 
 @pytest.mark.parametrize("datagram", [b"", bytes(1), bytes(200)], ids=["nothing", "one zero", "zeros"])
@@ -136,19 +119,18 @@ def test_a_malformed_datagram_is_refused_with_its_start(datagram: bytes, transla
     assert datagram[:8].hex(" ") in str(error)
 
 
-@pytest.mark.parametrize("value", [300, 256, -1])
-def test_an_enum_that_does_not_fit_is_refused_with_route_field_and_value(value: int, translator: Translator) -> None:
-    """A value that its ROS 2 field cannot hold is refused, with the path to it, and never cut off."""
-    error = _refused(translator, _envelope(imu_info={"error_code": value}))
+@pytest.mark.parametrize(
+    ("payload", "expected"),
+    [
+        *(({"imu_info": {"error_code": n}}, f"13: imu_info.error_code: {n}") for n in (300, 256, -1)),
+        ({"sensor_diag": {"gps_sensor_1": {"fix_quality": 999}}}, "11: sensor_diag.gps_sensor.fix_quality: 999"),
+    ],
+)
+def test_an_enum_that_does_not_fit_is_refused(payload: Any, expected: str, translator: Translator) -> None:
+    """A value that its ROS 2 field cannot hold is refused, with the path in the topic's names, and never cut off."""
+    error = _refused(translator, _envelope(**payload))
     assert error.reason is Reason.CONVERSION
-    assert str(error).startswith(f"payload 13: imu_info.error_code: {value} does not fit uint8")
-
-
-def test_an_enum_that_does_not_fit_deep_inside_is_named_by_its_path(translator: Translator) -> None:
-    """The path leads through nested messages, in the ROS names that the topic has."""
-    error = _refused(translator, _envelope(sensor_diag={"gps_sensor_1": {"fix_quality": 999}}))
-    assert error.reason is Reason.CONVERSION
-    assert str(error).startswith("payload 11: sensor_diag.gps_sensor.fix_quality: 999 does not fit uint8")
+    assert str(error).startswith(f"payload {expected} does not fit uint8")
 
 
 def test_an_enum_value_that_nobody_declared_passes_where_it_fits(translator: Translator) -> None:
@@ -158,16 +140,11 @@ def test_an_enum_value_that_nobody_declared_passes_where_it_fits(translator: Tra
 
 
 def test_of_several_payloads_the_last_one_counts(translator: Translator) -> None:
-    """A oneof that was written twice holds what came last, as protobuf has it."""
-    name, _ = translator.receive(_envelope(imu_info={}) + _envelope(ph_info={"voltage": 1.0}))
-    assert name == "ph_info"
-
-
-def test_unknown_fields_beside_a_payload_are_ignored(translator: Translator) -> None:
-    """A newer envelope with more in it is understood."""
+    """As protobuf has it for a oneof; unknown fields of a newer envelope beside it are ignored."""
     plain = _envelope(ph_info={"voltage": 1.0})
-    newer = delimited(99, b"new") + plain + varint(98 << 3) + varint(7)
+    newer = _envelope(imu_info={}) + delimited(99, b"new") + plain + varint(98 << 3) + varint(7)
     assert translator.receive(newer) == translator.receive(plain)
+    assert translator.receive(plain)[0] == "ph_info"
 
 
 # --- batches ----------------------------------------------------------------------------------------------------
@@ -182,7 +159,7 @@ def _one_by_one(translator: Translator, datagrams: Iterable[bytes]) -> Iterator[
             yield f"{error.reason} {error.row}: {error}"
 
 
-@settings(max_examples=60)
+@settings(max_examples=15)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(0, 20))
 def test_a_batch_becomes_what_its_datagrams_become_alone(seed: int, count: int) -> None:
     """Names in the order of the datagrams, messages in the order of their row's, and every refusal."""
@@ -256,13 +233,13 @@ def _survives(registry: Registry, count: int, seed: int) -> Counter[Reason | Non
 
 
 def test_hostile_datagrams_raise_nothing_but_datagram_errors(registry: Registry) -> None:
-    """Twenty thousand random and damaged datagrams are passed or refused, and every reason of the core occurs."""
-    outcomes = _survives(registry, 20_000, seed=2)
+    """Five thousand random and damaged datagrams are passed or refused, and every reason of the core occurs."""
+    outcomes = _survives(registry, 5_000, seed=2)
     core = {Reason.EMPTY, Reason.MALFORMED, Reason.UNKNOWN_PAYLOAD, Reason.WRONG_DIRECTION, Reason.CONVERSION}
     assert set(outcomes) == core | {None}
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("seed", [2, 3])
 def test_a_million_hostile_datagrams(registry: Registry, seed: int) -> None:
     """The same, half a million at a time, so that two workers share them."""
@@ -272,40 +249,19 @@ def test_a_million_hostile_datagrams(registry: Registry, seed: int) -> None:
 # --- topics to peers --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("strip", [False, True])
 @pytest.mark.parametrize("handler", REGISTRY.handlers, ids=_name)
-def test_a_message_becomes_the_datagram_of_its_row(handler: AnyHandler, strip: bool) -> None:
-    """What is sent is the plain envelope, or the same without its trailing zeros where the peer's link says so."""
-    peers = tuple(dataclasses.replace(peer, strip_trailing_zeros=strip) for peer in REGISTRY.peers)
-    translator = Translator(dataclasses.replace(REGISTRY, peers=peers))
-    message = handler.message_type()
-    payload = handler.from_ros(message)
-    plain = _envelope(**{handler.route.name: payload})
-    sent = translator.send(handler, cdr.encode(message))
-    assert sent == (plain.rstrip(b"\0") if strip else plain)
-    assert translator.parse(sent).SerializeToString() == plain
-
-
-def test_stripping_is_a_matter_of_each_peer() -> None:
-    """One peer's link is stripped while the other's is plain protobuf."""
-    peers = tuple(dataclasses.replace(p, strip_trailing_zeros=p.name == "hardware") for p in REGISTRY.peers)
-    translator = Translator(dataclasses.replace(REGISTRY, peers=peers))
-    hardware, basestation = REGISTRY.by_name["drive_motor"], REGISTRY.by_name["rover_localization"]
-    assert (hardware.route.peer, basestation.route.peer) == ("hardware", "basestation")
-    assert translator.send(hardware, cdr.encode(hardware.message_type())) == bytes.fromhex("4a")
-    sent = translator.send(basestation, cdr.encode(basestation.message_type()))
-    assert sent == _envelope(rover_localization={})
-
-
-@pytest.mark.parametrize("handler", _OUTBOUND, ids=_name)
-@settings(max_examples=10)
+@settings(max_examples=5)
 @given(data=st.data())
-def test_what_is_sent_says_what_the_message_says(handler: AnyHandler, data: st.DataObject) -> None:
-    """The payload that a peer reads is the one from which the message was made."""
+def test_a_message_becomes_the_datagram_of_its_row(handler: AnyHandler, data: st.DataObject) -> None:
+    """What is sent is the plain envelope, or the same without its trailing zeros where its peer's link says so."""
     payload = data.draw(payloads(handler.payload_type))
-    translator = Translator(REGISTRY)
-    sent = translator.send(handler, handler.to_cdr(payload))
-    assert translator.parse(sent).SerializeToString() == _envelope(**{handler.route.name: payload})
+    plain = _envelope(**{handler.route.name: payload})
+    for peer in REGISTRY.peers:
+        peers = tuple(dataclasses.replace(one, strip_trailing_zeros=one is peer) for one in REGISTRY.peers)
+        translator = Translator(dataclasses.replace(REGISTRY, peers=peers))
+        sent = translator.send(handler, handler.to_cdr(payload))
+        assert sent == (plain.rstrip(b"\0") if handler.route.peer == peer.name else plain)
+        assert translator.parse(sent).SerializeToString() == plain
 
 
 def test_a_message_that_cannot_be_read_names_its_row(translator: Translator) -> None:
