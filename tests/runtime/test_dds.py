@@ -18,12 +18,12 @@ from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
 import pytest
-from domains import claimed_domain
 from needs import NO_DDS
 from polling import PATIENCE_S, wait_until
 
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation, SensorState
 from generated.registry import REGISTRY
+from roverlink.dds_domain import claim_domain
 from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
@@ -473,7 +473,7 @@ def test_a_program_that_is_in_the_domain_already_can_join_as_a_node(
 ) -> None:
     """A program with DDS entities of its own may run a bridge as well: the domain stays as it configured it."""
     with contextlib.ExitStack() as held:
-        other_domain = claimed_domain(held)  # not `domain`, which this process has configured
+        other_domain = claim_domain(held)  # not `domain`, which this process has configured
         domain = Domain(other_domain, _OWN_CONFIGURATION)
         participant = DomainParticipant(other_domain)
         monkeypatch.setenv("ROS_DOMAIN_ID", str(other_domain))
