@@ -235,12 +235,6 @@ def test_top_warns_of_two_bridges_with_one_name(start: Start, done: Start) -> No
         assert program.interrupt() == 0
 
 
-def test_top_needs_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    """Without one it says which options print the state; exit code 2."""
-    assert main(["top", "--middleware", "memory"]) == 2
-    assert "`roverlink top --once` or `--json`" in capsys.readouterr().err
-
-
 def test_top_without_a_bridge_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     """By the names that were asked for and the topic; exit code 1."""
     assert main(["top", "--once", "--middleware", "memory", "--timeout", "0.1"]) == 1
@@ -302,15 +296,6 @@ def test_slow_clients_do_not_stop_a_scrape(start: Start) -> None:
     assert program.interrupt() == 0
     assert program.errors[-1].count("received 0, published 0") == 1
     assert not [line for line in program.errors if "xception" in line or not line.startswith("[")]
-
-
-def test_metrics_without_their_package_are_told(done: Start, tmp_path: Path) -> None:
-    """The command that installs it is named."""
-    (tmp_path / "prometheus_client.py").write_text("raise ImportError('hidden')\n")
-    hidden = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
-    code, _, errors = done("run", "--middleware", "memory", "--metrics", 0, *_FREE_PORT, PYTHONPATH=hidden)
-    assert code == 2
-    assert "install it with `pip install 'prometheus-client>=0.21'`" in errors
 
 
 def test_foxglove_sees_the_topics(start: Start) -> None:
@@ -444,17 +429,6 @@ def test_doctor_tells_what_a_wrong_parameter_keeps_from_being_checked(done: Star
     assert "UDP port 70000" not in output
 
 
-def test_a_foxglove_port_in_use_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    """Exit code 2, with the port."""
-    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        sock.listen()
-        port = sock.getsockname()[1]
-        arguments = ["run", "--middleware", "memory", "--no-diagnostics", "--foxglove", str(port), *_FREE_PORT]
-        assert main(arguments) == 2
-    assert f"cannot serve Foxglove on TCP port {port} of 127.0.0.1" in capsys.readouterr().err
-
-
 @pytest.mark.slow
 @needs_dds
 def test_top_serves_the_page(start: Start) -> None:
@@ -507,10 +481,3 @@ def test_the_page_of_top_shows_all_bridges(start: Start) -> None:
     assert _shown(urls[()], 2)[0] == ["/another", "/udp_forwarder"]
     assert _shown(urls[()], 2)[1] == "/another"  # without a selection, the first by name
     assert _shown(urls["--node", "udp_forwarder"], 1) == (["/udp_forwarder"], "/udp_forwarder")
-
-
-def test_top_serves_a_page_or_prints(capsys: pytest.CaptureFixture[str]) -> None:
-    """`--web` with `--once` or `--json` is refused, with exit code 2."""
-    for other in ("--once", "--json"):
-        assert main(["top", "--web", "0", other, "--middleware", "memory"]) == 2
-        assert "--web cannot be combined with --once or --json" in capsys.readouterr().err
