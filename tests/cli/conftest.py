@@ -6,12 +6,13 @@ import re
 import signal
 import socket
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
 from polling import PATIENCE_S
 from programs import Program, Start
-from running import Bridge
+from running import Bridge, Called, exit_code
 
 
 @pytest.fixture(autouse=True)
@@ -55,3 +56,17 @@ def bridge(start: Start) -> Bridge:
         return program, int(found[1])
 
     return bridge
+
+
+@pytest.fixture
+def called(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Called:
+    """Runs `roverlink` as the fixture `done` does, but in this process: exit code, standard output and error."""
+
+    def called(*arguments: object, folder: Path = Path(__file__).parents[2]) -> tuple[int, str, str]:
+        monkeypatch.chdir(folder)
+        capsys.readouterr()
+        code = exit_code(*arguments)
+        output, errors = capsys.readouterr()
+        return code, output.removesuffix("\n"), errors.removesuffix("\n")
+
+    return called

@@ -16,6 +16,10 @@ Bridge = Callable[..., tuple[Program, int]]
 """The fixture `bridge`: starts a bridge with options; the program, and its UDP port as soon as it listens there."""
 
 
+Called = Callable[..., tuple[int, str, str]]
+"""The fixture `called`: runs `roverlink` in this process; its exit code, standard output and standard error."""
+
+
 def exit_code(*arguments: object) -> int:
     """The exit code of `roverlink` with arguments in this process, also where argparse ends it."""
     try:

@@ -22,7 +22,7 @@ from running import Bridge
 from generated.messages import BasestationControlMode, DrivingBoardMotorMessage
 from generated.registry import REGISTRY
 from roverlink.drive.drive_parameters import DriveParameters
-from roverlink.drive.drive_rows import MODE, DriveRows
+from roverlink.drive.drive_rows import DriveRows
 from roverlink.drive.driving import Driving
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
@@ -353,16 +353,3 @@ def test_the_end_of_the_program_stops_the_rover(drive: _Drive) -> None:
     count = len(drive.sent)
     drive.drive(_twist(0.3), 3)
     assert len(drive.sent) == count
-
-
-def test_a_table_without_the_rows_is_refused() -> None:
-    """The message names the row, or what it lacks."""
-    others = tuple(handler for handler in REGISTRY.handlers if handler.route.name != MODE)
-    with pytest.raises(SetupError, match="the table has no row 'control_mode' in the direction from a peer"):
-        DriveRows(replace(REGISTRY, handlers=others))
-
-    class Handler(type(REGISTRY.by_name[MODE])):  # type: ignore[misc]  # a class of the registry's
-        message_type = DrivingBoardMotorMessage
-
-    with pytest.raises(SetupError, match="has no field mode; add it"):
-        DriveRows(replace(REGISTRY, handlers=(REGISTRY.by_name["drive_motor"], Handler())))

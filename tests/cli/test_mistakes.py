@@ -92,7 +92,7 @@ def test_a_line_that_cannot_be_obeyed_is_told(
         pytest.skip("need GStreamer (apt-get install gstreamer1.0-tools)")
     side = "--side 0.15 --landmarks landmarks.yaml"
     given = {"@images": f"images --parameters camera.yml {side} --rate 10 --json", "@side": side}
-    given |= {"@/": f"{folder}/", "@long": 70 * "a", "@deep": 3000 * "[", **ports}
+    given |= {"@/": f"{folder}/", "@long": 70 * "a", "@deep": 3000 * "[", "@digits": 5000 * "9", **ports}
     for name, text in given.items():
         line, expected = line.replace(name, text), expected.replace(name, text)
     monkeypatch.setenv("ROS_DOMAIN_ID", "1")  # which the demo sets for itself

@@ -7,7 +7,6 @@ import math
 import socket
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
-from dataclasses import replace
 
 import pytest
 from needs import needs_dds
@@ -26,12 +25,11 @@ from generated.messages import (
 from generated.registry import REGISTRY
 from roverlink.odometry.odometry_messages import UNKNOWN_VARIANCE
 from roverlink.odometry.odometry_parameters import OdometryParameters
-from roverlink.odometry.odometry_rows import PROGRESS, WHEELS, OdometryRows
+from roverlink.odometry.odometry_rows import WHEELS, OdometryRows
 from roverlink.odometry.wheel_odometry_node import OdometryNode
 from roverlink.runtime import Qos
 from roverlink.runtime.convert.rotations import angles
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.geometry_msgs import Vector3
@@ -243,10 +241,3 @@ def test_values_that_are_no_numbers_are_told_once(node: _Node, topic: str, messa
     (line,) = node.log
     assert line.startswith(f"ignoring a message: {expected}")
     assert node.found[-1].pose.pose.position.x == pytest.approx(2.0, abs=1e-3)
-
-
-def test_a_table_without_the_rows_is_refused() -> None:
-    """The message names the row."""
-    others = tuple(handler for handler in REGISTRY.handlers if handler.route.name != PROGRESS)
-    with pytest.raises(SetupError, match="the table has no row 'drive_progress' in the direction from a peer"):
-        OdometryRows(replace(REGISTRY, handlers=others))
