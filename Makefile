@@ -5,13 +5,14 @@ OPENCV ?=
 VENV ?= $(if $(OPENCV),.venv-opencv-$(OPENCV),.venv)
 OPENCV_PIN := $(if $(OPENCV),'opencv-contrib-python-headless==$(OPENCV).*') $(if $(filter 4.8 4.9,$(OPENCV)),'numpy<2')
 BIN := $(VENV)/bin
+PYTEST := $(BIN)/pytest -n auto --dist worksteal --durations=10
 ROS2 ?=
 SOAK_SECONDS ?= 600
 SOAK_FAULTS := $(addprefix --scenario ,reboot old-schema malformed padded lossy)
 FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime vision driving launch_check navigation roverlink bench tests docs
 
-.PHONY: help demo test test-slow test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision bench-video pictures generate docs docs-reference clean
+.PHONY: help demo test test-all exhaustive test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision bench-video mutation pictures generate docs docs-reference clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -20,13 +21,17 @@ demo: $(VENV)/ready-demo  ## bridge all messages on loopback for 15 s, shown liv
 	$(BIN)/roverlink demo
 
 test: $(VENV)/ready-dev  ## the tests
-	$(BIN)/pytest -n auto --dist worksteal
+	$(PYTEST)
 
-test-slow: $(VENV)/ready-dev  ## the tests that take minutes
-	$(BIN)/pytest -n auto --dist worksteal -m slow
+test-all: $(VENV)/ready-full  ## the tests, the slow ones too, with all optional packages
+	$(PYTEST) -m 'slow or not exhaustive'
 
-test-vision: $(VENV)/ready-dev  ## the tests of the camera programs; OPENCV=4.8 with that version of OpenCV
-	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py tests/cli/test_aruco_calibrate.py tests/cli/test_objects_*.py tests/cli/test_video.py
+exhaustive: $(VENV)/ready-full  ## thousands of random histories, every change of the launch files, an hour of datagrams; takes hours
+	$(PYTEST) -m exhaustive
+	$(MAKE) soak SOAK_SECONDS=3600
+
+test-vision: $(VENV)/ready-vision  ## the tests of the camera programs; OPENCV=4.8 with that version of OpenCV
+	$(PYTEST) tests/vision tests/cli/test_aruco_track.py tests/cli/test_aruco_calibrate.py tests/cli/test_objects_*.py tests/cli/test_video.py
 
 test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2=jazzy for one of them
 	$(PYTHON) tests/ros2/run.py $(ROS2)
@@ -41,7 +46,7 @@ dist: $(VENV)/ready-dist  ## build the sdist, and from it the wheel, in dist/
 test-dist: dist  ## the wheel and the sdist in an empty environment and an empty folder: the three jobs of the README
 	$(BIN)/python tests/distribution/smoke.py dist/roverlink-*
 
-ros-package: $(VENV)/ready-dev  ## build generated/ros and navigation with colcon and rosidl, which have to be installed, and use them
+ros-package: $(VENV)/ready  ## build generated/ros and navigation with colcon and rosidl, which have to be installed, and use them
 	$(BIN)/python tests/ros/build.py
 
 soak: $(VENV)/ready  ## five minutes of datagrams for the sample rover, and five with all of the table switched on: each accounted for, in flat memory
@@ -54,7 +59,7 @@ fuzz: $(VENV)/ready-fuzz  ## every parser of bytes from outside, a minute each
 	for target in datagram trailing-zeros sample message; do \
 		$(BIN)/python tests/fuzz $$target -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 
-lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, whether generated/ is what mapping.yaml says, and the numbers
+lint: $(VENV)/ready-full  ## ruff, black, mypy --strict, whether generated/ is what mapping.yaml says, and the numbers
 	$(BIN)/ruff check .
 	$(BIN)/black --quiet --check --diff $(HAND_WRITTEN)
 	$(BIN)/black --quiet --check --diff --line-length 88 generated
@@ -71,6 +76,9 @@ bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on re
 bench-video: $(VENV)/ready-bench-video  ## video on loopback and on bad links, beside GStreamer, which has to be installed
 	$(BIN)/python -m bench.video
 
+mutation: $(VENV)/ready-full  ## small faults in a sample of places: how many of them the tests notice
+	$(BIN)/python -m bench.mutation
+
 pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md, docs/objects.md, docs/calibration.md and docs/operations.md (with Chromium), and the recording for the first
 	$(BIN)/python -m bench.vision.pictures
 	$(BIN)/python -m bench.vision.page_pictures
@@ -83,7 +91,7 @@ docs: $(VENV)/ready-docs  ## build the documentation site in build/site; fails o
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "open build/site/index.html in a browser"
 
-docs-reference: $(VENV)/ready-dev  ## write the reference tables in docs/ from the code: keys, parameters, rules
+docs-reference: $(VENV)/ready  ## write the reference tables in docs/ from the code: keys, parameters, rules
 	$(BIN)/python docs/site/committed_tables.py
 
 clean:  ## remove what was made here, the environment included
@@ -102,7 +110,11 @@ $(VENV)/ready: SIZE = 200
 $(VENV)/ready-demo: EXTRAS = standard,detect,video
 $(VENV)/ready-demo: SIZE = 750
 $(VENV)/ready-dev: EXTRAS = dev
-$(VENV)/ready-dev: SIZE = 1700
+$(VENV)/ready-dev: SIZE = 550
+$(VENV)/ready-full: EXTRAS = full
+$(VENV)/ready-full: SIZE = 1700
+$(VENV)/ready-vision: EXTRAS = dev,detect,fusion,video
+$(VENV)/ready-vision: SIZE = 1000
 $(VENV)/ready-docs: EXTRAS = docs
 $(VENV)/ready-docs: SIZE = 200
 $(VENV)/ready-fuzz: EXTRAS = fuzz
@@ -120,7 +132,7 @@ $(VENV)/ready-dist: | $(VENV)/bin/python
 	@touch $@
 
 # Not --quiet: pip shows the progress of each download.
-$(addprefix $(VENV)/,ready ready-demo ready-dev ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml | $(VENV)/bin/python
+$(addprefix $(VENV)/,ready ready-demo ready-dev ready-full ready-vision ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml | $(VENV)/bin/python
 	@echo "installing roverlink with [$(EXTRAS)] in $(VENV): about $(SIZE) MB on the disk; the first time, this can take minutes"
 	@$(BIN)/python -m pip install --disable-pip-version-check --editable '.[$(EXTRAS)]' $(OPENCV_PIN)
 	@touch $@

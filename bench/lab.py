@@ -4,6 +4,7 @@ import importlib.util
 import os
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from bench.errors import BenchError
 from bench.native import Programs, build, missing_packages
 from bench.process import Child
 from bench.wire import compile_python, envelope_closure
+from roverlink.dds_domain import claim_domain
 
 # Loopback has no multicast, so discovery needs an explicit peer.
 CYCLONEDDS_ON_LOOPBACK = (
@@ -20,6 +22,8 @@ CYCLONEDDS_ON_LOOPBACK = (
     "<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address='localhost'/></Peers></Discovery>"
     "</Domain></CycloneDDS>"
 )
+_HELD = ExitStack()
+"""The DDS domain, until the process ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,10 +84,8 @@ def prepare(
 
 
 def _environment() -> dict[str, str]:
-    # A domain of our own: no robot on the network listens to it, and two benchmarks at once rarely share it. The ports
-    # of
-    # domains above 100 are in the range of ephemeral ports.
-    return {**os.environ, "CYCLONEDDS_URI": CYCLONEDDS_ON_LOOPBACK, "ROS_DOMAIN_ID": str(20 + os.getpid() % 80)}
+    # A domain of our own: no robot on the network listens to it, and two benchmarks at once do not share it.
+    return {**os.environ, "CYCLONEDDS_URI": CYCLONEDDS_ON_LOOPBACK, "ROS_DOMAIN_ID": str(claim_domain(_HELD))}
 
 
 def _programs(

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
+from roverlink.dds_domain import claim_domain
 from roverlink.generator import journal
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import NAMES
@@ -246,18 +247,22 @@ def project_folder(given: Path | None) -> Path:
     )
 
 
-def isolate_ros() -> None:
+def isolate_ros(held: contextlib.ExitStack) -> None:
     """Restrict ROS 2 in this process and its children to this host, so that simulated messages reach no real rover.
 
-    The DDS domain is one from 20 to 99 that other programs on this host probably do not use, unless ROS_DOMAIN_ID is
-    set. The ports of domains above 100 are in the range that Linux gives to any program (ephemeral ports).
+    Unless ROS_DOMAIN_ID is set, the DDS domain is one that no other program on this host is in; it is ours until
+    ``held`` is closed.
+
+    Raises `OSError` if no domain is free.
     """
     # The variables are read when a participant joins its domain, and child processes inherit them. Kilted knows only
     # the range, Humble only the other variable; Jazzy knows both, and warns of the other one.
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     if os.environ.get("ROS_DISTRO") == "humble":
         os.environ["ROS_LOCALHOST_ONLY"] = "1"
-    os.environ.setdefault("ROS_DOMAIN_ID", str(20 + os.getpid() % 80))
+    if "ROS_DOMAIN_ID" not in os.environ:
+        os.environ["ROS_DOMAIN_ID"] = str(claim_domain(held))
+        held.callback(os.environ.pop, "ROS_DOMAIN_ID", None)
 
 
 class _RosFormatter(logging.Formatter):

@@ -9,9 +9,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from domains import claimed_domain
-from needs import SLOW
+from default_signals import restore_default_signals
+from needs import EXHAUSTIVE, SLOW
 from programs import Program, Start
+
+from roverlink.dds_domain import claim_domain
 
 _REPOSITORY = Path(__file__).parents[1]
 
@@ -38,17 +40,20 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Know the marker of the tests that take long."""
-    config.addinivalue_line("markers", "slow: takes many seconds or minutes; runs with -m slow only")
+    """Know the markers of the tests that take long, and give default signals to the programs that tests start."""
+    config.addinivalue_line("markers", "slow: takes many seconds; runs where -m names it")
+    config.addinivalue_line("markers", "exhaustive: goes through thousands of cases; runs where -m names it")
+    restore_default_signals()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave the slow tests out where they are not asked for."""
-    if "slow" in str(config.getoption("markexpr")):
-        return
+    """Leave the tests that take long out where they are not asked for."""
+    asked = str(config.getoption("markexpr"))
     for item in items:
-        if item.get_closest_marker("slow"):
-            item.add_marker(pytest.mark.skip(reason=SLOW))
+        for marker, reason in (("exhaustive", EXHAUSTIVE), ("slow", SLOW)):
+            if marker not in asked and item.get_closest_marker(marker):
+                item.add_marker(pytest.mark.skip(reason=reason))
+                break
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
@@ -72,19 +77,19 @@ def _cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 def domain() -> Iterator[int]:
     """A DDS domain that nobody else on this host is in, ours until the test ends."""
     with contextlib.ExitStack() as held:
-        yield claimed_domain(held)
+        yield claim_domain(held)
 
 
 @pytest.fixture
-def environment() -> dict[str, str]:
-    """An environment without ROS 2, on this host alone, in a domain of this test worker's."""
+def environment(domain: int) -> dict[str, str]:
+    """An environment without ROS 2, on this host alone, in a domain that nobody else is in."""
     dropped = ("ROS_", "RMW_", "CYCLONEDDS", "PYTHONUNBUFFERED")  # output is buffered, as it is for users
     kept = {name: value for name, value in os.environ.items() if not name.startswith(dropped)}
     return {
         **kept,
         "PYTHONFAULTHANDLER": "1",
         "ROS_LOCALHOST_ONLY": "1",
-        "ROS_DOMAIN_ID": str(51 + os.getpid() % 49),
+        "ROS_DOMAIN_ID": str(domain),
         "COLUMNS": "200",
     }
 

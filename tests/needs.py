@@ -7,7 +7,8 @@ from importlib.util import find_spec
 
 import pytest
 
-SLOW = "slow (make test-slow)"
+SLOW = "slow (make test-all)"
+EXHAUSTIVE = "exhaustive (make exhaustive)"
 NO_DDS = "need Cyclone DDS (no wheel for this machine)"
 NO_OPENCV = "need OpenCV (pip install 'opencv-contrib-python-headless>=4.8')"
 NO_SCIPY = "need SciPy (pip install scipy)"

@@ -80,13 +80,13 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the bridge with simulated peers, and show its traffic. The exit code is 1 if a row had no bridged message."""
-    # The demo's messages must not reach a real rover in the same network.
-    isolate_ros()
     project = project_folder(arguments.project)
     registry = load_project(project)
     console = Console()
     rover = _rover(console, registry)
     with contextlib.ExitStack() as stack:
+        # The demo's messages must not reach a real rover in the same network.
+        isolate_ros(stack)
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="roverlink-demo-")))
         # The rover's camera is the second one: the first renders all its images at once, which would hold it up.
         objects = _object_camera(console, project, arguments.middleware, _new(folder / "objects"), stack)

@@ -179,9 +179,9 @@ def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) ->
 
 
 def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream, key_files: Sequence[Path]) -> int:
-    isolate_ros()
     totals = RunTotals()
     with contextlib.ExitStack() as stack:
+        isolate_ros(stack)
         arrivals = stack.enter_context(Arrivals(world.registry))
         project = project_folder(arguments.project)
         host = bridge_with(arguments.bridge, project, world.registry, arrivals.parameters, _LOG_LEVEL, key_files)

@@ -21,8 +21,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from domains import claimed_domain
+sys.path[:0] = map(str, Path(__file__).parents[1:3])
+from default_signals import restore_default_signals  # noqa: E402  # not on the path of a script
+
+from roverlink.dds_domain import claim_domain  # noqa: E402
 
 _PATIENCE_S = 60
 _CONTAINER = """syntax = "proto3";
@@ -111,6 +113,7 @@ class _User:
 
 def main(archives: list[Path]) -> int:
     """Do the jobs with each archive. Return 1 if one fails."""
+    restore_default_signals()
     with tempfile.TemporaryDirectory(prefix="roverlink-smoke-") as home:
         user = _User(Path(home))
         for archive in archives:
@@ -146,7 +149,7 @@ def _edit_and_regenerate(user: _User) -> None:
 
 def _bridge(user: _User) -> None:
     with contextlib.ExitStack() as stack:
-        domain = str(claimed_domain(stack))
+        domain = str(claim_domain(stack))
         user.variables |= {"ROS_DOMAIN_ID": domain, "ROS_LOCALHOST_ONLY": "1"}
         bridge = stack.enter_context(
             user.running("roverlink run --json --ros-args -p listen_port:=0 --log-level error")

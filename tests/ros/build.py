@@ -24,10 +24,11 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 ROOT = Path(__file__).parents[2]
-sys.path[:0] = [str(ROOT), str(Path(__file__).parent / "cpp")]
+sys.path[:0] = map(str, (ROOT, ROOT / "tests", Path(__file__).parent / "cpp"))
 
 import workspace  # noqa: E402  # the folders above are not on the path of a script
 from building import standard_text  # noqa: E402
+from default_signals import restore_default_signals  # noqa: E402
 
 import generated.messages  # noqa: E402
 from generated.registry import REGISTRY  # noqa: E402
@@ -57,6 +58,7 @@ _TYPES += ["uint32", "int32", "uint64", "int64", "string", "", "message"]
 
 def main() -> int:
     """Build, and hold what came out against the generated Python."""
+    restore_default_signals()
     if missing := _missing():
         print(
             f"missing: {', '.join(missing)}; on Debian 12: apt-get install {' '.join(_DEBIAN.read_text().split())}",

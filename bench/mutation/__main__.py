@@ -1,0 +1,126 @@
+"""Command line: python -m bench.mutation."""
+
+import argparse
+import json
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
+from pathlib import Path
+from queue import Queue
+
+from bench.contestants import ROOT
+from bench.errors import BenchError
+from bench.mutation.judging import Coverage, Verdict, Workplace, record
+from bench.mutation.mutants import Mutant, sample
+
+FOLDERS = {"generator": 112, "roverlink": 65, "vision": 53, "runtime": 51, "launch_check": 29, "driving": 10}
+"""Mutants of each folder, in proportion to its lines of code."""
+EXAMPLE = "example: python -m bench.mutation --again build/mutation/before.json --json build/mutation/after.json"
+
+
+def _arguments(words: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m bench.mutation",
+        description="Give a seeded sample of places in the code one small fault each, and count those that the tests "
+        "notice. The default tests that cover the line judge.",
+        epilog=EXAMPLE,
+    )
+    parser.add_argument("--seed", type=int, default=36, help="seed of the sample (default: %(default)s)")
+    parser.add_argument("--again", type=Path, metavar="FILE", help="judge the mutants of an earlier result again")
+    parser.add_argument("--json", type=Path, default=Path("build/mutation/result.json"), metavar="FILE", help="result")
+    parser.add_argument(
+        "--recorded", type=Path, metavar="DIR", help="folder with coverage and junit.xml of an earlier run of the tests"
+    )
+    parser.add_argument("--budget", type=float, default=30.0, help="seconds of tests for a mutant (default: 30)")
+    parser.add_argument("--workers", type=int, default=2, help="mutants at once (default: %(default)s)")
+    return parser.parse_args(words)
+
+
+def main(words: Sequence[str]) -> int:
+    """Judge the sample; the exit code is 1 if a folder kills fewer mutants than in the result of ``--again``."""
+    options = _arguments(words)
+    earlier = [_verdict(entry) for entry in json.loads(options.again.read_text())] if options.again else []
+    mutants = [verdict.mutant for verdict in earlier] or sample(ROOT, FOLDERS, options.seed)
+    folder = options.recorded or ROOT / "build" / "mutation"
+    if not options.recorded:
+        record(ROOT, folder)
+    coverage = Coverage(folder / "coverage", folder / "junit.xml")
+    killers = {verdict.mutant: verdict.killer for verdict in earlier}
+    places: Queue[Workplace] = Queue()
+    for number in range(options.workers):
+        places.put(Workplace(ROOT, ROOT / "build" / "mutation" / f"copy{number}"))
+
+    def judge(mutant: Mutant) -> Verdict:
+        place = places.get()
+        try:
+            return _judge(mutant, coverage, place, options.budget, killers.get(mutant, ""))
+        finally:
+            places.put(place)
+
+    verdicts: dict[Mutant, Verdict] = {}
+    options.json.parent.mkdir(parents=True, exist_ok=True)
+    with ThreadPoolExecutor(options.workers) as pool:
+        while left := [mutant for mutant in mutants if mutant not in verdicts]:
+            for verdict in _with_progress(pool.map(judge, left), len(left)):
+                verdicts[verdict.mutant] = verdict
+                text = json.dumps([asdict(each) for each in verdicts.values()], indent=1)
+                options.json.write_text(text, encoding="utf-8")
+            # A killer that fails without a fault, too, says nothing: its mutants are judged once more without it.
+            killed_by = sorted({verdict.killer for verdict in verdicts.values()} - {"", "timeout"})
+            place = places.get()
+            unsound = set(place.unsound(killed_by, coverage.seconds(killed_by)))
+            places.put(place)
+            coverage.forget(unsound)
+            verdicts = {mutant: verdict for mutant, verdict in verdicts.items() if verdict.killer not in unsound}
+    return _report(verdicts.values(), earlier)
+
+
+def _with_progress(verdicts: Iterable[Verdict], total: int) -> Iterator[Verdict]:
+    began = time.monotonic()
+    for number, verdict in enumerate(verdicts, 1):
+        mutant = verdict.mutant
+        said = verdict.killer or ("survived" if verdict.tests else "no test covers it")
+        where = f"{number:3}/{total} {time.monotonic() - began:5.0f} s  {mutant.path}:{mutant.line}"
+        print(f"{where} {mutant.before} -> {mutant.after}: {said}", flush=True)
+        yield verdict
+
+
+def _judge(mutant: Mutant, coverage: Coverage, place: Workplace, budget_s: float, killer: str) -> Verdict:
+    tests = coverage.judges(mutant, budget_s)
+    if killer in tests and place.judge(mutant, [killer], coverage.seconds([killer])):
+        return Verdict(mutant, 1, killer)
+    killed_by = place.judge(mutant, tests, coverage.seconds(tests)) if tests else ""
+    return Verdict(mutant, len(tests), killed_by)
+
+
+def _verdict(entry: dict[str, object]) -> Verdict:
+    return Verdict(**{**entry, "mutant": Mutant(**entry["mutant"])})  # type: ignore[arg-type]
+
+
+def _report(verdicts: Iterable[Verdict], earlier: Sequence[Verdict]) -> int:
+    before, worse = _killed(earlier), False
+    for folder, (killed, total) in _killed(verdicts).items():
+        was = before.get(folder)
+        worse |= was is not None and killed < was[0]
+        print(f"{folder:13} {killed:3} of {total:3} killed" + (f" (before: {was[0]})" if was else ""))
+    return int(worse)
+
+
+def _killed(verdicts: Iterable[Verdict]) -> dict[str, tuple[int, int]]:
+    total, killed = Counter[str](), Counter[str]()
+    for verdict in verdicts:
+        folder = verdict.mutant.path.partition("/")[0]
+        total[folder] += 1
+        killed[folder] += verdict.killer != ""
+    return {folder: (killed[folder], total[folder]) for folder in total}
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except BenchError as error:
+        print(f"bench.mutation: {error}", file=sys.stderr)
+        sys.exit(2)

@@ -1,0 +1,43 @@
+"""DDS domains that no other program on this host is in."""
+
+import os
+import socket
+from contextlib import ExitStack
+
+# Ports of DDS, from the RTPS specification, section 9.6.1.1: 7400 + 250 * domain, and 10 more for the discovery of the
+# first participant. The ports of domains above 100 are in the range that Linux gives to any program.
+_FIRST_PORT, _PORTS, _FIRST_PARTICIPANT = 7400, 250, 10
+_DOMAINS = range(1, 101)
+
+
+def claim_domain(held: ExitStack) -> int:
+    """Return a DDS domain that is ours until ``held`` is closed.
+
+    Two programs that call this function never get the same domain, and neither gets one that another program is in.
+
+    Raises `OSError` if all of the domains are taken.
+    """
+    start = os.getpid()
+    for number in (_DOMAINS[(start + step) % len(_DOMAINS)] for step in range(len(_DOMAINS))):
+        if _claimed(number, held):
+            return number
+    raise OSError("programs on this host are in all DDS domains from 1 to 100")
+
+
+def _claimed(domain: int, held: ExitStack) -> bool:
+    """Try to hold the last port of a domain, and see whether its first participant's port is free."""
+    first_port = _FIRST_PORT + _PORTS * domain
+    with ExitStack() as opened:
+        lock, participant = (opened.enter_context(_udp_socket()) for _ in range(2))
+        try:
+            lock.bind(("127.0.0.1", first_port + _PORTS - 1))
+            participant.bind(("", first_port + _FIRST_PARTICIPANT))
+        except OSError:
+            return False
+        participant.close()
+        held.push(opened.pop_all())
+    return True
+
+
+def _udp_socket() -> socket.socket:
+    return socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
