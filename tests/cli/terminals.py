@@ -6,7 +6,6 @@ import contextlib
 import fcntl
 import os
 import re
-import signal
 import struct
 import subprocess
 import sys
@@ -27,7 +26,6 @@ class Terminal:
         kept = {name: value for name, value in os.environ.items() if name not in ("COLUMNS", "LINES")}
 
         def own_the_terminal() -> None:
-            signal.signal(signal.SIGINT, signal.SIG_DFL)  # the tests may run in the background of a script
             os.setsid()
             if own:
                 fcntl.ioctl(self._slave, termios.TIOCSCTTY, 0)

@@ -308,10 +308,13 @@ def test_it_asks_for_the_source(
     assert len(capsys.readouterr().out.splitlines()) == (_FRAMES if answer == "{}" else 0)
 
 
-def test_without_a_terminal_it_is_camera_0(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_a_terminal_it_is_camera_0(
+    field: Field, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Nobody can be asked, so it says what it takes."""
     monkeypatch.setattr(sys, "stdin", io.StringIO())
-    assert main(["aruco", "track", "--json", "--side", "0.15"]) == 2
+    frames = str(field.folder / "frames")
+    assert main([one for one in field.words("--json") if one != frames]) == 2
     told = capsys.readouterr().err
     assert "no source given; using camera 0" in told
     assert "cannot open camera 0" in told

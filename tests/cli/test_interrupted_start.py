@@ -38,7 +38,6 @@ def _interrupted(arguments: list[str], delay_s: float, environment: dict[str, st
         text=True,
         env=environment,
         cwd=_ROOT,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # the tests may run in the background
     )
     time.sleep(delay_s)  # no event to await: the signal shall come at any moment
     program.send_signal(signal.SIGINT)

@@ -6,12 +6,14 @@ import json
 import socket
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from polling import wait_until
 from programs import Start
+from running import Called
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
@@ -74,10 +76,14 @@ def test_count_and_rate(
     assert capsys.readouterr().out.startswith("sent 6 x imu_info (7 bytes) to 127.0.0.1:")
 
 
-def test_the_list_names_every_payload_and_field(capsys: pytest.CaptureFixture[str]) -> None:
-    """`--list` shows number, name, direction and type of each payload, its fields, and the names of enum values."""
-    assert main(["send", "--list"]) == 0
-    lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+def test_the_list_names_every_payload_and_field(called: Called) -> None:
+    """`--list` shows number, name, direction and type of each payload, its fields, and the names of enum values.
+
+    The project is found from a folder below it.
+    """
+    code, output, _ = called("send", "--list", folder=Path(__file__).parents[2] / "proto" / "components")
+    assert code == 0
+    lines = [" ".join(line.split()) for line in output.splitlines()]
     for handler in REGISTRY.handlers:
         route = handler.route
         start = lines.index(f"{route.number} {route.name} {route.direction} {handler.payload_type.DESCRIPTOR.name}")

@@ -134,7 +134,7 @@ def test_a_bridge_in_memory_adds_up(called: Called) -> None:
     """Every scenario at once; each datagram is found, as published or with the reason of its drop."""
     scenarios = itertools.chain.from_iterable(("--scenario", name) for name in _FAULTS)
     code, output, errors = called(
-        "simulate", "--bridge", "memory", "--seconds", 1, "--rate", 1500, "--json", *scenarios
+        "simulate", "--bridge", "memory", "--seconds", 2, "--rate", 1500, "--json", *scenarios
     )
     assert code == 0, output + errors
     account = json.loads(output)
@@ -148,8 +148,10 @@ def test_a_bridge_of_somebody_elses_gets_the_stream(peer: socket.socket, called:
     """Without an account: who listens there is not known."""
     code, output, _ = called("simulate", "--to", f"127.0.0.1:{peer.getsockname()[1]}", "--seconds", 0.2, "--json")
     assert code == 0
-    assert json.loads(output)["sent"] == {PUBLISHED: 60}
-    assert all(peer.recv(65_536) for _ in range(60))
+    count = json.loads(output)["sent"][PUBLISHED]
+    assert json.loads(output)["sent"] == {PUBLISHED: count}
+    assert 0 < count <= 60  # fewer where the machine is busy
+    assert all(peer.recv(65_536) for _ in range(count))
     peer.setblocking(False)
     with pytest.raises(BlockingIOError):
         peer.recv(65_536)
