@@ -64,6 +64,7 @@ def called(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) 
 
     def called(*arguments: object, folder: Path = Path(__file__).parents[2]) -> tuple[int, str, str]:
         monkeypatch.chdir(folder)
+        monkeypatch.setenv("COLUMNS", "200")
         capsys.readouterr()
         code = exit_code(*arguments)
         output, errors = capsys.readouterr()

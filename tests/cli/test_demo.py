@@ -5,10 +5,12 @@ from __future__ import annotations
 import importlib.util
 import io
 import math
+import os
 import re
 import sys
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -306,19 +308,20 @@ def test_a_bridge_in_a_thread_counts() -> None:
 
 def test_the_demo_keeps_to_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     """It stays on this host, as each distribution calls that, and in a domain of its own unless one was chosen."""
-    import os
-
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "0")
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
     monkeypatch.setenv("ROS_DISTRO", "jazzy")
-    isolate_ros()
-    assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
-    assert os.environ["ROS_LOCALHOST_ONLY"] == "0"
-    monkeypatch.setenv("ROS_DISTRO", "humble")
-    isolate_ros()
-    assert os.environ["ROS_LOCALHOST_ONLY"] == "1"
-    assert 0 < int(os.environ["ROS_DOMAIN_ID"]) <= 100
+    with ExitStack() as held:
+        isolate_ros(held)
+        assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+        assert os.environ["ROS_LOCALHOST_ONLY"] == "0"
+        monkeypatch.setenv("ROS_DISTRO", "humble")
+        isolate_ros(held)
+        assert os.environ["ROS_LOCALHOST_ONLY"] == "1"
+        assert 0 < int(os.environ["ROS_DOMAIN_ID"]) <= 100
+    assert "ROS_DOMAIN_ID" not in os.environ
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
-    isolate_ros()
+    with ExitStack() as held:
+        isolate_ros(held)
     assert os.environ["ROS_DOMAIN_ID"] == "7"
