@@ -23,25 +23,32 @@ _BOARDS = "boards: {Arm: {host: 10.0.0.21, port: 6001}, Drive: {host: learn, por
 
 
 @contextlib.contextmanager
-def _board(hashes: dict[int, int]) -> Iterator[str]:
-    """A board that answers each datagram with a link message, to where it came from; yields the bridge's parameter."""
+def _board(hashes: dict[int, int]) -> Iterator[list[str]]:
+    """A board that answers each datagram with a link message; yields the parameters of the bridge that it knows.
+
+    The answer goes to the bridge's port, as a board does that knows only this port. Its address is one of this host's
+    that nobody else uses, because the board's port is ours.
+    """
     writer = LinkWriter(linked_registry().envelope, 7, hashes)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.bind(("127.0.0.1", 0))
         sock.settimeout(0.1)
+        port = sock.getsockname()[1]
+        address = f"127.80.{port >> 8}.{port & 255}"
 
         def answer(_: int) -> None:
             with contextlib.suppress(TimeoutError):
-                sock.sendto(writer.write(1), sock.recvfrom(2000)[1])
+                sock.recv(2000)
+                sock.sendto(writer.write(1), (address, 6100))
 
         with repeated(answer, 0):
-            yield f"dst_b_port:={sock.getsockname()[1]}"
+            yield ["listen_port:=6100", f"listen_address:='{address}'", f"dst_b_port:={port}"]
 
 
 def _schemas(done: Start, project: Path, hashes: dict[int, int], *options: object) -> tuple[int, dict[str, Any]]:
     """The exit code of `doctor` beside a board with these hashes, and what it found about schemas, by its subject."""
     with _board(hashes) as board:
-        words = [word for one in ("listen_port:=0", "listen_address:='127.0.0.1'", board) for word in ("-p", one)]
+        words = [word for one in board for word in ("-p", one)]
         code, output, errors = done("doctor", "--json", "--project", project, *options, "--ros-args", *words)
     assert errors == ""
     found = {one["check"]: (one["verdict"], one["says"]) for one in json.loads(output)}
