@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 from needs import NO_OPENCV, needs_dds
+from node_in_memory import hear
 from polling import wait_until
 from repeating import repeated
 
@@ -21,9 +20,10 @@ from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middlewa
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 
-from bench.vision.circling_film import FOLDER, Film, render_film, rover_position  # noqa: E402
-from generated.messages import BasestationRoverLocalization  # noqa: E402  # they need OpenCV
-from roverlink.demo.field import SIDE, write_cameras, write_field  # noqa: E402
+from driven_film import Field, lines  # noqa: E402  # they need OpenCV
+
+from bench.vision.circling_film import rover_position  # noqa: E402
+from generated.messages import BasestationRoverLocalization  # noqa: E402
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs  # noqa: E402
 from roverlink.vision.frames import TopicSets  # noqa: E402
 from tests.vision.d435i import COLOUR, DEPTH, INFO, RenderedD435i  # noqa: E402
@@ -31,61 +31,41 @@ from tests.vision.d435i import COLOUR, DEPTH, INFO, RenderedD435i  # noqa: E402
 _FRAMES = 3
 
 
-@pytest.fixture(scope="module")
-def film() -> Film:
-    """A short drive."""
-    return render_film(_FRAMES)
-
-
 @pytest.fixture
-def folder(film: Film, tmp_path: Path) -> Path:
-    """A drive, landmarks, and a file of cameras with the drive."""
-    (tmp_path / "frames").mkdir()
-    for frame in film:
-        cv2.imwrite(str(tmp_path / "frames" / f"{frame.number}.png"), frame.image)
-    write_field(tmp_path)
-    write_cameras(tmp_path, FOLDER)
-    return tmp_path
+def field(tmp_path: Path) -> Field:
+    """A short drive, and a file of cameras with the drive."""
+    return Field.written(tmp_path, _FRAMES)
 
 
-def _words(folder: Path, *more: object, source: object = None) -> list[str]:
-    given = ("--side", SIDE, "--landmarks", folder / "landmarks.yaml")
-    return ["aruco", "track", *map(str, (source or folder / "cameras.yaml", *given, *more))]
+def _words(field: Field, *more: object) -> list[str]:
+    return field.words(*more, source=field.folder / "cameras.yaml")
 
 
-def _with_a_second_camera(folder: Path, mount: str = "[0, 0, 0.6]") -> None:
-    text = (folder / "cameras.yaml").read_text()
-    (folder / "cameras.yaml").write_text(
+def _with_a_second_camera(field: Field, mount: str = "[0, 0, 0.6]") -> None:
+    text = (field.folder / "cameras.yaml").read_text()
+    (field.folder / "cameras.yaml").write_text(
         f"{text}  left:\n    source: frames\n    rate: 10\n    parameters: camera.yml\n    frame: left_eye\n"
         f"    mount: {{position: {mount}, rpy: [0, 0, 0]}}\n"
     )
 
 
-def _lines(capsys: pytest.CaptureFixture[str], words: list[str]) -> tuple[list[Any], str]:
-    assert main(words) == 0
-    told = capsys.readouterr()
-    return [json.loads(line) for line in told.out.splitlines()], told.err
-
-
-def test_the_mount_of_a_camera_gives_the_rover_s_pose(
-    folder: Path, film: Film, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_mount_of_a_camera_gives_the_rover_s_pose(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """Each frame says where the camera and the rover are; a file of one camera is enough."""
-    views, _ = _lines(capsys, _words(folder, "--json"))
+    views, _ = lines(capsys, _words(field, "--json"))
     assert len(views) == _FRAMES
     for view in views:
-        truth = film.truth[view["frame"]]
+        truth = field.film.truth[view["frame"]]
         assert (view["name"], view["frame_id"]) == ("front", "front_optical_frame")
         assert np.linalg.norm(view["camera"]["position"] - truth.translation) < 0.01
         assert np.linalg.norm(view["rover"]["position"] - rover_position(truth)) < 0.01
         assert (view["rover"]["stamp"], view["rover"]["frame"]) == (view["stamp"], "map")
 
 
-def test_frames_of_two_cameras_give_one_pose(folder: Path, film: Film, capsys: pytest.CaptureFixture[str]) -> None:
+def test_frames_of_two_cameras_give_one_pose(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """The landmarks of both are used together, so the covariance is smaller than that of one camera alone."""
-    alone, _ = _lines(capsys, _words(folder, "--json"))
-    _with_a_second_camera(folder)
-    views, told = _lines(capsys, _words(folder, "--json"))
+    alone, _ = lines(capsys, _words(field, "--json"))
+    _with_a_second_camera(field)
+    views, told = lines(capsys, _words(field, "--json"))
     assert [view["name"] for view in views] == ["front", "left"] * _FRAMES
     assert {view["frame_id"] for view in views} == {"front_optical_frame", "left_eye"}
     assert "left: found landmark 7" in told
@@ -93,75 +73,44 @@ def test_frames_of_two_cameras_give_one_pose(folder: Path, film: Film, capsys: p
         assert ("rover" in view) == (view["name"] == "left")
     for one, both in zip(alone, views[1::2], strict=True):
         assert both["rover"]["used"] == [7, 8, 9, 10] * 2
-        assert np.linalg.norm(both["rover"]["position"] - rover_position(film.truth[both["frame"]])) < 0.01
+        assert np.linalg.norm(both["rover"]["position"] - rover_position(field.film.truth[both["frame"]])) < 0.01
         assert both["rover"]["covariance"][0] < 0.8 * one["rover"]["covariance"][0]
 
 
 @pytest.mark.parametrize("offset", [0.3, 1])
 def test_cameras_that_contradict_each_other_give_no_pose(
-    folder: Path, offset: float, capsys: pytest.CaptureFixture[str]
+    field: Field, offset: float, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """If a mount is wrong, it is unknown which one: this is told once, and no position is given.
 
     With a small error, a compromise fits no landmark at all.
     """
-    _with_a_second_camera(folder, f"[0, {offset}, 0.6]")
-    views, told = _lines(capsys, _words(folder, "--json"))
+    _with_a_second_camera(field, f"[0, {offset}, 0.6]")
+    views, told = lines(capsys, _words(field, "--json"))
     assert all("position" not in view["rover"] for view in views[1::2])
     assert told.count("contradict each other; there is no pose until most of them agree") == 1
 
 
-def test_a_camera_without_a_mount_is_told(folder: Path, film: Film, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_camera_without_a_mount_is_told(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """Where no ROS 2 could give it, the rover's pose comes from the other cameras, without delay."""
-    _with_a_second_camera(folder)
-    whole = (folder / "cameras.yaml").read_text()
-    (folder / "cameras.yaml").write_text(whole[: whole.rindex("    mount:")])
-    views, told = _lines(capsys, _words(folder, "--json"))
+    _with_a_second_camera(field)
+    whole = (field.folder / "cameras.yaml").read_text()
+    (field.folder / "cameras.yaml").write_text(whole[: whole.rindex("    mount:")])
+    views, told = lines(capsys, _words(field, "--json"))
     assert "camera left has no mount, so the pose of the rover is computed without it; add 'mount' to" in told
     assert [view["rover"]["stamp"] for view in views if "rover" in view] == [view["stamp"] for view in views[::2]]
 
 
-def test_each_camera_has_its_film(folder: Path) -> None:
+def test_each_camera_has_its_film(field: Field) -> None:
     """The name of the camera is in the name of the file."""
-    _with_a_second_camera(folder)
-    assert main(_words(folder, "--save", folder / "seen.avi")) == 0
+    _with_a_second_camera(field)
+    assert main(_words(field, "--save", field.folder / "seen.avi")) == 0
     for name in ("front", "left"):
-        capture = cv2.VideoCapture(str(folder / f"seen_{name}.avi"))
+        capture = cv2.VideoCapture(str(field.folder / f"seen_{name}.avi"))
         assert sum(capture.grab() for _ in range(_FRAMES + 1)) == _FRAMES
 
 
-@pytest.mark.parametrize(
-    ("option", "expected"),
-    [
-        (("--parameters", "camera.yml"), "--parameters has no effect with a file of cameras; write 'parameters' into"),
-        (("--camera-info", "/info"), "--camera-info has no effect with a file of cameras; write 'camera_info' into"),
-        (("--exposure", "5"), "--exposure has no effect with a file of cameras; write 'exposure' into"),
-        (("--camera-frame", "eye"), "--camera-frame has no effect with a file of cameras; write 'frame' into"),
-    ],
-)
-def test_options_for_one_camera_are_refused_with_a_file_of_cameras(
-    folder: Path, option: tuple[str, ...], expected: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """They would be silently ignored; the message names the key."""
-    assert main(_words(folder, *option)) == 2
-    assert expected in capsys.readouterr().err
-
-
-def test_a_camera_of_the_file_needs_parameters(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Only a ROS 2 topic brings them along."""
-    (folder / "cameras.yaml").write_text("cameras: {front: {source: frames}}")
-    assert main(_words(folder, "--json")) == 2
-    assert "camera front has no parameters; add 'parameters: FILE'" in capsys.readouterr().err
-
-
 # --- ROS 2 --------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def own_domain(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]) -> None:
-    """DDS on this host alone, as the programs of these tests have it."""
-    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
-        monkeypatch.setenv(name, environment[name])
 
 
 @contextmanager
@@ -188,27 +137,16 @@ def _driver(node: Middleware, camera: RenderedD435i) -> Iterator[None]:
 
 
 @needs_dds
-@pytest.mark.usefixtures("own_domain")
-def test_a_d435i_says_where_base_link_is(folder: Path) -> None:
+def test_a_d435i_says_where_base_link_is(field: Field) -> None:
     """The pose comes from images over DDS and the transforms on /tf_static, and the basestation gets the same position.
 
     The true pose is inside the 95 % ellipsoid as often as it should be.
     """
     camera = RenderedD435i(8)
-    poses: list[Any] = []
-    positions: list[Any] = []
     with open_middleware("dds", NodeIdentity("driver")) as node, _driver(node, camera):
-        for topic, message_type, kept in (
-            ("/aruco/pose", geometry_msgs.PoseWithCovarianceStamped, poses),
-            ("/rover_localization", BasestationRoverLocalization, positions),
-        ):
-            node.subscribe(
-                topic,
-                message_type,
-                Qos(depth=100),
-                lambda many, kept=kept, kind=message_type: kept.extend(cdr.decode(kind, one) for one in many),
-            )
-        assert main(_words(folder, "--middleware", "dds", "--count", 60, source=f"topic:{COLOUR}")) == 0
+        poses = hear(node, "/aruco/pose", geometry_msgs.PoseWithCovarianceStamped, Qos(depth=100))
+        positions = hear(node, "/rover_localization", BasestationRoverLocalization, Qos(depth=100))
+        assert main(field.words("--middleware", "dds", "--count", 30, source=f"topic:{COLOUR}")) == 0
         wait_until(lambda: len(poses) >= 20 and positions, "poses of the rover")
         with TopicSets(node, [COLOUR, DEPTH, INFO], print) as sets:
             colour, depth, _ = next(iter(sets))
@@ -227,11 +165,9 @@ def test_a_d435i_says_where_base_link_is(folder: Path) -> None:
 
 @needs_dds
 @pytest.mark.slow
-@pytest.mark.usefixtures("own_domain")
-def test_a_mount_that_nobody_publishes_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_mount_that_nobody_publishes_is_told(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """The poses of the camera come all the same; the message names the frames and both remedies."""
-    given = ("--parameters", folder / "camera.yml", "--middleware", "dds", "--loop", "--rate", 10, "--count", 45)
-    assert main(_words(folder, *given, source=folder / "frames")) == 0
+    assert main(field.words("--middleware", "dds", "--loop", "--count", 45)) == 0
     told = capsys.readouterr().err
     assert told.count("the pose of 'base_link' is not known: no transforms connect 'camera_frame'") == 1
     assert "publish the camera's mount on /tf_static, or write it into cameras.yaml" in told

@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 from needs import NO_OPENCV, needs_dds
+from node_in_memory import hear
 from polling import wait_until
 from programs import Start
 from repeating import repeated
 
 from roverlink.__main__ import main
 from roverlink.runtime import Qos
-from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
 
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
@@ -29,19 +29,12 @@ from roverlink.runtime.interfaces import sensor_msgs, tf2_msgs, vision_msgs  # n
 from tests.vision import board_frames  # noqa: E402
 from tests.vision.ros_images import FRAME, Camera, camera_info, image  # noqa: E402
 
-pytestmark = [needs_dds, pytest.mark.usefixtures("own_domain")]
+pytestmark = needs_dds
 
 _FRAMES = 3
 _PERIOD = 33_333_333
 _BEGAN = 1_700_000_000_000_000_000
 _IMAGES, _INFO = "/camera/color/image_raw", "/camera/color/camera_info"
-
-
-@pytest.fixture
-def own_domain(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]) -> None:
-    """DDS on this host alone, as the programs of these tests have it."""
-    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
-        monkeypatch.setenv(name, environment[name])
 
 
 @pytest.fixture(scope="module")
@@ -108,17 +101,10 @@ def test_poses_have_the_stamp_and_frame_of_their_image(
 def test_ros_2_hears_the_stamp_and_frame_of_the_image(film: Film, words: list[str], given: tuple[str, ...]) -> None:
     """They are on /tf and in the detections, unless the frame is given; names follow the ROS arguments."""
     topics: dict[str, Any] = {"/tf": tf2_msgs.TFMessage, "/camera/aruco/detections": vision_msgs.Detection3DArray}
-    heard: dict[str, list[Any]] = {topic: [] for topic in topics}
     words[2] = "topic:picture"
     ros = ("--ros-args", "-r", "__ns:=/camera", "-r", "picture:=color/image_raw")
     with _driving(film) as node:
-        for topic, message_type in topics.items():
-            kept = heard[topic]
-
-            def take(messages: Any, kept: list[Any] = kept, message_type: Any = message_type) -> None:
-                kept.extend(cdr.decode(message_type, one) for one in messages)
-
-            node.subscribe(topic, message_type, Qos(), take)
+        heard = {topic: hear(node, topic, kind) for topic, kind in topics.items()}
         assert main([*words, "--middleware", "dds", "--count", "10", *given, *ros]) == 0
         wait_until(lambda: all(heard.values()), "both topics")
     headers = [one.header for message in heard["/tf"] for one in message.transforms]
@@ -148,28 +134,6 @@ def test_a_film_has_the_stamp_and_frame_of_its_images(film: Film, words: list[st
     assert (corner.min(axis=2) > 200).sum() > 200  # light letters
     assert (corner.max(axis=2) < 60).sum() > 1000  # in a dark box
     assert (np.ptp(picture.astype(int), axis=2) > 80).sum() > 300
-
-
-@pytest.mark.parametrize(
-    ("source", "given", "expected"),
-    [
-        ("topic:", (), "'' is not the name of a topic"),
-        ("topic:/a b", (), "'/a b' is not the name of a topic"),
-        (
-            "topic:/a",
-            ("--parameters", "camera.yml", "--camera-info", "/b"),
-            "--camera-info has no effect, because --par",
-        ),
-        ("0", ("--camera-info", "/b"), "--camera-info has no effect, because the source is not topic:NAME"),
-    ],
-)
-def test_what_cannot_be_a_topic_is_told(
-    words: list[str], source: str, given: tuple[str, ...], expected: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Names and options are checked before anything is waited for."""
-    words[2] = source
-    assert main([*words, *given]) == 2
-    assert expected in capsys.readouterr().err
 
 
 @pytest.mark.slow

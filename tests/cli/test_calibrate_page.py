@@ -146,13 +146,3 @@ def test_an_interruption_writes_nothing(start: Start, webcam: Webcam, tmp_path: 
     assert page.program.interrupt() == 1
     assert "nothing was saved" in str(page.program)
     assert list(tmp_path.glob("charuco*")) == []
-
-
-def test_a_port_that_is_taken_is_told(start: Start, webcam: Webcam, tmp_path: Path) -> None:
-    """With its number, and exit code 2."""
-    port = webcam.address.rpartition(":")[2]
-    program = start(
-        "aruco", "calibrate", f"http://{webcam.address}/video", "--page", "--page-port", port, folder=tmp_path
-    )
-    assert program.end() == 2
-    assert f"TCP port {port} of 127.0.0.1" in str(program)

@@ -2,30 +2,26 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
-import fcntl
 import itertools
 import json
 import logging
 import os
 import re
 import socket
-import subprocess
-import sys
-import termios
 import time
-from collections.abc import Callable, Iterator
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 import pytest
 from mcap.reader import make_reader
 from mcap.writer import Writer
 from needs import needs_dds
 from polling import PATIENCE_S, wait_until
+from programs import Start
 from rosbags.highlevel import AnyReader
+from running import Bridge
+from terminals import Terminal
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
@@ -36,8 +32,6 @@ from roverlink.runtime.recording.queued_file import Settings
 from roverlink.runtime.recording.reader import Recording
 from roverlink.runtime.recording.recorder import Recorder
 from roverlink.runtime.recording.schemas import descriptor_set_of
-
-Start = Callable[..., Any]
 
 _SECOND = 1_000_000_000
 _COUNT = 100
@@ -98,15 +92,6 @@ def run(tmp_path: Path, jump: int, caplog: pytest.LogCaptureFixture) -> Path:
     return _record(tmp_path / "run.mcap", jump, caplog)
 
 
-@pytest.fixture
-def peer() -> Iterator[socket.socket]:
-    """A socket of a bridge that is replayed to."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        sock.settimeout(PATIENCE_S)
-        yield sock
-
-
 def _to(peer: socket.socket) -> tuple[str, str]:
     return "--to", f"127.0.0.1:{peer.getsockname()[1]}"
 
@@ -151,7 +136,7 @@ def test_every_part_of_a_recording_knows_the_jump(tmp_path: Path, caplog: pytest
 
 @pytest.mark.slow
 def test_a_bridge_whose_clock_is_set_records_in_order(
-    start: Start, done: Start, peer: socket.socket, tmp_path: Path
+    bridge: Bridge, peer: socket.socket, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A day ahead while it records: the program says so, and the recording has neither a gap nor another order."""
     flag, path = tmp_path / "set", tmp_path / "run.mcap"
@@ -161,9 +146,7 @@ def test_a_bridge_whose_clock_is_set_records_in_order(
         f"time.time_ns = lambda: real() + {24 * _HOUR} * os.path.exists({str(flag)!r})\n"
     )
     python_path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
-    address = ("--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
-    program = start("record", path, "--no-diagnostics", "--middleware", "memory", *address, PYTHONPATH=python_path)
-    port = int(program.wait_for("on UDP port ").rpartition(" ")[2])
+    program, port = bridge(path, "--no-diagnostics", command="record", PYTHONPATH=python_path)
     peer.sendto(_datagram(0), ("127.0.0.1", port))
     wait_until(lambda: path.exists() and "/imu_data" in Recording(path).channels(), "the first message on disk")
     flag.touch()
@@ -173,20 +156,27 @@ def test_a_bridge_whose_clock_is_set_records_in_order(
     first, second = (message for message in Recording(path).messages() if message.channel.topic == "/imu_data")
     assert 0 < second.time - first.time < PATIENCE_S * _SECOND
     assert 24 * _HOUR <= second.wall - first.wall < 25 * _HOUR
-    assert "clock     jumped by +1 day, 0:00:00, from " in done("info", path)[1]
+    assert main(["info", str(path)]) == 0
+    assert "clock     jumped by +1 day, 0:00:00, from " in capsys.readouterr().out
 
 
 # --- info and export --------------------------------------------------------------------------------------------
 
 
-def test_info_says_where_the_clock_jumped(run: Path, jump: int, done: Start) -> None:
+def _said(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
+    """What a command prints that ends well."""
+    assert main([*map(str, arguments)]) == 0
+    return capsys.readouterr().out
+
+
+def test_info_says_where_the_clock_jumped(run: Path, jump: int, capsys: pytest.CaptureFixture[str]) -> None:
     """The duration is that of the run; the jump is told with its size, both times and its place."""
-    output = done("info", run)[1]
+    output = _said(capsys, "info", run)
     assert "start     2026-05-31 12:00:00, for 99.0 s" in output
     size, to = ("+3652 days, 0:00:00", "2036-05-30 ") if jump > 0 else ("-1:00:00", "2026-05-31 11:00:50")
     assert f"clock     jumped by {size}, from 2026-05-31 12:00:50 to {to}" in output
     assert ", 50.0 s after the first message\n" in output
-    (told,) = json.loads(done("info", run, "--json")[1])["clock_jumps"]
+    (told,) = json.loads(_said(capsys, "info", run, "--json"))["clock_jumps"]
     assert (told["after_seconds"], told["by_seconds"]) == (50.0, jump / 1e9)
 
 
@@ -205,27 +195,26 @@ def test_an_export_has_both_times_and_says_where_they_part(
 # --- replay -----------------------------------------------------------------------------------------------------
 
 
-def test_a_replay_keeps_order_and_pace(run: Path, done: Start, peer: socket.socket) -> None:
-    """A hundred seconds, a hundred times as fast, are one; a decade would be weeks."""
-    code, output, _ = done("replay", run, "--speed", 100, *_to(peer))
-    assert code == 0
-    took = float(output.removeprefix(f"replayed {_COUNT} datagrams in ").removesuffix(" s"))
-    assert 0.9 <= took < PATIENCE_S
+def test_a_replay_keeps_order_and_pace(run: Path, capsys: pytest.CaptureFixture[str], peer: socket.socket) -> None:
+    """A hundred seconds, a thousand times as fast, are a tenth of a second; a decade would be days."""
+    output = _said(capsys, "replay", run, "--speed", 1000, *_to(peer))
+    took = float(output.removeprefix(f"replayed {_COUNT} datagrams in ").removesuffix(" s\n"))
+    assert 0.09 <= took < PATIENCE_S
     assert _numbers(peer, _COUNT) == list(range(_COUNT))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
-def test_a_replay_begins_where_it_is_told(run: Path, done: Start, peer: socket.socket) -> None:
+def test_a_replay_begins_where_it_is_told(run: Path, capsys: pytest.CaptureFixture[str], peer: socket.socket) -> None:
     """What was before is left out; a start after the end is an error that names the length."""
-    code, output, _ = done("replay", run, "--start", 90, "--speed", 100, *_to(peer))
-    assert (code, output.split(" in ")[0]) == (0, "replayed 10 datagrams")
+    assert _said(capsys, "replay", run, "--start", 90, "--speed", 1000, *_to(peer)).startswith("replayed 10 datagrams")
     assert _numbers(peer, 10) == list(range(90, _COUNT))
-    code, _, errors = done("replay", run, "--start", 1000, *_to(peer))
-    assert (code, errors) == (2, "roverlink: --start 1000: the recording has only 99.0 s")
+    assert main(["replay", str(run), "--start", "1000", *_to(peer)]) == 2
+    assert capsys.readouterr().err == "roverlink: --start 1000: the recording has only 99.0 s\n"
 
 
-def test_a_recording_of_another_program_is_replayed(done: Start, peer: socket.socket, tmp_path: Path) -> None:
+def test_a_recording_of_another_program_is_replayed(
+    capsys: pytest.CaptureFixture[str], peer: socket.socket, tmp_path: Path
+) -> None:
     """Recordings with one time, as roverlink made them before, are replayed as ever, from the middle, too."""
     path = tmp_path / "old.datagrams.mcap"
     with path.open("wb") as file:
@@ -238,15 +227,15 @@ def test_a_recording_of_another_program_is_replayed(done: Start, peer: socket.so
             at = _BEGIN + number * _SECOND
             writer.add_message(channel, at, _datagram(number), at)
         writer.finish()
-    assert "clock " not in done("info", path)[1]
-    assert done("replay", path, "--speed", 1000, "--start", 40, *_to(peer))[0] == 0
+    assert "clock " not in _said(capsys, "info", path)
+    _said(capsys, "replay", path, "--speed", 1000, "--start", 40, *_to(peer))
     assert _numbers(peer, 60) == list(range(40, _COUNT))
 
 
 @needs_dds
 @pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
 @pytest.mark.slow
-def test_a_replay_publishes_the_clock(run: Path, start: Start, done: Start, jump: int) -> None:
+def test_a_replay_publishes_the_clock(run: Path, start: Start, jump: int) -> None:
     """Nodes hear the time of the run as its clock showed it, jump included, so that it fits the stamps of messages."""
     options = ("--as", "ros", "--clock", "--topic", "imu_data", "--middleware", "dds")
     listener = start("echo", "clock", "--type", "rosgraph_msgs/msg/Clock", "--json", "--middleware", "dds")
@@ -263,7 +252,7 @@ def test_a_replay_publishes_the_clock(run: Path, start: Start, done: Start, jump
     for stamp in stamps:
         assert 0 <= stamp - _BEGIN <= 51 * _SECOND or 0 <= stamp - _BEGIN - jump - 49 * _SECOND <= 51 * _SECOND
     assert definition_of(Clock) == definition_of(from_rosbags.message_type("rosgraph_msgs/msg/Clock"))
-    assert done("replay", run, "--clock")[0] == 2
+    assert main(["replay", str(run), "--clock"]) == 2
 
 
 def _stamps(lines: list[str]) -> list[int]:
@@ -271,68 +260,10 @@ def _stamps(lines: list[str]) -> list[int]:
     return [clock["sec"] * _SECOND + clock["nanosec"] for clock in clocks]
 
 
-class _Terminal:
-    """Terminal in which a command runs, with a keyboard and a screen."""
-
-    def __init__(self, *arguments: object, own: bool = True) -> None:
-        """Start the command; if ``own`` is false, its session has another terminal, or none."""
-        self._master, slave = os.openpty()
-        self._slave = slave
-        self.settings = termios.tcgetattr(slave)
-        self.screen = ""
-
-        def own_the_terminal() -> None:
-            os.setsid()
-            if own:
-                fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
-
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "roverlink", *map(str, arguments)],
-            stdin=slave,
-            stdout=slave,
-            stderr=slave,
-            preexec_fn=own_the_terminal,
-        )
-
-    def type(self, keys: str) -> None:
-        """Press keys."""
-        os.write(self._master, keys.encode())
-
-    def wait_for(self, pattern: str) -> str:
-        """Wait until the screen shows a text after what it showed before; return the text."""
-
-        def shown() -> re.Match[str] | None:
-            self._read()
-            return re.search(pattern, self.screen)
-
-        found = wait_until(shown, repr(pattern))
-        assert found is not None
-        self.screen = self.screen[found.end() :]
-        return found[0]
-
-    def _read(self) -> None:
-        with contextlib.suppress(BlockingIOError):
-            self.screen += os.read(self._master, 65_536).decode()
-
-    def __enter__(self) -> _Terminal:
-        os.set_blocking(self._master, False)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.process.kill()
-        self.process.wait()
-        os.close(self._master)
-        os.close(self._slave)
-
-    def left_as_it_was(self) -> bool:
-        """True if the terminal has the settings that it had before the command."""
-        return termios.tcgetattr(self._slave) == self.settings
-
-
 @pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
 def test_a_replay_shows_its_progress_and_obeys_keys(run: Path, peer: socket.socket) -> None:
     """The arrows seek, space pauses and continues, and at the end the terminal is as it was."""
-    with _Terminal("replay", run, *_to(peer)) as terminal:
+    with Terminal("replay", run, *_to(peer)) as terminal:
         terminal.wait_for(r"0\.\d of 99\.0 s \(0%\); space pauses, arrow keys seek")
         assert _numbers(peer, 1) == [0]
         terminal.type(" ")
@@ -349,7 +280,7 @@ def test_a_replay_shows_its_progress_and_obeys_keys(run: Path, peer: socket.sock
         played = wait_until(lambda: [one for one in _numbers(peer, 1) if one >= 89], "the rest")
         assert played in ([89], [90])  # 89.0 is rounded
         terminal.type("\x1b[C")
-        assert terminal.process.wait(PATIENCE_S) == 0
+        assert terminal.end() == 0
         terminal.wait_for(r"replayed \d+ datagrams in ")
         assert terminal.left_as_it_was()
 
@@ -358,14 +289,14 @@ def test_a_replay_shows_its_progress_and_obeys_keys(run: Path, peer: socket.sock
 @pytest.mark.slow
 def test_ctrl_c_ends_a_paused_replay(run: Path, peer: socket.socket) -> None:
     """Cleanly, and the terminal echoes again."""
-    with _Terminal("replay", run, *_to(peer)) as terminal:
+    with Terminal("replay", run, *_to(peer)) as terminal:
         _numbers(peer, 1)
         terminal.wait_for("space pauses")
         terminal.type(" ")
         terminal.wait_for("paused")
         assert not terminal.left_as_it_was()
         terminal.type("\x03")
-        assert terminal.process.wait(PATIENCE_S) == 0
+        assert terminal.end() == 0
         assert terminal.left_as_it_was()
 
 
@@ -373,7 +304,7 @@ def test_ctrl_c_ends_a_paused_replay(run: Path, peer: socket.socket) -> None:
 @pytest.mark.slow
 def test_a_replay_on_the_terminal_of_another_session_takes_no_keys(run: Path, peer: socket.socket) -> None:
     """It shows its progress, promises no keys, and replays to the end."""
-    with _Terminal("replay", run, "--speed", 50, *_to(peer), own=False) as terminal:
-        terminal.wait_for(r"of 99\.0 s \(\d+%\)\x1b|of 99\.0 s \(\d+%\)\r")
+    with Terminal("replay", run, "--speed", 50, *_to(peer), own=False) as terminal:
+        terminal.wait_for(r"of 99\.0 s \(\d+%\)[\x1b\r]")
         assert _numbers(peer, _COUNT) == list(range(_COUNT))
-        assert terminal.process.wait(PATIENCE_S) == 0
+        assert terminal.end() == 0

@@ -55,9 +55,8 @@ def test_all_commands_show_the_line(project: Path, command: list[str], capsys: p
 def test_a_row_that_is_not_on_disk_is_quoted(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """`add` quotes the row that it would write."""
     assert main(["add", "wind", "--proto", "Imu", "--direction", "gale_to_ros"]) == 1
-    assert (
-        "8 |   - {number: 2, name: wind, proto: Imu, topic: wind, direction: gale_to_ros}\n" in capsys.readouterr().err
-    )
+    row = "8 |   - {number: 2, name: wind, proto: Imu, topic: wind, direction: gale_to_ros}\n"
+    assert row in capsys.readouterr().err
 
 
 class _Terminal(io.StringIO):

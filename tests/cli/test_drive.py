@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 import json
-import logging
 import math
 import socket
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
-from pathlib import Path as FilePath
 from typing import Any
 
 import pytest
 from needs import needs_dds
+from node_in_memory import BEGAN, SECOND, NodeInMemory, hear
 from polling import wait_until
 from programs import Start
 from repeating import repeated
+from running import Bridge
 
 from generated.messages import BasestationControlMode, DrivingBoardMotorMessage
 from generated.registry import REGISTRY
-from roverlink.__main__ import main
 from roverlink.drive.drive_parameters import DriveParameters
-from roverlink.drive.drive_rows import MODE, DriveRows
+from roverlink.drive.drive_rows import DriveRows
 from roverlink.drive.driving import Driving
-from roverlink.ros_connection import RosConnection
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import SetupError
@@ -36,21 +34,18 @@ from roverlink.runtime.interfaces.nav_msgs import Odometry, Path
 from roverlink.runtime.interfaces.rosgraph_msgs import Clock
 from roverlink.runtime.interfaces.std_msgs import Header, String
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
-from roverlink.runtime.ros_arguments import ros_args
 from roverlink.runtime.ros_time.headers import header_of
 
-_LATCHED = Qos(depth=1, durability="transient_local")
-_S = 10**9
-_BEGAN = 100 * _S
-_PERIOD = _S // 20
+_PERIOD = SECOND // 20
 
 
 def _twist(linear: float, angular: float = 0.0) -> Twist:
     return Twist(Vector3(linear), Vector3(0, 0, angular))
 
 
-def _path(*points: tuple[float, float], frame: str = "map", stamp: int = 0) -> Path:
-    return Path(header_of(stamp, frame), [PoseStamped(pose=Pose(Point(x, y))) for x, y in points])
+def _path(length: float = 5.0, frame: str = "map", stamp: int = 0) -> Path:
+    header = header_of(stamp, frame)
+    return Path(header, [PoseStamped(header, Pose(Point(x))) for x in (0.0, length)])
 
 
 # --- the program, with a bridge, a board and a basestation --------------------------------------------------------
@@ -58,29 +53,23 @@ def _path(*points: tuple[float, float], frame: str = "map", stamp: int = 0) -> P
 
 @needs_dds
 def test_velocities_reach_the_board_while_the_basestation_says_so(
-    start: Start, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
+    bridge: Bridge, start: Start, peer: socket.socket
 ) -> None:
     """Twist, then TwistStamped of another program. When a person takes over, there is one stop and then silence."""
-    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
-        monkeypatch.setenv(name, environment[name])
     with ExitStack() as held:
-        board = held.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-        board.bind(("127.0.0.1", 0))
-        board.settimeout(0.2)
+        peer.settimeout(0.2)
         basestation = held.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-        ros = ("listen_port:=0", "listen_address:='127.0.0.1'", f"dst_b_port:={board.getsockname()[1]}")
-        bridge = start("run", "--middleware", "dds", "--ros-args", *(word for one in ros for word in ("-p", one)))
+        _, port = bridge(parameters=[f"dst_b_port:={peer.getsockname()[1]}"], middleware="dds")
         given = ("-p", "mode_timeout:=60.0", "-p", "timeout:=2.0")  # long enough for a busy machine
         program = start("drive", "--middleware", "dds", "--json", "--ros-args", *given)
-        address = "127.0.0.1", int(bridge.wait_for("on UDP port ").rpartition(" ")[2])
         program.wait_for("while /control_mode is AUTO")
 
         def tell(mode: int) -> None:
-            basestation.sendto(REGISTRY.envelope(control_mode={"mode": mode}).SerializeToString(), address)
+            basestation.sendto(REGISTRY.envelope(control_mode={"mode": mode}).SerializeToString(), ("127.0.0.1", port))
 
         def command() -> Any:
             try:
-                envelope = REGISTRY.envelope.FromString(board.recv(2000))
+                envelope = REGISTRY.envelope.FromString(peer.recv(2000))
             except TimeoutError:
                 return None
             return envelope.drive_motor if envelope.WhichOneof("payload") == "drive_motor" else None
@@ -95,11 +84,9 @@ def test_velocities_reach_the_board_while_the_basestation_says_so(
         assert straight.distance_to_go <= 0.3 * 0.4 + 1e-6
         program.wait_for("idle: no velocity for 2 s")
         node = held.enter_context(open_middleware("dds", NodeIdentity("other_controller")))
-        states: list[str] = []
-        node.subscribe("/drive/state", String, _LATCHED, lambda data: states.extend(_texts(data)))
-        wait_until(lambda: states == ["idle: no velocity for 2 s"], "the state, which was published before")
+        states = hear(node, "/drive/state", String, Qos(depth=1, durability="transient_local"))
+        wait_until(lambda: states == [String("idle: no velocity for 2 s")], "the state, which was published before")
         stamped = node.publisher("/cmd_vel", TwistStamped, Qos())
-
         published: list[int] = []
 
         def publish(number: int) -> None:
@@ -115,70 +102,40 @@ def test_velocities_reach_the_board_while_the_basestation_says_so(
             wait_until(lambda: (one := command()) and one.distance_to_go == 0, "the stop")
             more = len(published) + 20
             wait_until(lambda: len(published) > more, "more velocities")
-            wait_until(lambda: states[-1] == "manual: control_mode is MANUAL", "the state")
+            wait_until(lambda: states[-1] == String("manual: control_mode is MANUAL"), "the state")
         assert program.interrupt() == 0
     entries = [json.loads(line) for line in program.output]
-    distances = [one["distance_to_go"] for one in entries if "distance_to_go" in one]
     assert [one["reason"] for one in entries[-2:]] == ["control_mode is MANUAL", "this program ends"]
     assert entries[-3]["distance_to_go"] == 0
-    assert distances[-2] > 0
-
-
-def _texts(messages: Sequence[bytes]) -> list[str]:
-    return [cdr.decode(String, data).data for data in messages]
+    assert [one["distance_to_go"] for one in entries if "distance_to_go" in one][-2] > 0
 
 
 # --- in memory, in the time of a simulation -----------------------------------------------------------------------
 
 
-class _Drive:
-    """The node in memory, without its command line; the time passes only here."""
+class _Drive(NodeInMemory):
+    """The node with its commands and states."""
 
-    def __init__(self, held: ExitStack, *parameters: str) -> None:
-        words = [word for one in ("use_sim_time:=true", *parameters) for word in ("-p", one)]
-        ros = ros_args.parse(words, "drive")
-        self.log: list[str] = []
-        logger = logging.Logger("test")
-        logger.addHandler(handler := logging.Handler())
-        handler.emit = lambda record: self.log.append(record.getMessage())  # type: ignore[method-assign]
-        self.parameters = DriveParameters(ros, logger)
-        connection = RosConnection(ros, "memory", held, logger.warning, self.parameters)
-        self.node, self._now = connection.middleware, _BEGAN
-        self._publishers: dict[str, Any] = {}
-        with repeated(lambda _: self.publish("/clock", Clock(Time.since_1970(_BEGAN)))):
-            assert connection.clock.now() == _BEGAN
-        self.driving = Driving(connection, DriveRows(REGISTRY), self.parameters, logger, as_json=False)
-        self.sent: list[DrivingBoardMotorMessage] = []
-        self.states: list[str] = []
-        self.node.subscribe(
-            "/drive_motor",
-            DrivingBoardMotorMessage,
-            Qos(),
-            lambda messages: self.sent.extend(cdr.decode(DrivingBoardMotorMessage, data) for data in messages),
-        )
-        self.node.subscribe("/drive/state", String, Qos(), lambda messages: self.states.extend(_texts(messages)))
+    def __init__(self, held: ExitStack) -> None:
+        super().__init__(held, "drive", ["use_sim_time:=true", "rate:=20.0"], DriveParameters)
+        self.driving = Driving(self.connection, DriveRows(REGISTRY), self.parameters, self.logger, as_json=False)
+        self.sent = self.hear("/drive_motor", DrivingBoardMotorMessage)
+        self._states = self.hear("/drive/state", String)
         self.driving.receive()
 
     @property
-    def now(self) -> int:
-        """The time in nanoseconds."""
-        return self._now
+    def states(self) -> list[str]:
+        """The states that were published."""
+        return [one.data for one in self._states]
 
     def log_about(self, text: str) -> list[str]:
         """The lines of the log with a text, without the states."""
         return [one for one in self.log if text in one and one not in self.states]
 
-    def publish(self, topic: str, message: Message) -> None:
-        """Publish a message."""
-        if topic not in self._publishers:
-            self._publishers[topic] = self.node.publisher(topic, type(message), Qos())
-        self._publishers[topic].publish([cdr.encode(message)])
-
     def tick(self, count: int = 1, automatic: bool = True) -> None:
         """Let time pass, in which the basestation repeats the mode."""
         for _ in range(count):
-            self._now += _PERIOD
-            self.publish("/clock", Clock(Time.since_1970(self._now)))
+            self.pass_time(_PERIOD)
             if automatic:
                 self.publish("/control_mode", BasestationControlMode(1))
             self.driving.tick()
@@ -187,14 +144,19 @@ class _Drive:
         """Publish a velocity again and again."""
         for _ in range(count):
             if isinstance(message, TwistStamped) and message.header.stamp.sec:
-                message = replace(message, header=header_of(self._now, message.header.frame_id))
+                message = replace(message, header=header_of(self.now, message.header.frame_id))
             self.publish("/cmd_vel", message)
             self.tick()
 
-    def localize(self, x: float = 0.0, frame: str = "map", child: str = "base_link", late: float = 0.0) -> Odometry:
-        """Return the pose of the rover."""
-        message = Odometry(header_of(self._now - round(late * _S), frame), child)
+    def localize(
+        self, x: float = 0.0, child: str = "base_link", late: float = 0.0, uncertain: bool = False
+    ) -> Odometry:
+        """The pose of the rover; if it is late by all the time that there was, it has no stamp."""
+        message = Odometry(header_of(self.now - round(late * SECOND) if late < 100 else 0, "map"), child)
         message.pose.pose.position.x = x
+        if uncertain:  # x and y are correlated: 0.6 m in one direction, 0.1 m in the other
+            xx, xy = (0.6**2 + 0.1**2) / 2, (0.6**2 - 0.1**2) / 2
+            message.pose.covariance[0:2] = message.pose.covariance[7:5:-1] = [xx, xy]
         return message
 
 
@@ -202,13 +164,13 @@ class _Drive:
 def drive() -> Iterator[_Drive]:
     """The node, which sends a command at each tick."""
     with ExitStack() as held:
-        yield _Drive(held, "rate:=20.0")
+        yield _Drive(held)
 
 
 def test_a_path_is_followed_in_simulated_time(drive: _Drive) -> None:
     """To its end, with the poses of the localization; the states tell each step."""
     drive.tick(2)
-    drive.publish("/path", _path((0, 0), (1, 0), stamp=drive.now))
+    drive.publish("/path", _path(1.0, stamp=drive.now))
     drive.tick()
     x = 0.0
     for _ in range(200):
@@ -232,7 +194,7 @@ def test_simulated_time_that_stands_still_ends_nothing(drive: _Drive) -> None:
         drive.driving.tick()
     assert drive.states[-1] == "driving"
     assert len(drive.sent) == before
-    drive.publish("/clock", Clock(Time.since_1970(_S)))
+    drive.publish("/clock", Clock(Time.since_1970(SECOND)))
     drive.driving.tick()
     assert drive.sent[-1] == DrivingBoardMotorMessage()
     assert drive.states[-1] == "manual: the time has jumped back; waiting for control_mode"
@@ -275,7 +237,7 @@ def test_stamps_of_velocities_must_be_fresh(drive: _Drive) -> None:
     assert drive.states[-1] == "driving"
     for seconds, reason in ((-0.6, "more than 0.5 s old"), (0.6, "in the future")):
         for _ in range(15):
-            stamp = drive.now + round(seconds * _S)
+            stamp = drive.now + round(seconds * SECOND)
             drive.publish("/cmd_vel", replace(_STAMPED, header=header_of(stamp, "base_link")))
             drive.tick()
         expected = f"ignoring a velocity: its stamp is {reason}; is the clock of its computer right?"
@@ -286,50 +248,37 @@ def test_stamps_of_velocities_must_be_fresh(drive: _Drive) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "expected"),
+    ("path", "expected"),
     [
-        ({"stamp": _BEGAN - 11 * _S}, "ignoring a path: its stamp is more than 10 s old; is the clock of its"),
-        ({"frame": "odom"}, "the path is refused: the path is in the frame 'odom', but the pose is in 'map'"),
+        (_path(stamp=BEGAN - 11 * SECOND), "ignoring a path: its stamp is more than 10 s old; is the clock of its"),
+        (_path(frame="odom"), "the path is refused: the path is in the frame 'odom', but the pose is in 'map'"),
+        (
+            Path(header_of(0, "map"), [*_path().poses, *_path(frame="odom").poses]),
+            "ignoring a path: it is in the frame 'map', but has poses in ['odom']",
+        ),
     ],
 )
-def test_paths_that_cannot_be_used_are_told(drive: _Drive, changes: dict[str, Any], expected: str) -> None:
+def test_paths_that_cannot_be_used_are_told(drive: _Drive, path: Path, expected: str) -> None:
     """The rover does not move."""
     drive.tick()
-    drive.publish("/path", _path((0, 0), (5, 0), **changes))
+    drive.publish("/path", path)
     drive.publish("/odometry/global", drive.localize())
     drive.tick(2)
     assert drive.log_about(expected)
     assert drive.sent == []
 
 
-def test_a_path_in_two_frames_is_ignored(drive: _Drive) -> None:
-    """The message names them."""
-    drive.tick()
-    path = _path((0, 0), (5, 0))
-    path.poses[1].header.frame_id = "odom"
-    drive.publish("/path", path)
-    assert "ignoring a path: it is in the frame 'map', but has poses in ['odom']" in drive.log
-
-
-def _uncertain(message: Odometry) -> Odometry:
-    # x and y are correlated: 0.6 m in one direction, 0.1 m in the other
-    xx, xy = (0.6**2 + 0.1**2) / 2, (0.6**2 - 0.1**2) / 2
-    message.pose.covariance[0:2] = message.pose.covariance[7:5:-1] = [xx, xy]
-    return message
+_NO_POSE = "waiting: no pose has come yet"
 
 
 @pytest.mark.parametrize(
     ("change", "log", "state"),
     [
         ({"late": 0.6}, "", "waiting: the newest pose is more than 0.5 s old"),
-        (
-            {"child": "camera_link"},
-            "it is the pose of 'camera_link', not of 'base_link'",
-            "waiting: no pose has come yet",
-        ),
-        ({"late": -0.6}, "its stamp is in the future; is the clock of its", "waiting: no pose has come yet"),
-        ({"late": 100.0}, "it has no stamp", "waiting: no pose has come yet"),
-        ({"x": math.nan}, "it has a value that is not a number", "waiting: no pose has come yet"),
+        ({"child": "camera_link"}, "it is the pose of 'camera_link', not of 'base_link'", _NO_POSE),
+        ({"late": -0.6}, "its stamp is in the future; is the clock of its", _NO_POSE),
+        ({"late": 100.0}, "it has no stamp", _NO_POSE),
+        ({"x": math.nan}, "it has a value that is not a number", _NO_POSE),
         ({"uncertain": True}, "", "waiting: the position is uncertain by more than 0.5 m"),
     ],
 )
@@ -337,14 +286,10 @@ def test_the_rover_waits_for_a_pose_that_it_can_use(
     drive: _Drive, change: dict[str, Any], log: str, state: str
 ) -> None:
     """The reason is in the state, and that of ignored messages in the log; a usable pose lets the rover go on."""
-    uncertain = change.pop("uncertain", False)
     drive.tick()
-    drive.publish("/path", _path((0, 0), (5, 0)))
+    drive.publish("/path", _path())
     for _ in range(5):
-        place = drive.localize(**change)
-        if change.get("late") == 100.0:
-            place.header.stamp = Time()
-        drive.publish("/odometry/global", _uncertain(place) if uncertain else place)
+        drive.publish("/odometry/global", drive.localize(**change))
         drive.tick()
     assert drive.sent == []
     assert drive.states[-1] == state
@@ -360,7 +305,7 @@ def test_damaged_messages_are_told(drive: _Drive) -> None:
     """One line for each topic."""
     drive.drive(_twist(0.3), 2)
     for topic in ("/control_mode", "/path", "/cmd_vel", "/odometry/global"):
-        drive.node.publisher(topic, String, Qos()).publish([b"\0\1\0\0"])
+        drive.middleware.publisher(topic, String, Qos()).publish([b"\0\1\0\0"])
     assert [one.partition(":")[0] for one in drive.log_about("ignoring")] == [
         *("ignoring a control_mode", "ignoring a path", "ignoring a velocity", "ignoring a pose")
     ]
@@ -408,40 +353,3 @@ def test_the_end_of_the_program_stops_the_rover(drive: _Drive) -> None:
     count = len(drive.sent)
     drive.drive(_twist(0.3), 3)
     assert len(drive.sent) == count
-
-
-# --- the contract -------------------------------------------------------------------------------------------------
-
-
-def test_a_table_without_the_rows_is_refused() -> None:
-    """The message names the row, or what it lacks."""
-    others = tuple(handler for handler in REGISTRY.handlers if handler.route.name != MODE)
-    with pytest.raises(SetupError, match="the table has no row 'control_mode' in the direction from a peer"):
-        DriveRows(replace(REGISTRY, handlers=others))
-
-    class Handler(type(REGISTRY.by_name[MODE])):  # type: ignore[misc]  # a class of the registry's
-        message_type = DrivingBoardMotorMessage
-
-    with pytest.raises(SetupError, match="has no field mode; add it"):
-        DriveRows(replace(REGISTRY, handlers=(REGISTRY.by_name["drive_motor"], Handler())))
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (("-p", "speed:=fast"), "the parameter 'speed' is 'fast'; it must be a number"),
-        (("-p", "rate:=4.0"), "the parameter 'horizon' is 0.4 s; it must be at least 2 / rate = 0.5 s"),
-        (("-p", "sped:=1.0"), "unknown parameter 'sped'; "),
-    ],
-)
-def test_mistakes_are_one_line(words: tuple[str, ...], expected: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """The exit code is 2."""
-    assert main(["drive", "--middleware", "memory", "--ros-args", *words]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert expected in line
-
-
-def test_a_folder_without_a_project_is_refused(tmp_path: FilePath, capsys: pytest.CaptureFixture[str]) -> None:
-    """The exit code is 2."""
-    assert main(["drive", "--middleware", "memory", "--project", str(tmp_path)]) == 2
-    assert "generated" in capsys.readouterr().err

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from google.protobuf import wrappers_pb2
+from programs import Start
+from running import Called
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
@@ -17,8 +18,6 @@ from roverlink.generator.example_payloads import payload_at
 from roverlink.wire_dump import wire_lines
 
 _ROOT = Path(__file__).parents[2]
-
-Start = Callable[..., Any]
 
 
 @pytest.fixture
@@ -31,8 +30,16 @@ def project(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("word", ["imu_info", "13", "imu_data", "SensorBoardIMUInfo", "ImuSensorInformation"])
+@pytest.mark.parametrize(
+    "word",
+    [
+        "imu_info",
+        *(
+            pytest.param(w, marks=pytest.mark.slow)
+            for w in ("13", "imu_data", "SensorBoardIMUInfo", "ImuSensorInformation")
+        ),
+    ],
+)
 def test_a_row_is_found_by_whatever_it_is_called(word: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Name, number, topic, proto and ROS message all lead to the row, told with sizes, fields and bytes."""
     assert main(["explain", word]) == 0
@@ -61,65 +68,43 @@ def test_the_json_is_the_same_whatever_the_hash_seed(done: Start) -> None:
     assert said["ros"]["type_hash"] == handler.message_type.__typehash__
 
 
-def test_the_history_of_the_number(done: Start) -> None:
+def test_the_history_of_the_number(called: Called) -> None:
     """With --history, the commits by which it came are told."""
     if not (_ROOT / ".git").exists():
         pytest.skip("need the history of this repository (git clone)")
-    code, said, _ = done("explain", "imu_info", "--history")
+    code, said, _ = called("explain", "imu_info", "--history")
     assert code == 0
     assert "history    SensorBoardIMUInfo imu_info, since " in said
 
 
-def test_a_number_without_a_row(
-    project: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Of a number that is retired, it says so; of what is nothing, what is like it."""
-    monkeypatch.chdir(project)
-    assert main(["retire", "13"]) == 0
-    capsys.readouterr()
-    assert main(["explain", "13"]) == 1
-    assert capsys.readouterr().out == "13 is retired: it was 'imu_info' (SensorBoardIMUInfo)\n"
-    assert main(["explain", "gps_inf"]) == 2
-    assert "'gps_inf' is neither a row of mapping.yaml nor a rule (did you mean 'gps_info'?)" in capsys.readouterr().err
-    assert main(["explain", "ENV10"]) == 2
-    assert "did you mean 'ENV1" in capsys.readouterr().err
-
-
-def test_a_table_that_does_not_compile(project: Path, done: Start) -> None:
-    """Its findings are told instead."""
+def test_what_is_missing_is_told_beside_what_is_there(project: Path, called: Called) -> None:
+    """A number that is retired says so; without generated code there is no example; a wrong table is told instead."""
+    assert called("retire", "13", folder=project)[0] == 0
+    said = "13 is retired: it was 'imu_info' (SensorBoardIMUInfo)"
+    assert called("explain", "13", folder=project) == (1, said, "")
+    shutil.rmtree(project / "generated")
+    code, said, _ = called("explain", "gps_info", folder=project)
+    assert code == 0
+    assert "example: no generated code in" in said
     table = project / "mapping.yaml"
     table.write_text(table.read_text().replace("proto: SensorBoardPHInfo", "proto: Missing"))
-    code, _, errors = done("explain", "imu_info", folder=project)
+    code, _, errors = called("explain", "gps_info", folder=project)
     assert (code, "error[PRO103]" in errors) == (1, True)
 
 
-def test_rules_need_no_table(tmp_path: Path, done: Start) -> None:
+def test_rules_need_no_table(tmp_path: Path, called: Called) -> None:
     """A rule is explained anywhere; a row, where there is none, is not."""
-    assert done("explain", "ENV101", folder=tmp_path)[1].startswith("ENV101 field-number-taken (error)")
-    code, _, errors = done("explain", "imu_info", folder=tmp_path)
+    assert called("explain", "ENV101", folder=tmp_path)[1].startswith("ENV101 field-number-taken (error)")
+    code, _, errors = called("explain", "imu_info", folder=tmp_path)
     assert (code, "mapping.yaml does not exist" in errors) == (2, True)
 
 
-def test_what_no_number_can_be_is_told(project: Path, done: Start) -> None:
-    """Nobody waits for a number of a thousand digits to be read."""
-    code, _, errors = done("explain", "9" * 5000, folder=project)
-    assert (code, "Traceback" in errors) == (2, False)
-
-
-def test_without_generated_code_the_rest_is_told(project: Path, done: Start) -> None:
-    """The example needs the generated code; the rest does not."""
-    shutil.rmtree(project / "generated")
-    code, said, _ = done("explain", "imu_info", folder=project)
-    assert code == 0
-    assert "example: no generated code in" in said
-
-
-@pytest.mark.parametrize("handler", REGISTRY.handlers, ids=lambda handler: handler.route.name)
-def test_the_lines_are_all_of_the_bytes(handler: Any) -> None:
+def test_the_lines_are_all_of_the_bytes() -> None:
     """Put together, the bytes of all lines are the datagram."""
-    envelope = REGISTRY.envelope(**{handler.route.name: payload_at(handler.payload_type, 2.0)})
-    data = envelope.SerializeToString()
-    assert bytes.fromhex("".join(line.bytes for line in wire_lines(data, envelope.DESCRIPTOR))) == data
+    for handler in REGISTRY.handlers:
+        envelope = REGISTRY.envelope(**{handler.route.name: payload_at(handler.payload_type, 2.0)})
+        data = envelope.SerializeToString()
+        assert bytes.fromhex("".join(line.bytes for line in wire_lines(data, envelope.DESCRIPTOR))) == data
 
 
 @pytest.mark.slow

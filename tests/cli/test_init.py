@@ -6,21 +6,19 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
 from needs import NO_DDS
+from programs import Start
+from running import Bridge, Called
 
 sys.path.append(str(Path(__file__).parents[1] / "generator"))
 
 from trees import COLLIDING, FLAT, PACKAGES, PACKAGES_BEFORE, commit, plant
 
 pytest.importorskip("cyclonedds", reason=NO_DDS)
-
-Start = Callable[..., Any]
 
 
 def _packages(folder: Path) -> None:
@@ -39,7 +37,9 @@ _TREES = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", _TREES)
-def test_from_protos_to_a_bridge_that_carries_a_message(name: str, tmp_path: Path, start: Start, done: Start) -> None:
+def test_from_protos_to_a_bridge_that_carries_a_message(
+    name: str, tmp_path: Path, start: Start, done: Start, bridge: Bridge
+) -> None:
     """One command, and `generate`, `lint` and `run` work; a datagram that a board sends comes out on its topic."""
     prepare, row, assignment, expected = _TREES[name]
     prepare(tmp_path)  # type: ignore[operator]
@@ -49,18 +49,18 @@ def test_from_protos_to_a_bridge_that_carries_a_message(name: str, tmp_path: Pat
     code, said, _ = done("generate", folder=tmp_path)
     assert (code, said.startswith("0 changes")) == (0, True)
     assert done("lint", folder=tmp_path)[0] == 0
-    bridge = start("run", "--json", "--middleware", "dds", "--ros-args", "-p", "listen_port:=0", folder=tmp_path)
-    port = json.loads(bridge.wait_for("port", bridge.output))["port"]
+    program, port = bridge(middleware="dds", folder=tmp_path)
     echo = start("echo", row, "--json", "--count", 1, "--timeout", 60, folder=tmp_path)
     board = ("send", row, assignment, "--to", f"127.0.0.1:{port}", "--count", 1200, "--rate", 20)
     start(*board, folder=tmp_path)
     assert echo.end() == 0
     assert json.loads(echo.output[0]).items() >= expected.items()  # type: ignore[attr-defined]
-    assert bridge.interrupt() == 0
+    assert program.interrupt() == 0
 
 
 # --- a new project ----------------------------------------------------------------------------------------------
 
+_FLAT = {f"protos/{name}": text for name, text in FLAT.items()}
 _STARTED = {
     *(".github", ".gitignore", ".pre-commit-config.yaml", "docs", "generated", "mapping.lock", "mapping.yaml"),
     "proto",
@@ -70,7 +70,7 @@ _STARTED = {
 @pytest.mark.slow
 @pytest.mark.parametrize("within_a_repository", [False, True])
 def test_an_empty_folder_becomes_a_project_that_runs(
-    within_a_repository: bool, tmp_path: Path, start: Start, done: Start
+    within_a_repository: bool, tmp_path: Path, done: Start, bridge: Bridge
 ) -> None:
     """One command, and `generate --check` and `lint` are clean, and the bridge takes what the board sends."""
     if within_a_repository:
@@ -82,47 +82,67 @@ def test_an_empty_folder_becomes_a_project_that_runs(
     assert steps == ["roverlink run", "roverlink echo board_status", "roverlink send board_status battery_voltage=11.7"]
     assert done("generate", "--check", folder=tmp_path)[0] == 0
     assert done("lint", folder=tmp_path)[0] == 0
-    bridge = start("run", "--json", "--middleware", "memory", "--ros-args", "-p", "listen_port:=0", folder=tmp_path)
-    port = json.loads(bridge.wait_for("port", bridge.output))["port"]
+    program, port = bridge("--json", folder=tmp_path)
     send = steps[2].split()[1:]
     assert done(*send, "--to", f"127.0.0.1:{port}", folder=tmp_path)[0] == 0
-    assert bridge.interrupt() == 0
-    account = json.loads(bridge.output[-1])
+    assert program.interrupt() == 0
+    account = json.loads(program.output[-1])
     assert (account["received"], account["published"], account["dropped"]) == (1, 1, {})
-
-
-def test_files_that_are_there_stay_as_they_are(tmp_path: Path, done: Start) -> None:
-    """What a user wrote is named and left alone; what would clash with generated files is refused."""
-    plant(tmp_path, {".gitignore": "*.bag\n", "proto/board.proto": _BOARD})
-    code, said, _ = done("init", folder=tmp_path)
-    assert code == 0
-    assert "kept the existing proto/board.proto\nkept the existing .gitignore\n" in said
-    assert (tmp_path / ".gitignore").read_text() == "*.bag\n"
-    assert (tmp_path / "proto" / "board.proto").read_text() == _BOARD
-    assert "voltage" in (tmp_path / "generated" / "ros" / "comms" / "msg" / "BoardStatus.msg").read_text()
 
 
 _BOARD = 'syntax = "proto3";\n\nmessage BoardStatus {\n  float voltage = 1;\n}\n'
 
 
+def test_files_that_are_there_stay_as_they_are(tmp_path: Path, called: Called) -> None:
+    """What a user wrote is named and left alone; below the top of a repository the way of two files is told.
+
+    GitHub and pre-commit read their files in the top folder only.
+    """
+    subprocess.run(["git", "init", "--quiet", tmp_path], check=True)
+    folder = tmp_path / "software" / "rover"
+    plant(folder, {".gitignore": "*.bag\n", "proto/board.proto": _BOARD})
+    code, said, _ = called("init", folder=folder)
+    assert code == 0
+    assert "kept the existing proto/board.proto\nkept the existing .gitignore\n" in said
+    assert f"move them to {tmp_path} and let their commands run in software/rover\n" in said
+    assert (folder / ".gitignore").read_text() == "*.bag\n"
+    assert (folder / "proto" / "board.proto").read_text() == _BOARD
+    assert "voltage" in (folder / "generated" / "ros" / "comms" / "msg" / "BoardStatus.msg").read_text()
+
+
 @pytest.mark.parametrize(
-    ("there", "expected"),
+    ("there", "options", "code", "expected"),
     [
-        ({"mapping.yaml": "version: 1\n"}, "mapping.yaml exists already"),
-        ({"docs/messages.md": "Ours.\n"}, "docs/messages.md: fatal[ADO103] the file exists and was not generated"),
-        ({"proto/arm.proto": _BOARD}, "fatal[ADO104]"),
-        ({"proto/arm.proto": _BOARD}, "`roverlink init --from proto` drafts a table"),
+        ({"mapping.yaml": "version: 1\n"}, "", 2, ["mapping.yaml exists already"]),
+        (
+            {"docs/messages.md": "Ours.\n"},
+            "",
+            2,
+            ["docs/messages.md: fatal[ADO103] the file exists and was not generated"],
+        ),
+        ({"proto/arm.proto": _BOARD}, "", 2, ["fatal[ADO104]", "`roverlink init --from proto` drafts a table"]),
+        ({}, "--message Envelope", 2, ["--from"]),
+        ({"mapping.yaml": "version: 1\n", **_FLAT}, "--from protos", 2, ["mapping.yaml exists already"]),
+        ({}, "--from nowhere", 2, ["nothing was written"]),
+        (
+            {"protos/messages.proto": FLAT["messages.proto"].replace("sint32", "sint33")},
+            "--from protos",
+            1,
+            ["nothing was written"],
+        ),
+        (_FLAT, "--from protos --dry-run", 0, ["proto: ArmJoints"]),
+        ({}, "--dry-run", 0, ["proto: BoardStatus"]),
     ],
 )
-def test_a_project_is_not_started_over_another(
-    there: dict[str, str], expected: str, tmp_path: Path, done: Start
+def test_nothing_is_written_where_something_is_in_the_way(
+    there: dict[str, str], options: str, code: int, expected: list[str], tmp_path: Path, called: Called
 ) -> None:
-    """Where files are in the way, nothing is written, and the exit code is 2."""
+    """Files in the way, nothing to look at, or a wrong option: exit code 2; what protoc refuses: 1; a dry run: 0."""
     plant(tmp_path, there)
-    code, _, errors = done("init", folder=tmp_path)
-    assert code == 2
-    assert expected in errors
-    assert [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()] == [*there]
+    ended, output, errors = called("init", *options.split(), folder=tmp_path)
+    assert ended == code
+    assert all(text in (errors if code else output) for text in expected)
+    assert {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()} == {*there}
 
 
 @pytest.mark.slow
@@ -188,57 +208,3 @@ def test_the_workflow_installs_from_the_repository_that_roverlink_came_from(
     workflow = yaml.safe_load((tmp_path / "rover" / ".github" / "workflows" / "roverlink.yml").read_text())
     assert workflow["env"] == {"ROVERLINK": source}
     assert ("set ROVERLINK in .github/workflows/roverlink.yml" in said) == (not source)
-
-
-def test_below_the_top_of_a_repository_the_way_of_two_files_is_told(tmp_path: Path, done: Start) -> None:
-    """GitHub and pre-commit read their files in the top folder only."""
-    subprocess.run(["git", "init", "--quiet", tmp_path], check=True)
-    (tmp_path / "software" / "rover").mkdir(parents=True)
-    code, said, _ = done("init", folder=tmp_path / "software" / "rover")
-    assert code == 0
-    assert f"move them to {tmp_path} and let their commands run in software/rover\n" in said
-
-
-def test_the_options_of_taking_over_need_a_folder(tmp_path: Path, done: Start) -> None:
-    """--message, --envelope and --oneof without --from are a mistake."""
-    code, _, errors = done("init", "--message", "Envelope", folder=tmp_path)
-    assert code == 2
-    assert "--from" in errors
-
-
-# --- what is never written --------------------------------------------------------------------------------------
-
-
-def test_a_table_is_never_overwritten(tmp_path: Path, done: Start) -> None:
-    """Where there is a mapping.yaml, init says so, and leaves everything as it is."""
-    plant(tmp_path / "protos", FLAT)
-    (tmp_path / "mapping.yaml").write_text("version: 1\n")
-    code, _, errors = done("init", "--from", "protos", folder=tmp_path)
-    assert code == 2
-    assert "mapping.yaml exists already" in errors
-    assert {path.name for path in tmp_path.iterdir()} == {"mapping.yaml", "protos"}
-
-
-def test_a_dry_run_prints_the_table(tmp_path: Path, done: Start) -> None:
-    """With --dry-run, the table goes to standard output and nowhere else."""
-    plant(tmp_path / "protos", FLAT)
-    code, said, _ = done("init", "--from", "protos", "--dry-run", folder=tmp_path)
-    assert code == 0
-    assert "proto: ArmJoints" in said
-    assert {path.name for path in tmp_path.iterdir()} == {"protos"}
-    code, said, _ = done("init", "--dry-run", folder=tmp_path)
-    assert code == 0
-    assert "proto: BoardStatus" in said
-    assert {path.name for path in tmp_path.iterdir()} == {"protos"}
-
-
-@pytest.mark.parametrize(("given", "code"), [(("--from", "nowhere"), 2), (("--from", "broken"), 1)])
-def test_what_cannot_be_taken_over_leaves_nothing(
-    given: tuple[str, str], code: int, tmp_path: Path, done: Start
-) -> None:
-    """Exit code 2 where there is nothing to look at, 1 where protoc refuses the envelope; nothing is written."""
-    plant(tmp_path / "broken", {"messages.proto": FLAT["messages.proto"].replace("sint32", "sint33")})
-    ended, _, errors = done("init", *given, folder=tmp_path)
-    assert ended == code
-    assert "nothing was written" in errors
-    assert {path.name for path in tmp_path.iterdir()} == {"broken"}

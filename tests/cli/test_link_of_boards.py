@@ -8,43 +8,51 @@ import re
 import shutil
 import socket
 import subprocess
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from linked import PROTO, TABLE, linked_registry, write_project
+from programs import Start
+from repeating import repeated
 
 from roverlink.runtime.core.link_message import LinkWriter
 
-Start = Callable[..., Any]
 _BOARDS = "boards: {Arm: {host: 10.0.0.21, port: 6001}, Drive: {host: learn, port: 6001}}"
 
 
 @contextlib.contextmanager
-def _board(hashes: dict[int, int]) -> Iterator[tuple[int, Callable[[int], None]]]:
-    """A program that answers each datagram with a link message; yields its port, and a function that sets the bridge's.
+def _board(hashes: dict[int, int]) -> Iterator[list[str]]:
+    """A board that answers each datagram with a link message; yields the parameters of the bridge that it knows.
 
-    The answer goes to the bridge's port, as a board does that knows only this port.
+    The answer goes to the bridge's port, as a board does that knows only this port. Its address is one of this host's
+    that nobody else uses, because the board's port is ours.
     """
-    writer, bridge = LinkWriter(linked_registry().envelope, 7, hashes), [0]
+    writer = LinkWriter(linked_registry().envelope, 7, hashes)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.bind(("127.0.0.1", 0))
-        ending = threading.Event()
+        sock.settimeout(0.1)
+        port = sock.getsockname()[1]
+        address = f"127.80.{port >> 8}.{port & 255}"
 
-        def answer() -> None:
-            sock.settimeout(0.1)
-            while not ending.is_set():
-                with contextlib.suppress(TimeoutError):
-                    sock.recv(2000)
-                    sock.sendto(writer.write(1), ("127.0.0.1", bridge[0]))
+        def answer(_: int) -> None:
+            with contextlib.suppress(TimeoutError):
+                sock.recv(2000)
+                sock.sendto(writer.write(1), (address, 6100))
 
-        thread = threading.Thread(target=answer)
-        thread.start()
-        yield sock.getsockname()[1], lambda port: bridge.__setitem__(0, port)
-        ending.set()
-        thread.join()
+        with repeated(answer, 0):
+            yield ["listen_port:=6100", f"listen_address:='{address}'", f"dst_b_port:={port}"]
+
+
+def _schemas(done: Start, project: Path, hashes: dict[int, int], *options: object) -> tuple[int, dict[str, Any]]:
+    """The exit code of `doctor` beside a board with these hashes, and what it found about schemas, by its subject."""
+    with _board(hashes) as board:
+        words = [word for one in board for word in ("-p", one)]
+        code, output, errors = done("doctor", "--json", "--project", project, *options, "--ros-args", *words)
+    assert errors == ""
+    found = {one["check"]: (one["verdict"], one["says"]) for one in json.loads(output)}
+    return code, {check: one for check, one in found.items() if "schema" in check}
 
 
 @pytest.mark.slow
@@ -53,14 +61,7 @@ def test_doctor_names_the_board_with_another_schema(done: Start, tmp_path: Path)
     registry = linked_registry()
     assert registry.link is not None
     project = write_project(tmp_path / "rover")
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    with _board({2: registry.link.hashes[2], 3: 99}) as (board, answer_to):
-        answer_to(port)
-        arguments = ["-p", f"listen_port:={port}", "-p", "listen_address:='127.0.0.1'", "-p", f"dst_b_port:={board}"]
-        code, output, _ = done("doctor", "--json", "--project", project, "--ros-args", *arguments)
-    found = {one["check"]: (one["verdict"], one["says"]) for one in json.loads(output) if "schema" in one["check"]}
+    code, found = _schemas(done, project, {2: registry.link.hashes[2], 3: 99})
     assert code == 1
     assert found == {
         "schema of Drive of hardware": ("error", "another schema of drive_command"),
@@ -91,19 +92,11 @@ def test_doctor_tells_a_compatible_schema_from_a_misread_one(
     (project / "mapping.lock").unlink()  # it would refuse the change, which another team has made in spite of it
     write_project(project)
     (tmp_path / "boards.txt").write_text("drive v1\n")
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    with _board({3: int(hash, 16)}) as (board, answer_to):
-        answer_to(port)
-        arguments = ["-p", f"listen_port:={port}", "-p", "listen_address:='127.0.0.1'", "-p", f"dst_b_port:={board}"]
-        pins = ["--pins", tmp_path / "boards.txt"]
-        _, output, errors = done("doctor", "--json", "--project", project, *pins, "--ros-args", *arguments)
-    assert errors == ""
-    (found,) = (one for one in json.loads(output) if one["check"] == "schema of Drive of hardware")
-    assert found["verdict"] == verdict
-    assert "another schema of drive_command, that of 'drive' (" in found["says"]
-    assert text in found["says"]
+    _, found = _schemas(done, project, {3: int(hash, 16)}, "--pins", tmp_path / "boards.txt")
+    told, says = found["schema of Drive of hardware"]
+    assert told == verdict
+    assert "another schema of drive_command, that of 'drive' (" in says
+    assert text in says
 
 
 @pytest.mark.slow

@@ -26,10 +26,8 @@ from tests.objects_loop import run_the_loop  # it needs OpenCV
 
 @needs_dds
 @pytest.mark.slow
-def test_the_whole_loop_over_dds(start: Start, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_whole_loop_over_dds(start: Start) -> None:
     """Detections, selection, position and size are those of the rendered scenes."""
-    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
-        monkeypatch.setenv(name, environment[name])
     with ExitStack() as held:
         node = held.enter_context(open_middleware("dds", NodeIdentity("camera")))
 

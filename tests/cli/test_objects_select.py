@@ -4,35 +4,30 @@ from __future__ import annotations
 
 import argparse
 import json
-import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from needs import NO_OPENCV, needs_dds
+from node_in_memory import NodeInMemory, hear
 from polling import wait_until
 from programs import Start
 from repeating import repeated
 
-from generated.messages import BasestationObjectSelection, DrivingBoardMotorMessage
-from generated.registry import REGISTRY
+from generated.messages import BasestationObjectSelection
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import geometry_msgs, std_msgs, tf2_msgs, vision_msgs
 from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
-from roverlink.runtime.ros_arguments import ros_args
 
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 
-from roverlink.objects.object_rows import SELECTION, ObjectSelectionRow  # noqa: E402  # they need OpenCV
 from roverlink.objects.selecting import Selector  # noqa: E402
-from roverlink.ros_connection import RosConnection  # noqa: E402
 from roverlink.vision import Pose  # noqa: E402
 from roverlink.vision.objects.detected_objects import Box, TrackedObject  # noqa: E402
 from roverlink.vision.objects.location import Location  # noqa: E402
@@ -59,13 +54,11 @@ class _Listener:
     """A behaviour node."""
 
     def __init__(self, node: Middleware) -> None:
-        self.heard: dict[str, list[Any]] = {topic: [] for topic in _TOPICS}
-        for topic, kind in _TOPICS.items():
-            qos = Qos(depth=1, durability="transient_local") if kind is std_msgs.String else Qos()
-            node.subscribe(topic, kind, qos, self._take(topic, kind))
-
-    def _take(self, topic: str, kind: type[Message]) -> Callable[[Sequence[bytes]], None]:
-        return lambda messages: self.heard[topic].extend(cdr.decode(kind, data) for data in messages)
+        latched = Qos(depth=1, durability="transient_local")
+        self.heard: dict[str, list[Any]] = {
+            topic: hear(node, topic, kind, latched if kind is std_msgs.String else None)
+            for topic, kind in _TOPICS.items()
+        }
 
     @property
     def states(self) -> list[str]:
@@ -87,18 +80,9 @@ class _Rover:
     def see(self, **objects: Sequence[float]) -> None:
         """The camera sees objects, such as _3=(0, 0, 2), in its optical frame."""
         stamp = time.time_ns()
-        self._tf.publish(
-            [
-                cdr.encode(
-                    tf2_msgs.TFMessage(
-                        [
-                            transform_of(_MOUNT, "base_link", _OPTICAL, stamp),
-                            transform_of(_ROVER, "map", "base_link", stamp),
-                        ]
-                    )
-                )
-            ]
-        )
+        mount, place = (_MOUNT, "base_link", _OPTICAL), (_ROVER, "map", "base_link")
+        transforms = [transform_of(*one, stamp) for one in (mount, place)]
+        self._tf.publish([cdr.encode(tf2_msgs.TFMessage(transforms))])
         places = {int(name[1:]): Location(np.array(point, float), np.eye(3) / 100) for name, point in objects.items()}
         tracked = [TrackedObject(number, Box(0, 0, 1, 1), "rock", 0.9) for number in places]
         self._objects.publish([cdr.encode(detections_3d_of(tracked, places, stamp, _OPTICAL))])
@@ -113,12 +97,8 @@ def _point(message: Any) -> list[float]:
 
 
 @needs_dds
-def test_a_selected_object_is_located_held_and_lost(
-    start: Start, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_selected_object_is_located_held_and_lost(start: Start) -> None:
     """In the frames of the rover and of the field; a behaviour node that comes later learns the state."""
-    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
-        monkeypatch.setenv(name, environment[name])
     point = np.array([0.2, -0.1, 2.0])
     with ExitStack() as held:
         node = held.enter_context(open_middleware("dds", NodeIdentity("rover")))
@@ -151,36 +131,23 @@ def test_a_selected_object_is_located_held_and_lost(
 # --- in memory ----------------------------------------------------------------------------------------------------
 
 
-class _Selecting:
+class _Selecting(NodeInMemory):
     """The program in memory, without its command line and its loop; its time stands still."""
 
     def __init__(self, held: ExitStack) -> None:
+        super().__init__(held, "object_selection")
         self.time = time.time_ns()
-        self.log: list[str] = []
-        logger = logging.Logger("test")
-        logger.addHandler(handler := logging.Handler())
-        handler.emit = lambda record: self.log.append(record.getMessage())  # type: ignore[method-assign]
-        connection = RosConnection(ros_args.parse([], "object_selection"), "memory", held, logger.warning)
-        connection.clock = self  # type: ignore[assignment]  # a clock of the test
-        node = connection.middleware
+        self.connection.clock = SimpleNamespace(now=lambda: self.time)  # type: ignore[assignment]  # a clock of the test
         options = argparse.Namespace(base_frame="base_link", map_frame="map", hold=2.0, json=False)
-        self.selector = Selector(connection, options, logger)
-        self.listener = _Listener(node)
-        self._rover = _Rover(node)
-        node.subscribe("/objects/detections_3d", vision_msgs.Detection3DArray, Qos(), self._see)
-
-    def now(self) -> int:
-        """The time of the program."""
-        return self.time
+        self.selector = Selector(self.connection, options, self.logger)
+        self.listener = _Listener(self.middleware)
+        self.see = _Rover(self.middleware).see
+        self.middleware.subscribe("/objects/detections_3d", vision_msgs.Detection3DArray, Qos(), self._see)
 
     def _see(self, messages: Sequence[bytes]) -> None:
         for data in messages:
             self.selector.see(cdr.decode(vision_msgs.Detection3DArray, data))
             self.selector.hold()
-
-    def see(self, **objects: Sequence[float]) -> None:
-        """The camera sees objects."""
-        self._rover.see(**objects)
 
     def select(self, number: int) -> None:
         """The operator selects an object."""
@@ -245,16 +212,3 @@ def test_number_0_ends_the_selection(selecting: _Selecting) -> None:
     selecting.see(_3=(0, 0, 2))
     assert selecting.listener.states == ["visible 3", "none"]
     assert len(selecting.listener.heard["/selected_object/pose"]) == 1
-
-
-def test_a_table_without_the_row_is_refused() -> None:
-    """The message names the row, or the field."""
-    others = tuple(handler for handler in REGISTRY.handlers if handler.route.name != SELECTION)
-    with pytest.raises(SetupError, match="the table has no row 'object_selection' in the direction from a peer"):
-        ObjectSelectionRow(replace(REGISTRY, handlers=others))
-
-    class Handler(type(REGISTRY.by_name[SELECTION])):  # type: ignore[misc]  # a class of the registry's
-        message_type = DrivingBoardMotorMessage
-
-    with pytest.raises(SetupError, match="has no field object_id; add it"):
-        ObjectSelectionRow(replace(REGISTRY, handlers=(Handler(),)))

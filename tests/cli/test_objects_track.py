@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from needs import NO_ONNX, NO_OPENCV, needs_dds
+from node_in_memory import hear
 from polling import wait_until
 from programs import Start
 from repeating import repeated
@@ -17,7 +18,6 @@ from repeating import repeated
 from generated.messages import BasestationDetectedObject
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces import sensor_msgs, vision_msgs
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo
@@ -60,9 +60,12 @@ def images(tmp_path: Path) -> Path:
     return folder
 
 
-def test_objects_are_printed_as_json(images: Path, model: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """From the second image on, each object with its number; boxes are those of the image, clipped to it."""
-    assert main(["objects", "track", str(images), "--model", str(model), "--json"]) == 0
+def test_objects_are_printed_as_json(
+    images: Path, model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """From the second image on, each object with its number and its box, clipped to the image; a video shows them."""
+    film = tmp_path / "out.avi"
+    assert main(["objects", "track", str(images), "--model", str(model), "--json", "--save", str(film)]) == 0
     out, err = capsys.readouterr()
     entries = [json.loads(line) for line in out.splitlines()]
     assert [len(one["objects"]) for one in entries] == [0, 2, 2, 2, 2]
@@ -71,42 +74,11 @@ def test_objects_are_printed_as_json(images: Path, model: Path, capsys: pytest.C
     assert (dog["id"], dog["box"]) == (2, {"x": 0, "y": 4, "width": 60, "height": 40})
     assert "m.onnx: layout yolov8, run by CPUExecutionProvider" in err
     assert "5 frames with 2 objects: 1 rock, 2 dog" in err
-
-
-def test_a_video_shows_the_objects(images: Path, model: Path, tmp_path: Path) -> None:
-    """With their boxes."""
-    film = tmp_path / "out.avi"
-    assert main(["objects", "track", str(images), "--model", str(model), "--save", str(film)]) == 0
     video = cv2.VideoCapture(str(film))
     frames = [frame for found, frame in iter(video.read, (False, None)) if found]
     assert len(frames) == 5
     assert np.ptp(frames[0].astype(int)) < 20  # nothing yet
     assert np.abs(frames[-1][220:224, 300:340].astype(int) - 160).max() > 60  # the upper edge of a box
-
-
-@pytest.mark.parametrize(
-    ("words", "text"),
-    [
-        (("--depth", "/depth"), "--depth and --camera-info have no effect, because the source is not topic:NAME"),
-        (("--layout", "yolo5"), "unknown layout 'yolo5'; did you mean 'yolov5'?"),
-        (("--classes", "none.yaml"), "none.yaml: cannot read the classes"),
-        (("--model", "none.onnx"), "none.onnx: cannot read the model"),
-        (("--save", "x.txt"), "unknown video format"),
-        (("--score", "2"), "'2' is not a number from 0 to 1, such as 0.4"),
-    ],
-)
-def test_mistakes_are_one_line(
-    words: tuple[str, ...], text: str, images: Path, model: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The exit code is 2."""
-    try:
-        code: object = main(["objects", "track", str(images), "--model", str(model), "--json", *words])
-    except SystemExit as ended:
-        code = ended.code
-    err = capsys.readouterr().err.strip().splitlines()
-    assert code == 2
-    assert any(text in line for line in err)
-    assert not any("Traceback" in line for line in err)
 
 
 # --- the row ------------------------------------------------------------------------------------------------------
@@ -171,36 +143,27 @@ def _driver(node: Middleware) -> Iterator[None]:
 
 
 @needs_dds
-def test_objects_of_a_depth_camera_are_published(
-    start: Start, model: Path, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_objects_of_a_depth_camera_are_published(start: Start, model: Path) -> None:
     """Boxes, positions, the drawn image, and the messages for the basestation, all with the stamp of the image."""
-    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
-        monkeypatch.setenv(name, environment[name])
     topics: dict[str, Any] = {
         "/objects/detections": vision_msgs.Detection2DArray,
         "/objects/detections_3d": vision_msgs.Detection3DArray,
         "/objects/image/compressed": sensor_msgs.CompressedImage,
         "/detected_object": BasestationDetectedObject,
     }
-    heard: dict[str, list[bytes]] = {topic: [] for topic in topics}
     with ExitStack() as held:
         node = held.enter_context(open_middleware("dds", NodeIdentity("driver")))
-        for topic, kind in topics.items():
-            node.subscribe(topic, kind, Qos(), heard[topic].extend)
+        heard: dict[str, list[Any]] = {topic: hear(node, topic, kind) for topic, kind in topics.items()}
         held.enter_context(_driver(node))
         program = start("objects", "track", f"topic:{_TOPIC}", "--model", model, "--middleware", "dds")
 
-        def newest(topic: str) -> Any:
-            return cdr.decode(topics[topic], heard[topic][-1]) if heard[topic] else None
-
         def whole() -> Any:
-            message = newest("/objects/detections_3d")
-            return message if message and len(message.detections) == 2 else None
+            complete = (one for one in heard["/objects/detections_3d"] if len(one.detections) == 2)
+            return next(complete, None)
 
         solid = wait_until(whole, "positions")
-        flat = wait_until(lambda: newest("/objects/detections"), "boxes")
-        picture = wait_until(lambda: newest("/objects/image/compressed"), "the image")
+        flat = wait_until(lambda: heard["/objects/detections"], "boxes")[-1]
+        picture = wait_until(lambda: heard["/objects/image/compressed"], "the image")[-1]
         wait_until(lambda: len(heard["/detected_object"]) > 10, "messages for the basestation")
         assert program.interrupt() == 0
     rock = solid.detections[0]
@@ -212,10 +175,8 @@ def test_objects_of_a_depth_camera_are_published(
     box = flat.detections[0].bbox
     assert [box.center.position.x, box.center.position.y, box.size_x, box.size_y] == pytest.approx([320, 240, 80, 40])
     assert cv2.imdecode(np.frombuffer(picture.data, np.uint8), cv2.IMREAD_COLOR).shape == (480, 640, 3)
-    parts = [cdr.decode(BasestationDetectedObject, data) for data in heard["/detected_object"]]
-    rocks = [one for one in parts if one.id == 1]
+    rocks, dogs = ([one for one in heard["/detected_object"] if one.id == number] for number in (1, 2))
     assert (rocks[0].type, rocks[0].total_count, rocks[0].bbox.x) == (BasestationDetectedObject.OBJECT_ROCK, 2, 280)
-    dogs = [one for one in parts if one.id == 2]
     assert (dogs[0].type, dogs[0].index) == (BasestationDetectedObject.OBJECT_UNKNOWN, 1)
     told = "\n".join(program.errors)
     assert told.count("objects of the class 'dog' are sent as unknown") == 1

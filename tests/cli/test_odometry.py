@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import json
-import logging
 import math
 import socket
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
-from dataclasses import replace
-from typing import Any, TypeVar
+from collections.abc import Iterator
+from contextlib import ExitStack, suppress
 
 import pytest
 from needs import needs_dds
+from node_in_memory import SECOND, NodeInMemory, hear
 from polling import wait_until
 from programs import Start
 from repeating import repeated
+from running import Bridge
 
 from generated.messages import (
     DrivingBoardDiagnostics,
@@ -24,37 +23,22 @@ from generated.messages import (
     MotorInformation,
 )
 from generated.registry import REGISTRY
-from roverlink.__main__ import main
 from roverlink.odometry.odometry_messages import UNKNOWN_VARIANCE
 from roverlink.odometry.odometry_parameters import OdometryParameters
-from roverlink.odometry.odometry_rows import PROGRESS, WHEELS, OdometryRows
+from roverlink.odometry.odometry_rows import WHEELS, OdometryRows
 from roverlink.odometry.wheel_odometry_node import OdometryNode
-from roverlink.ros_connection import RosConnection
 from roverlink.runtime import Qos
 from roverlink.runtime.convert.rotations import angles
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.geometry_msgs import Vector3
 from roverlink.runtime.interfaces.nav_msgs import Odometry
-from roverlink.runtime.interfaces.rosgraph_msgs import Clock
 from roverlink.runtime.interfaces.sensor_msgs import Imu
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
-from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
-from roverlink.runtime.ros_arguments import ros_args
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
-M = TypeVar("M", bound=Message)
-_S = 10**9
-_BEGAN = 100 * _S
-_TICK = _S // 20
-
-
-def _hear(node: Middleware, topic: str, kind: type[M]) -> list[M]:
-    """Subscribe to a topic; the messages come into the list."""
-    heard: list[M] = []
-    node.subscribe(topic, kind, Qos(), lambda messages: heard.extend(cdr.decode(kind, data) for data in messages))
-    return heard
+_TICK = SECOND // 20
 
 
 def _yaw(odometry: Odometry) -> float:
@@ -65,27 +49,25 @@ def _yaw(odometry: Odometry) -> float:
 
 
 @needs_dds
-def test_odometry_follows_a_simulated_rover(
-    start: Start, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_odometry_follows_a_simulated_rover(bridge: Bridge, start: Start, peer: socket.socket) -> None:
     """Commands go to the rover over UDP, its reports come back, and the pose on both topics is near the true one."""
-    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
-        monkeypatch.setenv(name, environment[name])
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        boards = free.getsockname()[1]
-    with open_middleware("dds", NodeIdentity("controller")) as node:
-        truth, found = (_hear(node, f"/{name}", Odometry) for name in ("ground_truth/odometry", "odometry/wheel"))
-        transforms = _hear(node, "/tf", TFMessage)
+    peer.settimeout(0.1)
+    with ExitStack() as held:
+        node = held.enter_context(open_middleware("dds", NodeIdentity("controller")))
+        truth, found = (hear(node, f"/{name}", Odometry) for name in ("ground_truth/odometry", "odometry/wheel"))
+        transforms = hear(node, "/tf", TFMessage)
         commands = node.publisher("/drive_motor", DrivingBoardMotorMessage, Qos())
-        ros = ("listen_port:=0", "listen_address:='127.0.0.1'", f"dst_b_port:={boards}")
-        bridge = start("run", "--middleware", "dds", "--ros-args", *(word for one in ros for word in ("-p", one)))
-        port = bridge.wait_for("on UDP port ").rpartition(" ")[2]
+        _, port = bridge(parameters=[f"dst_b_port:={peer.getsockname()[1]}"], middleware="dds")
         odometry = start("odometry", "--middleware", "dds", "--json")
         odometry.wait_for("waiting for reports on /drive_progress; odometry on /odometry/wheel")
-        options = ("--to", f"127.0.0.1:{port}", "--listen", boards, "--middleware", "dds")
-        rover = start("simulate", "--rover", *options)
-        rover.wait_for(f"its boards listen on UDP port {boards}")
+        rover = start("simulate", "--rover", "--to", f"127.0.0.1:{port}", "--listen", 0, "--middleware", "dds")
+        boards = "127.0.0.1", int(rover.wait_for("its boards listen on UDP port ").rpartition(" ")[2])
+
+        def forward(_: int) -> None:
+            with suppress(TimeoutError):
+                peer.sendto(peer.recv(2000), boards)
+
+        held.enter_context(repeated(forward, 0))
         wait_until(lambda: truth and found, "the topics")
 
         # The bridge's deadman stops the rover half a second after the last command.
@@ -114,42 +96,20 @@ def test_odometry_follows_a_simulated_rover(
 # --- in memory, in the time of a simulation -----------------------------------------------------------------------
 
 
-class _Node:
-    """The node in memory, without its command line; the time passes only here."""
+class _Node(NodeInMemory):
+    """The node with its odometry."""
 
     def __init__(self, held: ExitStack, *parameters: str) -> None:
-        words = [word for one in ("use_sim_time:=true", *parameters) for word in ("-p", one)]
-        ros = ros_args.parse(words, "odometry")
-        self.log: list[str] = []
-        logger = logging.Logger("test")
-        logger.addHandler(handler := logging.Handler())
-        handler.emit = lambda record: self.log.append(record.getMessage())  # type: ignore[method-assign]
-        self.parameters = OdometryParameters(ros, logger)
-        connection = RosConnection(ros, "memory", held, logger.warning, self.parameters)
-        self.middleware, self.now = connection.middleware, _BEGAN
-        self._publishers: dict[str, Any] = {}
-        with repeated(lambda _: self.publish("/clock", Clock(Time.since_1970(_BEGAN)))):
-            assert connection.clock.now() == _BEGAN
-        self.node = OdometryNode(connection, OdometryRows(REGISTRY), self.parameters, logger, as_json=False)
-        self.found = _hear(self.middleware, "/odometry/wheel", Odometry)
-        self.transforms = _hear(self.middleware, "/tf", TFMessage)
+        super().__init__(held, "odometry", ["use_sim_time:=true", *parameters], OdometryParameters)
+        self.node = OdometryNode(self.connection, OdometryRows(REGISTRY), self.parameters, self.logger, as_json=False)
+        self.found = self.hear("/odometry/wheel", Odometry)
+        self.transforms = self.hear("/tf", TFMessage)
         self.node.receive()
-
-    def publish(self, topic: str, message: Message) -> None:
-        """Publish a message."""
-        if topic not in self._publishers:
-            self._publishers[topic] = self.middleware.publisher(topic, type(message), Qos())
-        self._publishers[topic].publish([cdr.encode(message)])
-
-    def tick(self) -> None:
-        """Let a report's time pass."""
-        self.now += _TICK
-        self.publish("/clock", Clock(Time.since_1970(self.now)))
 
     def drive(self, metres: float, rate: float | None = 0.0, speed: float = 0.5, before: float = 0.0) -> None:
         """Report the progress on a command of 10 m, with an IMU that measures an angular velocity in rad/s, or none."""
         for step in range(1, round(metres / speed / 0.05) + 1):
-            self.tick()
+            self.pass_time(_TICK)
             if rate is not None:
                 self.publish("/imu/data_raw", Imu(angular_velocity=Vector3(0, 0, rate)))
             self.publish("/drive_progress", DrivingBoardMotorPeriodicProgress(10 - before - step * speed * 0.05))
@@ -222,7 +182,7 @@ def test_the_motors_tell_that_the_rover_rolls_on(node: _Node) -> None:
         node.drive(0.025, before=step * 0.025)
     node.publish("/drive_motor", DrivingBoardMotorMessage())
     for rpm in (50, 25, 0, 0, 0, 0):
-        node.tick()
+        node.pass_time(_TICK)
         motors(rpm)
         node.publish("/drive_progress", DrivingBoardMotorPeriodicProgress())
     assert node.found[-1].pose.pose.position.x == pytest.approx(0.5 + 0.05, abs=0.02)
@@ -235,11 +195,11 @@ def test_a_silent_board_makes_the_position_uncertain(node: _Node) -> None:
     node.drive(1.0)
     count, certain = len(node.found), node.found[-1].pose.covariance[0]
     for _ in range(8):
-        node.tick()
+        node.pass_time(_TICK)
         node.node.tick()
     assert len(node.found) == count
     for _ in range(20):
-        node.tick()
+        node.pass_time(_TICK)
         node.node.tick()
     last = node.found[-1]
     assert last.header.stamp == Time.since_1970(node.now)
@@ -281,29 +241,3 @@ def test_values_that_are_no_numbers_are_told_once(node: _Node, topic: str, messa
     (line,) = node.log
     assert line.startswith(f"ignoring a message: {expected}")
     assert node.found[-1].pose.pose.position.x == pytest.approx(2.0, abs=1e-3)
-
-
-# --- the contract -------------------------------------------------------------------------------------------------
-
-
-def test_a_table_without_the_rows_is_refused() -> None:
-    """The message names the row."""
-    others = tuple(handler for handler in REGISTRY.handlers if handler.route.name != PROGRESS)
-    with pytest.raises(SetupError, match="the table has no row 'drive_progress' in the direction from a peer"):
-        OdometryRows(replace(REGISTRY, handlers=others))
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (("-p", "slip:=much"), "the parameter 'slip' is 'much'; it must be a number"),
-        (("-p", "slip:=-1.0"), "the parameter 'slip' is -1.0; it must be 0 or more"),
-        (("-p", "odom_frame:=base_link"), "the parameters odom_frame and base_frame are ('base_link', 'base_link')"),
-        (("-p", "slipp:=1.0"), "unknown parameter 'slipp'; "),
-    ],
-)
-def test_mistakes_are_one_line(words: Sequence[str], expected: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """The exit code is 2."""
-    assert main(["odometry", "--middleware", "memory", "--ros-args", *words]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert expected in line

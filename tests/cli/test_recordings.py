@@ -6,10 +6,7 @@ import contextlib
 import csv
 import json
 import logging
-import os
 import socket
-import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +14,8 @@ import pyarrow.parquet
 import pytest
 from needs import needs_dds
 from polling import wait_until
+from programs import Start
+from running import Bridge
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
@@ -27,19 +26,7 @@ from roverlink.runtime.recording.reader import Recording
 from roverlink.runtime.recording.recorder import Recorder
 from roverlink.runtime.recording.replaying import RosReplay
 
-Start = Callable[..., Any]
-
-_FREE_PORT = ("--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
 _COUNT = 40
-
-
-@pytest.fixture
-def peer() -> Iterator[socket.socket]:
-    """A socket of a board, or of a bridge that is replayed to."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        sock.settimeout(60)
-        yield sock
 
 
 def _datagram(number: int) -> bytes:
@@ -47,19 +34,9 @@ def _datagram(number: int) -> bytes:
     return REGISTRY.envelope(imu_info=payload).SerializeToString()
 
 
-def _recorded(start: Start, peer: socket.socket, path: Path, *options: object) -> Any:
-    """The program that has recorded a run of datagrams, once it has ended."""
-    program = start("record", path, "--middleware", "memory", "--no-diagnostics", *options, *_FREE_PORT)
-    port = int(program.wait_for("on UDP port ").rpartition(" ")[2])
-    for number in range(_COUNT):
-        peer.sendto(_datagram(number), ("127.0.0.1", port))
-    assert program.interrupt() == 0
-    return program
-
-
 @pytest.fixture
 def run(tmp_path: Path) -> Path:
-    """A recorded run, one message in a hundredth of a second."""
+    """A recorded run."""
     handler = REGISTRY.by_name["imu_info"]
     recorder = Recorder(tmp_path / "run.mcap", REGISTRY, {"/imu_data": "imu_info"}, logging.getLogger("run"))
     received = recorder.datagrams("received")
@@ -68,14 +45,16 @@ def run(tmp_path: Path) -> Path:
         for number in range(_COUNT):
             received([_datagram(number)])
             published([handler.to_cdr(payload_at(handler.payload_type, number * 0.1))])
-            time.sleep(0.01)  # the run's own time, which a replay follows
     return recorder.path
 
 
-def test_a_bridge_is_recorded(start: Start, peer: socket.socket, tmp_path: Path) -> None:
+def test_a_bridge_is_recorded(bridge: Bridge, peer: socket.socket, tmp_path: Path) -> None:
     """The bridge works as ever, and every datagram and every message is on disk, in order."""
     path = tmp_path / "run.mcap"
-    program = _recorded(start, peer, path)
+    program, port = bridge(path, "--no-diagnostics", command="record")
+    for number in range(_COUNT):
+        peer.sendto(_datagram(number), ("127.0.0.1", port))
+    assert program.interrupt() == 0
     assert f"recording to {path}" in str(program)
     assert f"received {_COUNT}, published {_COUNT}" in str(program)
     found: dict[str, list[bytes]] = {}
@@ -97,24 +76,13 @@ def test_a_bridge_is_recorded(start: Start, peer: socket.socket, tmp_path: Path)
     }
 
 
-def test_a_bridge_that_cannot_start_leaves_no_recording(
-    peer: socket.socket, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The next attempt, under the same name, is not kept from it."""
-    taken = ("--ros-args", "-p", f"listen_port:={peer.getsockname()[1]}", "-p", "listen_address:='127.0.0.1'")
-    assert main(["record", str(tmp_path / "run.mcap"), "--middleware", "memory", *taken]) == 2
-    assert "is in use by another program" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
-
-
 @needs_dds
 @pytest.mark.slow
-def test_what_goes_to_the_boards_is_recorded(start: Start, done: Start, tmp_path: Path) -> None:
+def test_what_goes_to_the_boards_is_recorded(bridge: Bridge, tmp_path: Path) -> None:
     """A command on a topic is in the recording as it was heard, and as the datagram that it became."""
     path = tmp_path / "run.mcap"
-    program = start("run", "--record", path, "--no-diagnostics", "--middleware", "dds", *_FREE_PORT)
-    program.wait_for("on UDP port ")
-    assert done("pub", "drive_motor", "{distance_to_go: 1.5}", "--once", "--wait", 60, "--middleware", "dds")[0] == 0
+    program, _ = bridge("--record", path, "--no-diagnostics", middleware="dds")
+    assert main(["pub", "drive_motor", "{distance_to_go: 1.5}", "--once", "--wait", "60", "--middleware", "dds"]) == 0
     assert program.interrupt() == 0
     messages = [(message.channel.topic, message.data) for message in Recording(path).messages()]
     assert {topic for topic, _ in messages} == {"/drive_motor", "/datagrams/sent/hardware"}
@@ -128,11 +96,10 @@ def _recorded_messages(path: Path, topic: str) -> int:
     return 0
 
 
-def test_diagnostics_are_recorded_and_replayed_only_where_they_are_asked_for(start: Start, tmp_path: Path) -> None:
+def test_diagnostics_are_recorded_and_replayed_only_where_they_are_asked_for(bridge: Bridge, tmp_path: Path) -> None:
     """What was wrong in a run is in its recording, with the definition of the messages."""
     path = tmp_path / "run.mcap"
-    program = start("record", path, "--middleware", "memory", *_FREE_PORT)
-    program.wait_for("on UDP port ")
+    program, _ = bridge(path, command="record")
     wait_until(lambda: _recorded_messages(path, "/diagnostics"), "a message of diagnostics on disk")
     assert program.interrupt() == 0
     recording = Recording(path)
@@ -144,12 +111,14 @@ def test_diagnostics_are_recorded_and_replayed_only_where_they_are_asked_for(sta
     assert array.status[0].name == "udp_forwarder"
 
 
-def test_a_replay_reproduces_the_original_datagrams(run: Path, done: Start, peer: socket.socket) -> None:
+def test_a_replay_reproduces_the_original_datagrams(
+    run: Path, peer: socket.socket, capsys: pytest.CaptureFixture[str]
+) -> None:
     """As board, the bridge's port gets byte by byte what it got in the run."""
-    to = f"127.0.0.1:{peer.getsockname()[1]}"
-    code, output, errors = done("replay", run, "--speed", 100, "--to", to)
-    assert (code, errors) == (0, "")
+    assert main(["replay", str(run), "--speed", "100", "--to", f"127.0.0.1:{peer.getsockname()[1]}"]) == 0
+    output, errors = capsys.readouterr()
     assert output.startswith(f"replayed {_COUNT} datagrams in ")
+    assert errors == ""
     assert [peer.recv(65_536) for _ in range(_COUNT)] == [_datagram(number) for number in range(_COUNT)]
 
 
@@ -174,14 +143,15 @@ def test_topics_are_replayed_over_dds(run: Path, start: Start, done: Start) -> N
     assert accelerations == pytest.approx([payload.accel_x for payload in payloads])
 
 
-def test_what_is_in_a_recording(run: Path, done: Start) -> None:
+def test_what_is_in_a_recording(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """For people, and as JSON; with the table's fingerprint, and whether the run was ended."""
-    code, output, _ = done("info", run)
-    assert code == 0
+    assert main(["info", str(run)]) == 0
+    output = capsys.readouterr().out
     assert f"table     {REGISTRY.fingerprint}" in output
     assert "/imu_data" in output
     assert "not at all" not in output
-    facts = json.loads(done("info", run.with_suffix(".datagrams.mcap"), "--json")[1])
+    assert main(["info", str(run.with_suffix(".datagrams.mcap")), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
     assert facts["complete"] is True
     assert {topic["topic"]: topic["count"] for topic in facts["topics"] if topic["count"]} == {
         "/datagrams/received": _COUNT,
@@ -207,28 +177,6 @@ def test_a_topic_as_csv_and_parquet(run: Path, capsys: pytest.CaptureFixture[str
     assert int(rows[-1]["time_ns"]) == table[-1]["time_ns"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "expected"),
-    [
-        (["info", "nowhere.mcap"], "nowhere.mcap: no such file"),
-        (["export", "{run}", "--topic", "imu_dat"], "the recording has no topic 'imu_dat'; did you mean '/imu_data'?"),
-        (["export", "{run}", "--topic", "imu_data", "--out", "/nowhere/x.csv"], "/nowhere/x.csv: cannot write"),
-        (["replay", "{run}", "--to", "x"], "'x' is not of the form HOST:PORT"),
-        (["record", "run.bag", "--middleware", "memory"], "run.bag: the name of a recording must end with .mcap"),
-        (["record", "/proc/x.mcap", "--middleware", "memory"], "/proc/x.mcap: cannot write the file"),
-    ],
-    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
-)
-def test_what_cannot_be_is_told(
-    run: Path, arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Exit code 2 and one line that says what and where."""
-    assert main([argument.replace("{run}", str(run)) for argument in arguments]) == 2
-    errors = capsys.readouterr().err.splitlines()
-    assert errors[-1].startswith("roverlink: ")
-    assert expected in errors[-1]
-
-
 def test_an_export_that_fails_leaves_what_was_there(run: Path, tmp_path: Path) -> None:
     """The file of the evening before is not lost for a topic that is misspelt, and nothing else is left behind."""
     kept = tmp_path / "kept.csv"
@@ -240,17 +188,3 @@ def test_an_export_that_fails_leaves_what_was_there(run: Path, tmp_path: Path) -
     assert main(["export", str(run), "--topic", "imu_data", "--out", str(kept)]) == 0
     assert kept.read_text().startswith("time_ns,")
     assert set(tmp_path.iterdir()) == before
-
-
-def test_a_missing_package_is_told_with_the_command_that_installs_it(run: Path, done: Start, tmp_path: Path) -> None:
-    """Without mcap, or without pyarrow, what needs it says what to install."""
-    for package, arguments, requirement in (
-        ("mcap", ("info", run), "mcap>=1.3"),
-        ("pyarrow", ("export", run, "--topic", "imu_data", "--to", "parquet"), "pyarrow>=17"),
-    ):
-        hidden = tmp_path / package
-        hidden.mkdir()
-        (hidden / f"{package}.py").write_text("raise ImportError('hidden')\n")
-        code, _, errors = done(*arguments, PYTHONPATH=os.pathsep.join([str(hidden), os.environ.get("PYTHONPATH", "")]))
-        assert code == 2
-        assert f"install it with `pip install '{requirement}'`" in errors

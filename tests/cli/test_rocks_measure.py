@@ -4,29 +4,25 @@ from __future__ import annotations
 
 import argparse
 import json
-import logging
 import math
 import socket
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
 from needs import NO_OPENCV, needs_dds
+from node_in_memory import NodeInMemory
 from polling import wait_until
 from programs import Start
 from repeating import repeated
+from running import Bridge
 
-from generated.messages import BasestationRockMeasureRequest, BasestationRockMeasureResult, DrivingBoardMotorMessage
+from generated.messages import BasestationRockMeasureRequest, BasestationRockMeasureResult
 from generated.registry import REGISTRY
-from roverlink.__main__ import main
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
-from roverlink.runtime.ros_arguments import ros_args
 
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
@@ -36,8 +32,7 @@ from roverlink import depth_camera  # noqa: E402
 from roverlink.depth_camera import DepthCamera  # noqa: E402
 from roverlink.rocks.camera_parameters import CameraTopicParameters  # noqa: E402
 from roverlink.rocks.measuring import Answering  # noqa: E402
-from roverlink.rocks.rock_rows import REQUEST, RESULT, RockRows  # noqa: E402
-from roverlink.ros_connection import RosConnection  # noqa: E402
+from roverlink.rocks.rock_rows import RESULT, RockRows  # noqa: E402
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo  # noqa: E402
 from tests.vision.ros_images import Camera, camera_info, image  # noqa: E402
 
@@ -83,30 +78,24 @@ def _is_size(scene: RockScene, result: BasestationRockMeasureResult) -> bool:
 @pytest.mark.slow
 @needs_dds
 def test_a_line_of_the_basestation_gives_a_size(
-    start: Start, scene: RockScene, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
+    bridge: Bridge, start: Start, scene: RockScene, peer: socket.socket
 ) -> None:
     """The true size comes back over UDP; what cannot be measured comes back as NaN, and the log says why."""
-    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
-        monkeypatch.setenv(name, environment[name])
     x1, y1, x2, y2 = scene.line
     with ExitStack() as held:
         node = held.enter_context(open_middleware("dds", NodeIdentity("driver")))
         held.enter_context(_driver(node, scene))
-        basestation = held.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-        basestation.bind(("127.0.0.1", 0))
-        basestation.settimeout(0.5)
-        ros = ("listen_port:=0", "listen_address:='127.0.0.1'", f"dst_a_port:={basestation.getsockname()[1]}")
-        bridge = start("run", "--middleware", "dds", "--ros-args", *(word for one in ros for word in ("-p", one)))
-        port = int(bridge.wait_for("on UDP port ").rpartition(" ")[2])
+        peer.settimeout(0.5)
+        _, port = bridge(parameters=[f"dst_a_port:={peer.getsockname()[1]}"], middleware="dds")
         measuring = start("rocks", "measure", _COLOUR, "--middleware", "dds", "--json")
         measuring.wait_for("requests on /rock_measure_request")
 
         def answer(line: tuple[int, int, int, int], is_right: Callable[[Any], bool]) -> Any:
             """Send a line until the answer is right: the first ones come before there is an image."""
             request = REGISTRY.envelope(rock_measure_request=dict(zip(("x1", "y1", "x2", "y2"), line)))
-            basestation.sendto(request.SerializeToString(), ("127.0.0.1", port))
+            peer.sendto(request.SerializeToString(), ("127.0.0.1", port))
             try:
-                result = REGISTRY.envelope.FromString(basestation.recv(2000))
+                result = REGISTRY.envelope.FromString(peer.recv(2000))
             except TimeoutError:
                 return None
             right = result.WhichOneof("payload") == RESULT and is_right(result.rock_measure_result)
@@ -129,32 +118,30 @@ def test_a_line_of_the_basestation_gives_a_size(
 # --- in memory ----------------------------------------------------------------------------------------------------
 
 
-class _Measuring:
-    """The program in memory, without its command line."""
+class _Measuring(NodeInMemory):
+    """The program without its command line."""
 
-    def __init__(self, held: ExitStack, *options: str) -> None:
-        words = argparse.Namespace(camera=_COLOUR, depth=None, camera_info=None)
-        for option in options:
-            name, _, value = option.partition("=")
-            setattr(words, name, value)
-        ros = ros_args.parse([], "rock_measurement")
-        self.log: list[str] = []
-        logger = logging.Logger("test")
-        logger.addHandler(handler := logging.Handler())
-        handler.emit = lambda record: self.log.append(record.getMessage())  # type: ignore[method-assign]
-        self.parameters = CameraTopicParameters(words, ros, logger)
-        connection = RosConnection(ros, "memory", held, logger.warning, self.parameters)
-        self.node = connection.middleware
-        self._camera = DepthCamera(connection, lambda: self.parameters.meaning, logger.warning)
+    def __init__(self, held: ExitStack, *, depth: str | None = None, camera_info: str | None = None) -> None:
+        words = argparse.Namespace(camera=_COLOUR, depth=depth, camera_info=camera_info)
+        super().__init__(held, "rock_measurement", (), lambda *given: CameraTopicParameters(words, *given))
+        self._camera = DepthCamera(self.connection, lambda: self.parameters.meaning, self.logger.warning)
         self._answers: list[bytes] = []
-        self._rows = RockRows(REGISTRY)
-        self._answering = Answering(self._camera, self._rows, self._answers.extend, logger, as_json=False)
+        self._answering = Answering(self._camera, RockRows(REGISTRY), self._answers.extend, self.logger, as_json=False)
         threading.Thread(target=self._camera.receive, daemon=True).start()
 
     def answer(self, scene: RockScene) -> BasestationRockMeasureResult:
         """The answer to a request with the line of a scene."""
         self._answering.take([cdr.encode(BasestationRockMeasureRequest(*scene.line))])
         return cdr.decode(BasestationRockMeasureResult, self._answers.pop())
+
+    def reason(self, scene: RockScene, what: str) -> str:
+        """Wait until the answer is no size, for a reason with a text."""
+
+        def reason() -> str:
+            assert math.isnan(self.answer(scene).length_cm)
+            return self.log[-1] if what in self.log[-1] else ""
+
+        return wait_until(reason, what)
 
     def ignores(self, data: bytes) -> bool:
         """True if there is no answer to a message."""
@@ -166,12 +153,12 @@ def test_ros_2_selects_the_camera(scene: RockScene) -> None:
     """Another camera has its own depth and parameters; that of the old one is not used any more."""
     with ExitStack() as held:
         measuring = _Measuring(held)
-        held.enter_context(_driver(measuring.node, scene))
+        held.enter_context(_driver(measuring.middleware, scene))
         wait_until(lambda: _is_size(scene, measuring.answer(scene)), "a size")
         measuring.parameters.change({"camera": "/right/color/image_raw"})
         assert math.isnan(measuring.answer(scene).length_cm)
         assert "no depth came on /right/aligned_depth_to_color/image_raw" in measuring.log[-1]
-        held.enter_context(_driver(measuring.node, scene, "/right"))
+        held.enter_context(_driver(measuring.middleware, scene, "/right"))
         wait_until(lambda: _is_size(scene, measuring.answer(scene)), "a size")
 
 
@@ -179,7 +166,7 @@ def test_an_old_depth_image_is_not_measured(scene: RockScene, monkeypatch: pytes
     """When the camera has stopped, the rover may have moved."""
     with ExitStack() as held:
         measuring = _Measuring(held)
-        with _driver(measuring.node, scene):
+        with _driver(measuring.middleware, scene):
             wait_until(lambda: _is_size(scene, measuring.answer(scene)), "a size")
         monkeypatch.setattr(depth_camera, "STALLED_S", 0.0)
         assert math.isnan(measuring.answer(scene).length_cm)
@@ -190,20 +177,15 @@ def test_a_camera_that_is_not_calibrated_gives_no_size(scene: RockScene) -> None
     """The reason names the topic and the cure."""
     with ExitStack() as held:
         measuring = _Measuring(held)
-        held.enter_context(_driver(measuring.node, scene, k=[0.0] * 9))
-
-        def reason() -> str:
-            assert math.isnan(measuring.answer(scene).length_cm)
-            return measuring.log[-1] if "calibrated" in measuring.log[-1] else ""
-
-        assert "/camera/camera/color/camera_info: the camera is not calibrated" in wait_until(reason, "the reason")
+        held.enter_context(_driver(measuring.middleware, scene, k=[0.0] * 9))
+        assert measuring.reason(scene, "/camera/camera/color/camera_info: the camera is not calibrated")
 
 
 def test_the_topics_may_be_named(scene: RockScene) -> None:
     """Colour images as depth are no depth, and the reason says so."""
     with ExitStack() as held:
-        measuring = _Measuring(held, "depth=/grey", "camera_info=/info")
-        grey, infos = Camera(measuring.node, "/grey"), Camera(measuring.node, "/info", CameraInfo)
+        measuring = _Measuring(held, depth="/grey", camera_info="/info")
+        grey, infos = Camera(measuring.middleware, "/grey"), Camera(measuring.middleware, "/info", CameraInfo)
         held.enter_context(
             repeated(
                 lambda number: (
@@ -212,12 +194,7 @@ def test_the_topics_may_be_named(scene: RockScene) -> None:
                 )
             )
         )
-
-        def reason() -> str:
-            assert math.isnan(measuring.answer(scene).length_cm)
-            return measuring.log[-1] if "mono8" in measuring.log[-1] else ""
-
-        assert "an image with the encoding mono8 shows no depths" in wait_until(reason, "the reason")
+        assert measuring.reason(scene, "an image with the encoding mono8 shows no depths")
 
 
 def test_a_damaged_request_is_told() -> None:
@@ -228,9 +205,6 @@ def test_a_damaged_request_is_told() -> None:
         assert measuring.log[-1].startswith("ignoring a request that cannot be read: ")
 
 
-# --- the contract -------------------------------------------------------------------------------------------------
-
-
 def test_nan_crosses_the_bridge() -> None:
     """From the topic to the peer, also in JSON, where it is a text."""
     handler = REGISTRY.by_name[RESULT]
@@ -239,38 +213,3 @@ def test_nan_crosses_the_bridge() -> None:
     assert math.isnan(sent.length_cm)
     assert math.isnan(sent.width_cm)
     assert math.isnan(cdr.decode(BasestationRockMeasureResult, handler.to_cdr(sent)).width_cm)
-
-
-def test_a_table_without_the_rows_is_refused() -> None:
-    """The message names the row, or the field."""
-    others = tuple(handler for handler in REGISTRY.handlers if handler.route.name != REQUEST)
-    with pytest.raises(SetupError, match="the table has no row 'rock_measure_request' in the direction from a peer"):
-        RockRows(replace(REGISTRY, handlers=others))
-
-    class Handler(type(REGISTRY.by_name[RESULT])):  # type: ignore[misc]  # a class of the registry's
-        message_type = DrivingBoardMotorMessage
-
-    with pytest.raises(SetupError, match="has no field length_cm, width_cm; add it"):
-        RockRows(replace(REGISTRY, handlers=(REGISTRY.by_name[REQUEST], Handler())))
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (("no topic",), "'no topic' is not the name of a topic"),
-        ((_COLOUR, "--depth", "a b"), "'a b' is not the name of a topic"),
-        ((_COLOUR, "--camera-info", "9"), "'9' is not the name of a topic"),
-        (("/image",), "the topic of the depth that is aligned to /image is not known; name it with --depth TOPIC"),
-        ((_COLOUR, "--ros-args", "-p", "camera:=5"), "the parameter 'camera' is 5; it must be a text"),
-        ((_COLOUR, "--ros-args", "-p", "deep:=x"), "unknown parameter 'deep'; "),
-        ((_COLOUR, "--project", "{empty}"), "generated"),
-    ],
-)
-def test_mistakes_are_one_line(
-    words: tuple[str, ...], expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The exit code is 2."""
-    given = [word.format(empty=tmp_path) for word in words]
-    assert main(["rocks", "measure", *given[:1], "--middleware", "memory", *given[1:]]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert expected in line

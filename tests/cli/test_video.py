@@ -13,8 +13,10 @@ from typing import Any
 import pytest
 import yaml
 from needs import NO_AV, NO_OPENCV, needs_dds
+from node_in_memory import hear
 from polling import wait_until
 from programs import Program, Start
+from running import Called
 
 from roverlink.__main__ import main
 from roverlink.runtime import Qos
@@ -47,16 +49,20 @@ def images(tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.fixture
-def port() -> int:
-    """A free UDP port."""
-    return _free_port()
+def _receiver(start: Start, names: str, *options: object) -> tuple[Program, list[int]]:
+    """Start a receiver of streams on free ports, and return it with their ports."""
+    program = start(*_RECEIVE, *(f"{name}=0" for name in names.split()), "--json", *options)
+    return program, [one["port"] for one in json.loads(program.wait_for("streams", program.output))["streams"]]
 
 
-def _free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        return int(sock.getsockname()[1])
+def _write_streams(images: Path, **streams: object) -> Path:
+    """Write a file of streams beside the images, and return it."""
+    file = images.parent / "video.yaml"
+    file.write_text(json.dumps({"host": "127.0.0.1", "streams": streams}))
+    return file
+
+
+_JPEG = cv2.imencode(".jpg", np.full((48, 64, 3), 90, np.uint8))[1].tobytes()
 
 
 def _when(
@@ -74,15 +80,26 @@ def _when(
     return wait_until(found, what) or {}
 
 
-def test_images_arrive_and_are_saved(start: Start, images: Path, port: int, tmp_path: Path) -> None:
-    """The receiver tells where they come from, and counts; the file can be played, and its images have even sides."""
-    receiver = start(*_RECEIVE, f"front={port}", "--json", "--save", tmp_path / "today", "--page", "0")
-    receiver.wait_for("page: http://127.0.0.1:")
+def test_images_arrive_and_are_saved(start: Start, images: Path, tmp_path: Path) -> None:
+    """The receiver tells where they come from, and counts; the file can be played, and its images have even sides.
+
+    A page of another site may not embed them; and nobody gets a stream that does not exist.
+    """
+    receiver, (port,) = _receiver(start, "front", "--save", tmp_path / "today", "--page", "0")
+    url = receiver.wait_for("page: http://127.0.0.1:").rpartition("page: ")[2]
     sender = start(*_SEND, images, "--port", port, "--loop", "--overlay", "time", *_ALONE)
     state = _when(receiver, lambda one: one["rate"] > 10, "images")
     assert state | {"name": "front", "port": port, "size": [320, 240], "stale": False} == state
     assert 0 <= state["latency"] < 60
     receiver.wait_for("front: images come from 127.0.0.1:")
+    for path, headers, status in (
+        ("video/front", {"Sec-Fetch-Site": "cross-site"}, 403),
+        ("video/front", {"Host": "evil.example"}, 403),
+        ("video/arm", {}, 404),
+    ):
+        with pytest.raises(urllib.error.HTTPError) as caught:
+            urllib.request.urlopen(urllib.request.Request(url + path, headers=headers), timeout=30)
+        assert caught.value.code == status
     assert sender.interrupt() == 0
     receiver.wait_for("front: no image for a second")
     assert receiver.interrupt() == 0
@@ -92,15 +109,25 @@ def test_images_arrive_and_are_saved(start: Start, images: Path, port: int, tmp_
     assert (frames[0].width, frames[0].height) == (320, 240)
 
 
-def test_a_recording_that_ends_ends_the_sender(images: Path, port: int) -> None:
-    """Without --loop."""
-    assert main([*_SEND, str(images), "--port", str(port), "--rate", "60", *_ALONE]) == 0
+def test_a_recording_that_ends_ends_the_sender(
+    images: Path, peer: socket.socket, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without --loop. Some builds of PyAV have no encoder: nothing is sent, and the user learns which one has."""
+    words = [*_SEND, str(images), "--port", str(peer.getsockname()[1]), "--rate", "60", *_ALONE]
+    assert main(words) == 0
+    assert peer.recv(2000)
+    capsys.readouterr()
+    monkeypatch.setattr(av, "codecs_available", set())
+    assert main(words) == 2
+    error = capsys.readouterr().err
+    assert "this PyAV has no encoder for H.264 (libx264); install PyAV from PyPI" in error
+    assert error.count("\n") == 1
 
 
 @pytest.mark.slow
-def test_the_page_shows_all_streams(start: Start, images: Path, port: int) -> None:
+def test_the_page_shows_all_streams(start: Start, images: Path) -> None:
     """The newest image of each; a stream that has ended is marked as stale, and one that never came says its port."""
-    receiver = start(*_RECEIVE, f"front={port}", "arm=0", "--page", "0")
+    receiver, (port, _) = _receiver(start, "front arm", "--page", "0")
     url = receiver.wait_for("page: ").rpartition("page: ")[2]
     sender = start(*_SEND, images, "--port", port, "--loop", *_ALONE)
     with visiting() as visitor:
@@ -117,41 +144,16 @@ def test_the_page_shows_all_streams(start: Start, images: Path, port: int) -> No
         visitor.until(lambda: "NO CONNECTION" in visitor.text("#connection"))
 
 
-def test_other_sites_do_not_see_the_images(start: Start, port: int) -> None:
-    """A page of another site may not embed them; and nobody gets a stream that does not exist."""
-    receiver = start(*_RECEIVE, f"front={port}", "--page", "0")
-    url = receiver.wait_for("page: ").rpartition("page: ")[2]
-    for path, headers, status in (
-        ("video/front", {"Sec-Fetch-Site": "cross-site"}, 403),
-        ("video/front", {"Host": "evil.example"}, 403),
-        ("video/arm", {}, 404),
-    ):
-        request = urllib.request.Request(url + path, headers=headers)
-        with pytest.raises(urllib.error.HTTPError) as caught:
-            urllib.request.urlopen(request, timeout=30)
-        assert caught.value.code == status
-
-
 @needs_dds
-def test_images_of_a_topic_come_out_of_a_topic(
-    start: Start, port: int, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_images_of_a_topic_come_out_of_a_topic(start: Start) -> None:
     """A sender on one topic, a receiver on another; the stamps are those of the camera.
 
     The size may change. Images with an unknown encoding are told once, and left out.
     """
-    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
-        monkeypatch.setenv(name, environment[name])
-    receiver = start(*_RECEIVE, f"front={port}", "--topic", "--middleware", "dds", "--no-page")
+    receiver, (port,) = _receiver(start, "front", "--topic", "--middleware", "dds", "--no-page")
     sender = start(*_SEND, "topic:/camera", "--port", port, "--middleware", "dds")
-    arrived: list[sensor_msgs.CompressedImage] = []
     with open_middleware("dds", NodeIdentity("camera")) as node:
-        node.subscribe(
-            "/video/front/compressed",
-            sensor_msgs.CompressedImage,
-            Qos(),
-            lambda messages: arrived.extend(cdr.decode(sensor_msgs.CompressedImage, one) for one in messages),
-        )
+        arrived = hear(node, "/video/front/compressed", sensor_msgs.CompressedImage)
         camera = node.publisher("/camera", sensor_msgs.Image, Qos())
         strange = cdr.encode(image(np.full((48, 64, 3), 70, np.uint8), "yuv999"))
 
@@ -182,32 +184,20 @@ def test_images_of_a_topic_come_out_of_a_topic(
 
 
 @pytest.mark.slow
-def test_a_camera_that_disappears_comes_back(start: Start, port: int) -> None:
+def test_a_camera_that_disappears_comes_back(start: Start) -> None:
     """The receiver marks its stream as old meanwhile."""
-    jpeg = cv2.imencode(".jpg", np.full((48, 64, 3), 90, np.uint8))[1].tobytes()
-    webcam = Webcam([jpeg], pause_s=0.03)
-    receiver = start(*_RECEIVE, f"front={port}", "--json", "--no-page")
+    webcam = Webcam([_JPEG], pause_s=0.03)
+    receiver, (port,) = _receiver(start, "front", "--no-page")
     sender = start(*_SEND, f"http://{webcam.address}/video", "--port", port, *_ALONE)
     _when(receiver, lambda one: one["rate"] > 5, "images")
     webcam.close()
     sender.wait_for("has ended; opening it again")
     _when(receiver, lambda one: one["stale"], "the end of the images", after=len(receiver.output))
-    webcam = Webcam([jpeg], pause_s=0.03, port=webcam.port)
+    webcam = Webcam([_JPEG], pause_s=0.03, port=webcam.port)
     sender.wait_for("is back after")
     _when(receiver, lambda one: one["rate"] > 5, "images", after=len(receiver.output))
     assert sender.interrupt() == 0
     webcam.close()
-
-
-def test_without_an_encoder_nothing_is_sent(
-    images: Path, port: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Some builds of PyAV have none; the user learns which one has."""
-    monkeypatch.setattr(av, "codecs_available", set())
-    assert main([*_SEND, str(images), "--port", str(port), *_ALONE]) == 2
-    error = capsys.readouterr().err
-    assert "this PyAV has no encoder for H.264 (libx264); install PyAV from PyPI" in error
-    assert error.count("\n") == 1
 
 
 @pytest.mark.slow
@@ -223,13 +213,13 @@ def test_the_launch_file_starts_three_streams(start: Start, images: Path) -> Non
 
     *parameters, node = (next(iter(action.items())) for action in group["group"][1:])
     assert (node[0], node[1]["exec"]) == ("node", "video_send")
-    ros, ports = [], {name: _free_port() for name in ("front", "arm", "mast")}
+    receiver, ports = _receiver(start, "front arm mast", "--no-page")
+    ros = []
     for kind, one in parameters:
         assert kind == "set_parameter"
         if "if" not in one or said(one["if"]) != "$(eval \"'' != ''\")":
             ros += ["-p", f"{one['name']}:={yaml.safe_load(said(one['value']))}"]  # as launch_ros does
-    ros += [word for name, port in ports.items() for word in ("-p", f"{name}.port:={port}")]
-    receiver = start(*_RECEIVE, *(f"{name}={port}" for name, port in ports.items()), "--json", "--no-page")
+    ros += [word for name, port in zip(("front", "arm", "mast"), ports) for word in ("-p", f"{name}.port:={port}")]
     sender = start(*_SEND, *said(node[1]["args"]).split(), "--loop", *_ALONE, "--ros-args", *ros)
     for stream in range(3):
         _when(receiver, lambda one: one["rate"] > 3 and one["size"] == [640, 480], "images", stream)
@@ -240,21 +230,20 @@ def test_the_launch_file_starts_three_streams(start: Start, images: Path) -> Non
 
 @pytest.mark.slow
 @needs_dds
-def test_running_streams_are_changed(start: Start, done: Start, images: Path, port: int) -> None:
+def test_running_streams_are_changed(start: Start, called: Called, images: Path) -> None:
     """Stopped, started, and given another size and another camera, by the name of the stream."""
     other = images.parent / "other"
     other.mkdir()
     cv2.imwrite(str(other / "0.png"), np.full((64, 96, 3), 90, np.uint8))
-    arm = _free_port()
-    streams = {"front": {"source": "images", "port": port}, "arm": {"source": "images", "port": arm, "running": False}}
-    (images.parent / "video.yaml").write_text(json.dumps({"host": "127.0.0.1", "streams": streams}))
-    receiver = start(*_RECEIVE, f"front={port}", f"arm={arm}", "--json", "--no-page")
-    start(*_SEND, images.parent / "video.yaml", "--loop", "--middleware", "dds")
+    receiver, (front, arm) = _receiver(start, "front arm", "--no-page")
+    front_stream = {"source": "images", "port": front}
+    file = _write_streams(images, front=front_stream, arm={"source": "images", "port": arm, "running": False})
+    start(*_SEND, file, "--loop", "--middleware", "dds")
 
     def changed(*words: str) -> list[str]:
-        code, output, errors = done("video", "set", *words, "--middleware", "dds")  # type: ignore[misc]
+        code, output, errors = called("video", "set", *words, "--middleware", "dds")
         assert (code, errors) == (0, "")
-        return str(output).splitlines()
+        return output.splitlines()
 
     _when(receiver, lambda one: one["rate"] > 10, "images")
     assert changed("arm.running=true", "front.size=160x120") == ["arm.running: true", 'front.size: "160x120"']
@@ -280,23 +269,16 @@ def test_running_streams_are_changed(start: Start, done: Start, images: Path, po
 
 @pytest.mark.slow
 @needs_dds
-def test_a_stream_whose_recording_has_ended_gets_another_source(
-    start: Start, done: Start, images: Path, port: int
-) -> None:
+def test_a_stream_whose_recording_has_ended_gets_another_source(start: Start, called: Called, images: Path) -> None:
     """As long as another stream keeps the sender running."""
-    webcam = Webcam([cv2.imencode(".jpg", np.full((48, 64, 3), 90, np.uint8))[1].tobytes()], pause_s=0.03)
-    streams = {
-        "front": {"source": "images", "port": port},
-        "arm": {"source": f"http://{webcam.address}/video", "port": _free_port()},
-    }
-    (images.parent / "video.yaml").write_text(json.dumps({"host": "127.0.0.1", "streams": streams}))
-    receiver = start(*_RECEIVE, f"front={port}", "--json", "--no-page")
-    _when(receiver, lambda one: one["port"] == port, "the receiver")  # before the short recording
-    sender = start(*_SEND, images.parent / "video.yaml", "--middleware", "dds")
+    webcam = Webcam([_JPEG], pause_s=0.03)
+    receiver, (front, arm) = _receiver(start, "front arm", "--no-page")
+    arm_stream = {"source": f"http://{webcam.address}/video", "port": arm}
+    file = _write_streams(images, front={"source": "images", "port": front}, arm=arm_stream)
+    sender = start(*_SEND, file, "--middleware", "dds")
     _when(receiver, lambda one: one["size"] == [320, 240], "images")
     _when(receiver, lambda one: one["stale"], "the end of the recording", after=len(receiver.output))
-    words = ("video", "set", f"front.source=http://{webcam.address}/video", "--middleware", "dds")
-    assert done(*words)[0] == 0  # type: ignore[index]
+    assert called("video", "set", f"front.source=http://{webcam.address}/video", "--middleware", "dds")[0] == 0
     _when(receiver, lambda one: one["size"] == [64, 48], "the other camera")
     assert sender.interrupt() == 0
     webcam.close()
@@ -304,18 +286,9 @@ def test_a_stream_whose_recording_has_ended_gets_another_source(
 
 @pytest.mark.slow
 @needs_dds
-def test_a_change_that_is_not_possible_is_told(
-    start: Start,
-    images: Path,
-    port: int,
-    environment: dict[str, str],
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_a_change_that_is_not_possible_is_told(start: Start, images: Path, peer: socket.socket, called: Called) -> None:
     """In one line, with exit code 2; the streams stay as they are."""
-    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
-        monkeypatch.setenv(name, environment[name])
-    sender = start(*_SEND, images, "--port", port, "--loop", "--middleware", "dds")
+    sender = start(*_SEND, images, "--port", peer.getsockname()[1], "--loop", "--middleware", "dds")
     sender.wait_for("video: images go to 127.0.0.1:")
     for change, problem in (
         ("video.bitrate=5", "stream video: the bitrate is 5 and the least one 150 kbit/s; both must be from 10"),
@@ -324,11 +297,9 @@ def test_a_change_that_is_not_possible_is_told(
         ("video.bitrat=5", "unknown parameter 'video.bitrat'; did you mean 'video.bitrate'?"),
         ("vidoe.rate=5", "no sender has a stream 'vidoe'; did you mean 'video'?"),
     ):
-        assert main(["video", "set", change, "--middleware", "dds"]) == 2
-        said = capsys.readouterr()
-        assert said.out == ""
-        assert said.err.startswith(f"roverlink: {problem}")
-        assert said.err.count("\n") == 1
+        code, output, errors = called("video", "set", change, "--middleware", "dds")
+        assert (code, output, errors.count("\n")) == (2, "", 0)
+        assert errors.startswith(f"roverlink: {problem}")
     assert sender.interrupt() == 0
     assert not any("is now" in line for line in sender.errors)
 
@@ -344,49 +315,6 @@ def _pixels(message: sensor_msgs.CompressedImage) -> Any:
     return cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR)
 
 
-_FILE = "host: 127.0.0.1\nstreams:\n  front: {source: images, port: 4500}\n"
-
-
-@pytest.mark.parametrize(
-    ("words", "text"),
-    [
-        (["nothing.mp4"], "no file or folder 'nothing.mp4'"),
-        (["7"], "cannot open camera 7; check that it exists"),
-        (["images", "--host", "nowhere.invalid"], "the destination 'nowhere.invalid' does not resolve"),
-        (["images", "--size", "641x480"], "the size is 641x480; width and height must be even"),
-        (["images", "--overlay", "tim"], "unknown overlay 'tim'; did you mean 'time'?"),
-        (["images", "--overlay", "link"], "the overlays 'objects' and 'link' come from ROS 2"),
-        (["images", "--bitrate", "5"], "the bitrate is 5 and the least one 150 kbit/s; both must be from 10"),
-        (["images", "--link-rate", "0"], "the link rate is 0 kbit/s; it must be from 10 to 10000000"),
-        (["images", "--pipeline", "x264enc $speed"], "the pipeline has a wrong placeholder ('speed'); known are $host"),
-        (
-            ["video.yaml", "--size", "64x48"],
-            "--size has no effect with a file of streams; write 'size' into video.yaml",
-        ),
-        (["images", "--ros-args", "-p", "video.bitrat:=1"], "unknown parameter 'video.bitrat'; did you mean"),
-        (
-            ["images", "--ros-args", "-p", "video.size:=big"],
-            "the parameter 'video.size' is wrong: 'big' is not an image",
-        ),
-        (["images", "--ros-args", "-p", "video.rate:=0"], "stream video: the rate is 0; it must be from 0.1 to 240"),
-    ],
-)
-def test_mistakes_are_told(
-    images: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], text: str
-) -> None:
-    """In one line, with exit code 2."""
-    monkeypatch.chdir(images.parent)
-    if "--pipeline" in words:
-        _needs_gstreamer()
-    Path("video.yaml").write_text(_FILE)
-    own, _, ros = " ".join(words).partition(" --ros-args") if "--ros-args" in words else ("", "", "")
-    given = [*own.split(), *_ALONE, "--ros-args", *ros.split()] if own else [*words, *_ALONE]
-    assert main([*_SEND, *given]) == 2
-    error = capsys.readouterr().err
-    assert text in error
-    assert error.count("\n") == 1
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -400,67 +328,26 @@ def test_mistakes_are_told(
         ("host: a\nlink_rate: 0\nstreams: {f: {source: x}}", "video.yaml:2:12: the link rate is 0 kbit/s; it must be"),
         ("host: a\nstreams: {f: {source: x, overlay: time}}", "stream f: overlay is time; it must be a list"),
         ("host: a\nstreams: {f: {source: x, running: 3}}", "stream f: running is 3; it must be true or false"),
-        (
-            "host: a\nstreams: {f: {source: x, size: [1, 2, 3]}}",
-            "stream f: size is a list of 3; it must be a list of 2",
-        ),
+        ("host: a\nstreams: {f: {source: x, size: [1, 2, 3]}}", "size is a list of 3; it must be a list of 2"),
     ],
 )
-def test_mistakes_in_the_file_have_their_place(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], text: str, message: str
-) -> None:
+def test_mistakes_in_the_file_have_their_place(tmp_path: Path, called: Called, text: str, message: str) -> None:
     """File, line and column."""
-    monkeypatch.chdir(tmp_path)
-    Path("video.yaml").write_text(text)
-    assert main([*_SEND, "video.yaml", *_ALONE]) == 2
-    error = capsys.readouterr().err
+    (tmp_path / "video.yaml").write_text(text)
+    code, _, error = called(*_SEND, "video.yaml", *_ALONE, folder=tmp_path)
+    assert code == 2
     assert message in error
     assert error.startswith("roverlink: video.yaml:")
 
 
-def test_the_receiver_tells_mistakes(port: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A port in use, streams with one name, a folder that cannot be, and options without effect."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("", port))
-        assert main([*_RECEIVE, str(port), "--no-page"]) == 2
-    (tmp_path / "file").write_text("")
-    assert main([*_RECEIVE, f"a={port}", f"b={port}"]) == 2
-    assert main([*_RECEIVE, str(port), "--no-page", "--save", str(tmp_path / "file")]) == 2
-    assert main([*_RECEIVE, str(port), "--mp4"]) == 2
-    assert main([*_RECEIVE, str(port), "--topic", *_ALONE]) == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert [line.partition(": ")[2][:40] for line in lines] == [
-        text[:40]
-        for text in (
-            f"UDP port {port} on 0.0.0.0 is in use by another program; stop",
-            f"the streams a={port} and b={port} must have different names",
-            f"{tmp_path / 'file'}: cannot make the folder: File exists",
-            "--mp4 has no effect without --save FOLDER",
-            "--topic needs ROS 2; leave --middleware none out",
-        )
-    ]
-
-
 @pytest.mark.slow
-def test_a_camera_that_is_missing_does_not_stop_the_others(start: Start, images: Path, port: int) -> None:
+def test_a_camera_that_is_missing_does_not_stop_the_others(start: Start, images: Path) -> None:
     """It is tried again and again; an address that the network refuses is told, too, and the rest goes on."""
-    streams = {
-        "front": {"source": "images", "port": port},
-        "arm": {"source": 7, "port": port},
-        "mast": {"source": "images", "host": "255.255.255.255"},
-    }
-    streams["arm"]["host"] = "127.0.0.2"
-    (images.parent / "video.yaml").write_text(json.dumps({"host": "127.0.0.1", "streams": streams}))
-    receiver = start(*_RECEIVE, f"front={port}", "--json", "--no-page")
-    sender = start(*_SEND, images.parent / "video.yaml", "--loop", *_ALONE)
+    receiver, (port,) = _receiver(start, "front", "--no-page")
+    front, mast = {"source": "images", "port": port}, {"source": "images", "host": "255.255.255.255"}
+    arm = {"source": 7, "port": port, "host": "127.0.0.2"}
+    sender = start(*_SEND, _write_streams(images, front=front, arm=arm, mast=mast), "--loop", *_ALONE)
     sender.wait_for("arm: cannot open camera 7; check that it exists, and that no other program uses it; trying again")
     sender.wait_for("mast: cannot send to 255.255.255.255:4500: Permission denied; check the address and the network")
     _when(receiver, lambda one: one["rate"] > 10, "images")
     assert sender.interrupt() == 0
-
-
-def _needs_gstreamer() -> None:
-    import shutil
-
-    if shutil.which("gst-launch-1.0") is None:
-        pytest.skip("need GStreamer (apt-get install gstreamer1.0-tools)")

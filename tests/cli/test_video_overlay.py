@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import socket
+import json
 import time
 from contextlib import ExitStack
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from linked import linked_registry, write_project
 from needs import NO_AV, NO_OPENCV, needs_dds
+from node_in_memory import hear
 from polling import wait_until
 from programs import Start
 from repeating import repeated
@@ -33,16 +34,8 @@ from roverlink.vision.objects.detected_objects import Box, TrackedObject  # noqa
 from roverlink.vision.ros.object_messages import detections_2d_of  # noqa: E402
 
 
-@pytest.fixture
-def own_domain(environment: dict[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
-    """The nodes of this process meet those of the programs that it starts, and no others."""
-    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
-        monkeypatch.setenv(name, environment[name])
-
-
 @pytest.mark.slow
 @needs_dds
-@pytest.mark.usefixtures("own_domain")
 def test_the_quality_of_the_link_is_that_of_the_bridge(tmp_path: Path) -> None:
     """By the address of the basestation, which answers the bridge's link messages."""
     registry = linked_registry()
@@ -83,33 +76,27 @@ def test_the_line_about_the_link_has_what_is_known() -> None:
 
 @pytest.mark.slow
 @needs_dds
-@pytest.mark.usefixtures("own_domain")
 def test_objects_and_the_link_are_drawn(start: Start, tmp_path: Path) -> None:
     """Boxes at their places in the images of the source, which are scaled afterwards; a line of text at the top."""
     cv2.imwrite(str(tmp_path / "0.png"), np.full((480, 640, 3), 128, np.uint8))
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        port = sock.getsockname()[1]
-    start("video", "receive", f"front={port}", "--topic", "--middleware", "dds", "--no-page")
+    receiver = start("video", "receive", "front=0", "--topic", "--middleware", "dds", "--no-page", "--json")
+    port = json.loads(receiver.wait_for("streams", receiver.output))["streams"][0]["port"]
     words = ("--overlay", "objects,link", "--size", "320x240", "--bitrate", "4000", "--loop", "--middleware", "dds")
     start("video", "send", tmp_path, "--port", port, *words)
-    arrived: list[Any] = []
-
-    def take(messages: Any) -> None:
-        message = cdr.decode(sensor_msgs.CompressedImage, messages[-1])
-        arrived.append(cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR))
-
     with open_middleware("dds", NodeIdentity("tracker")) as node:
-        node.subscribe("/video/front/compressed", sensor_msgs.CompressedImage, Qos(), take)
+        arrived = hear(node, "/video/front/compressed", sensor_msgs.CompressedImage)
         objects = node.publisher("/objects/detections", vision_msgs.Detection2DArray, Qos())
         found = [TrackedObject(3, Box(200, 240, 300, 160), "rock", 0.9)]
 
+        def picture() -> Any:
+            return cv2.imdecode(np.frombuffer(arrived[-1].data, np.uint8), cv2.IMREAD_COLOR).astype(int) - 128
+
         def contrast(y: int, x: int) -> int:
-            return int(np.abs(arrived[-1][y, x].astype(int) - 128).max())
+            return int(np.abs(picture()[y, x]).max())
 
         with repeated(lambda _: objects.publish([cdr.encode(detections_2d_of(found, time.time_ns(), "front"))])):
             left, right, lower = (160, 100), (160, 250), (200, 175)
             wait_until(lambda: arrived and min(contrast(*edge) for edge in (left, right, lower)) > 40, "the box")
         assert contrast(160, 175) < 20  # inside
-        assert np.abs(arrived[-1][:12, :60].astype(int) - 128).max() > 60  # the text
+        assert np.abs(picture()[:12, :60]).max() > 60  # the text
         wait_until(lambda: contrast(*left) < 20, "the end of the box")

@@ -4,22 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import fcntl
 import json
-import os
-import pty
 import re
 import resource
-import select
 import socket
 import struct
-import subprocess
-import sys
-import termios
-import threading
 import time
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,64 +20,47 @@ import websockets
 from linked import TABLE, write_project
 from needs import needs_dds
 from polling import wait_until
+from programs import Start
 from prometheus_client.parser import text_string_to_metric_families
+from repeating import repeated
+from running import Bridge, Called
+from terminals import Terminal
 
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
 from generated.registry import REGISTRY
-from roverlink.__main__ import main
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.net.http_server import BoundedServer
 from roverlink.runtime.recording.message_definitions import definition_of
 
-Start = Callable[..., Any]
-
-_FREE_PORT = ("--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
-
 _EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # on request
+_TOP = ("top", "--once", "--middleware", "dds", "--timeout", 60)
 
 
-class _Board:
-    """Sends one IMU message after the other, fifty a second. A context manager."""
+@contextlib.contextmanager
+def _speaking(port: int) -> Iterator[None]:
+    """A board that sends one IMU message after the other, fifty a second."""
+    datagram = REGISTRY.envelope(imu_info={"accel_x": 1.5}).SerializeToString()
+    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
-    def __init__(self, program: Any) -> None:
-        self._port = int(program.wait_for("on UDP port ").rpartition(" ")[2])
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._send, daemon=True)
+    def send(_: int) -> None:
+        sock.sendto(datagram, ("127.0.0.1", port))
 
-    def _send(self) -> None:
-        datagram = REGISTRY.envelope(imu_info={"accel_x": 1.5}).SerializeToString()
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-            while not self._ending.wait(0.02):
-                sock.sendto(datagram, ("127.0.0.1", self._port))
-
-    def __enter__(self) -> _Board:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._ending.set()
-        self._thread.join()
+    with sock, repeated(send):
+        yield
 
 
 @pytest.mark.slow
 @needs_dds
-def test_diagnostics_are_heard_by_anybody(start: Start, done: Start) -> None:
+def test_diagnostics_are_heard_by_anybody(bridge: Bridge, called: Called) -> None:
     """Once a second, as diagnostic_msgs, with no option at all; `--no-diagnostics` is silent."""
-    with _Board(start("run", "--middleware", "dds", *_FREE_PORT)):
-        heard = (
-            "echo",
-            "/diagnostics",
-            "--type",
-            "diagnostic_msgs/msg/DiagnosticArray",
-            "--json",
-            "--middleware",
-            "dds",
-        )
-        code, output, _ = done(*heard, "--count", 2)
-        assert code == 0
-        said = [json.loads(line) for line in output.splitlines()]
+    _, port = bridge(middleware="dds")
+    with _speaking(port):
+        heard = ("/diagnostics", "--type", "diagnostic_msgs/msg/DiagnosticArray", "--json", "--middleware", "dds")
+        code, output, _ = called("echo", *heard, "--count", 2)
+    assert code == 0
+    said = [json.loads(line) for line in output.splitlines()]
     stamps = [array["header"]["stamp"]["sec"] + array["header"]["stamp"]["nanosec"] / 1e9 for array in said]
     assert stamps[0] < stamps[1]
     statuses = {status["name"]: status for status in said[-1]["status"]}
@@ -97,17 +72,16 @@ def test_diagnostics_are_heard_by_anybody(start: Start, done: Start) -> None:
 
 
 @needs_dds
-def test_top_shows_the_bridge(start: Start, done: Start) -> None:
+def test_top_shows_the_bridge(bridge: Bridge, start: Start, called: Called) -> None:
     """As a page, and as JSON for scripts, from a second program; exit code 1 where no bridge is heard."""
-    program = start("run", "--middleware", "dds", *_FREE_PORT)
-    with _Board(program):
+    program, port = bridge(middleware="dds")
+    with _speaking(port):
         live = start("top", "--middleware", "dds", "--json", "--timeout", 60)
-        code, output, _ = done("top", "--once", "--middleware", "dds", "--timeout", 60)
+        code, output, _ = called(*_TOP)
         assert (code, output.splitlines()[0]) == (0, "/udp_forwarder  OK  nothing lost")
         assert re.search(r"13 +imu_info +hardware→ros +OK", output)
-        code, output, _ = done("top", "--once", "--json", "--middleware", "dds", "--timeout", 60)
-        page = json.loads(output)
-        row = next(row for row in page["rows"] if row["name"] == "imu_info")
+        code, output, _ = called(*_TOP, "--json")
+        row = next(row for row in json.loads(output)["rows"] if row["name"] == "imu_info")
         assert (code, row["level"], row["number"], row["topic"]) == (0, "OK", 13, "imu_data")
         assert row["count"] > 0
         live.wait_for('"node"', live.output)
@@ -117,18 +91,14 @@ def test_top_shows_the_bridge(start: Start, done: Start) -> None:
 
 @needs_dds
 @pytest.mark.slow
-def test_a_node_whose_qos_does_not_match_is_shown(
-    start: Start, done: Start, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_node_whose_qos_does_not_match_is_shown(bridge: Bridge, called: Called) -> None:
     """A best-effort publisher of commands: in the log, in the status of the node and in that of the row."""
-    for name in ("ROS_LOCALHOST_ONLY", "ROS_DOMAIN_ID"):
-        monkeypatch.setenv(name, environment[name])
-    program = start("run", "--middleware", "dds", *_FREE_PORT)
+    program, _ = bridge(middleware="dds")
     why = "no messages come from a publisher of /joystick (reliability: reliable required, best_effort offered)"
     with open_middleware("dds", NodeIdentity("joystick")) as joystick:
         joystick.publisher("/drive_motor", DrivingBoardMotorMessage, Qos(reliability="best_effort"))
         program.wait_for(f"/drive_motor: {why}; change the QoS of one side")
-        code, output, _ = done("top", "--once", "--json", "--middleware", "dds", "--timeout", 60)
+        code, output, _ = called(*_TOP, "--json")
     page = json.loads(output)
     row = next(row for row in page["rows"] if row["name"] == "drive_motor")
     assert (code, row["level"], row["message"], row["qos_mismatches"]) == (1, "WARN", why, 1)
@@ -137,118 +107,59 @@ def test_a_node_whose_qos_does_not_match_is_shown(
     assert program.interrupt() == 0
 
 
-class _Terminal:
-    """`roverlink top` on a terminal of some size, and what it has written."""
-
-    def __init__(self, environment: dict[str, str], columns: int, lines: int) -> None:
-        self._file, theirs = pty.openpty()
-        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", lines, columns, 0, 0))
-        self.before = termios.tcgetattr(theirs)
-        self.theirs = theirs
-        kept = {name: value for name, value in environment.items() if name not in ("COLUMNS", "LINES")}
-
-        def own_the_terminal() -> None:
-            os.setsid()
-            fcntl.ioctl(theirs, termios.TIOCSCTTY, 0)
-
-        self.program = subprocess.Popen(
-            [sys.executable, "-m", "roverlink", "top", "--middleware", "dds", "--timeout", "60"],
-            stdin=theirs,
-            stdout=theirs,
-            stderr=theirs,
-            env={**kept, "TERM": "xterm-256color"},
-            preexec_fn=own_the_terminal,
-        )
-        self._text = ""
-
-    def wait_for(self, pattern: str) -> str:
-        """What is written from now on, up to a match."""
-        self._text = ""
-
-        def read() -> bool:
-            if select.select([self._file], [], [], 0.1)[0]:
-                self._text += os.read(self._file, 65536).decode(errors="replace")
-            plain = re.sub(r"\x1b\[[0-9;]*m", "", self._text)  # without colours
-            return re.search(pattern, plain) is not None
-
-        wait_until(read, f"{pattern!r} on the terminal")
-        return self._text
-
-    def press(self, keys: str) -> None:
-        os.write(self._file, keys.encode())
-
-    def close(self) -> None:
-        self.program.kill()
-        self.program.wait()
-        os.close(self._file)
-        os.close(self.theirs)
-
-
 @pytest.mark.slow
 @needs_dds
-def test_top_obeys_keys_on_a_small_terminal(start: Start, environment: dict[str, str]) -> None:
+def test_top_obeys_keys_on_a_small_terminal(bridge: Bridge) -> None:
     """Arrows scroll to the last row, letters sort and filter, `q` ends it, and the terminal is as it was before."""
-    program = start("run", "--middleware", "dds", *_FREE_PORT)
-    with _Board(program):
-        terminal = _Terminal(environment, 70, 20)
-        try:
-            terminal.wait_for("datagrams dropped: 0; by the kernel: 0")
-            assert terminal.wait_for("row 1 of 21")
-            terminal.press("\x1b[F")
-            assert "rover_localization" in terminal.wait_for("row 21 of 21")
-            terminal.press("s")
-            terminal.wait_for("sort: name")
-            terminal.press("/imu_")
-            terminal.wait_for("row 1 of 1 (?s:.*)filter: imu__")
-            terminal.press("\r")
-            terminal.wait_for("/ filter: imu_")
-            terminal.press("q")
-            terminal.wait_for(re.escape("\x1b[?1049l"))
-            assert terminal.program.wait(60) == 0
-            assert termios.tcgetattr(terminal.theirs) == terminal.before
-        finally:
-            terminal.close()
+    program, port = bridge(middleware="dds")
+    words = ("top", "--middleware", "dds", "--timeout", 60)
+    with _speaking(port), Terminal(*words, columns=70, lines=20) as terminal:
+        terminal.wait_for("datagrams dropped: 0; by the kernel: 0")
+        terminal.wait_for("row 1 of 21")
+        terminal.type("\x1b[F")
+        assert "rover_localization" in terminal.wait_for("row 21 of 21")
+        terminal.type("s")
+        terminal.wait_for("sort: name")
+        terminal.type("/imu_")
+        terminal.wait_for("row 1 of 1 (?s:.*)filter: imu__")
+        terminal.type("\r")
+        terminal.wait_for("/ filter: imu_")
+        terminal.type("q")
+        terminal.wait_for(re.escape("\x1b[?1049l"))
+        assert terminal.end() == 0
+        assert terminal.left_as_it_was()
     assert program.interrupt() == 0
 
 
 @needs_dds
 @pytest.mark.slow
-def test_top_warns_of_two_bridges_with_one_name(start: Start, done: Start) -> None:
+def test_top_warns_of_two_bridges_with_one_name(bridge: Bridge, called: Called) -> None:
     """With both processes; exit code 1; of two names, each bridge is shown, and `--node` selects one."""
-    programs = [start("run", "--middleware", "dds", *_FREE_PORT, *more) for more in ((), (), ("-r", "__node:=another"))]
-    for program in programs:
-        program.wait_for("on UDP port ")
-    heard: dict[str, int] = {}
+    programs = [bridge(ros=more, middleware="dds")[0] for more in ((), (), ("-r", "__node:=another"))]
 
     def all_heard() -> bool:
-        nonlocal heard
-        code, output, errors = done("top", "--once", "--middleware", "dds", "--timeout", 60)
+        code, output, errors = called(*_TOP)
         titles = [line for line in output.splitlines() if line.startswith("/")]
-        heard = {"code": code, "titles": len(titles), "warned": "warning: 2 bridges are named '/udp_fo" in errors}
-        return heard == {"code": 1, "titles": 3, "warned": True}
+        return (code, len(titles), "warning: 2 bridges are named '/udp_fo" in errors) == (1, 3, True)
 
     # A command that has just started may hear one bridge later than the others.
     wait_until(all_heard, "all three bridges in one answer")
-    code, output, errors = done("top", "--once", "--middleware", "dds", "--timeout", 60, "--node", "another")
+    code, output, errors = called(*_TOP, "--node", "another")
     assert (code, output.splitlines()[0], errors) == (0, "/another  OK  nothing lost", "")
     for program in programs:
         assert program.interrupt() == 0
 
 
-def test_top_needs_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    """Without one it says which options print the state; exit code 2."""
-    assert main(["top", "--middleware", "memory"]) == 2
-    assert "`roverlink top --once` or `--json`" in capsys.readouterr().err
-
-
-def test_top_without_a_bridge_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_top_without_a_bridge_is_told(called: Called) -> None:
     """By the names that were asked for and the topic; exit code 1."""
-    assert main(["top", "--once", "--middleware", "memory", "--timeout", "0.1"]) == 1
-    output, errors = capsys.readouterr()
-    assert output == ""
+    words = ("top", "--once", "--middleware", "memory", "--timeout", "0.1")
+    code, output, errors = called(*words)
+    assert (code, output) == (1, "")
     assert errors.startswith("no messages of a bridge on /diagnostics within 0.1 s; check that")
-    assert main(["top", "--once", "--middleware", "memory", "--timeout", "0.1", "--node", "a", "--node", "b"]) == 1
-    assert "no messages of a bridge named 'a' or named 'b' on /diagnostics" in capsys.readouterr().err
+    assert (
+        "no messages of a bridge named 'a' or named 'b' on /diagnostics"
+        in called(*words, "--node", "a", "--node", "b")[2]
+    )
 
 
 def _families(page: str) -> dict[str, Any]:
@@ -260,16 +171,31 @@ def _crossed(families: dict[str, Any]) -> dict[str, float]:
     return {sample.labels["row"]: sample.value for sample in families["roverlink_crossed"].samples}
 
 
-def test_metrics_of_a_running_bridge(start: Start) -> None:
-    """The port is told at start, and serves what the bridge has done."""
-    program = start("run", "--middleware", "memory", "--no-diagnostics", "--metrics", 0, *_FREE_PORT)
-    page = program.wait_for("metrics: ").rpartition(" ")[2]
-    with _Board(program):
+def test_a_running_bridge_tells_what_it_does(bridge: Bridge) -> None:
+    """Metrics count what crosses, a client of Foxglove gets every topic with its schema; every log line is JSON."""
+    options = ("--no-diagnostics", "--metrics", 0, "--foxglove", 0, "--log-format", "json")
+    program, port = bridge(*options)
+    page, address = (
+        json.loads(program.wait_for(text))["message"].rpartition(" ")[2]
+        for text in ("metrics: ", "connect Foxglove to ")
+    )
+    assert address.startswith("ws://127.0.0.1:")
+    with _speaking(port):
         wait_until(lambda: _crossed(_families(page))["imu_info"] >= 10, "ten messages")
         families = _families(page)
+        channels, message = asyncio.run(asyncio.wait_for(_foxglove(address), 60))
     samples = {sample.name: sample.value for sample in families["roverlink_handling_seconds"].samples}
     assert samples["roverlink_handling_seconds_count"] >= 10
+    assert {channel["topic"] for channel in channels} == {f"/{topic}" for topic in REGISTRY.by_topic}
+    imu = next(channel for channel in channels if channel["topic"] == "/imu_data")
+    assert (imu["encoding"], imu["schemaEncoding"]) == ("cdr", "ros2msg")
+    assert imu["schemaName"] == "comms/msg/ImuSensorInformation"
+    assert imu["schema"] == definition_of(ImuSensorInformation)
+    assert cdr.decode(ImuSensorInformation, message) == ImuSensorInformation(accel_x=1.5)
     assert program.interrupt() == 0
+    lines = [json.loads(line) for line in program.errors]
+    assert all("message" in line for line in lines)
+    assert {(line["level"], line["logger"]) for line in lines} == {("info", "udp_forwarder")}
 
 
 def _threads(program: Any) -> int:
@@ -278,9 +204,9 @@ def _threads(program: Any) -> int:
 
 
 @pytest.mark.slow
-def test_slow_clients_do_not_stop_a_scrape(start: Start) -> None:
+def test_slow_clients_do_not_stop_a_scrape(bridge: Bridge) -> None:
     """Not 1,000 that send half a request and wait: threads stay few, and nothing is said about half a request."""
-    program = start("run", "--middleware", "memory", "--no-diagnostics", "--metrics", 0, *_FREE_PORT)
+    program, _ = bridge("--no-diagnostics", "--metrics", 0)
     page = program.wait_for("metrics: ").rpartition(" ")[2]
     port = int(page.split(":")[2].partition("/")[0])
     before = _threads(program)
@@ -304,39 +230,12 @@ def test_slow_clients_do_not_stop_a_scrape(start: Start) -> None:
     assert not [line for line in program.errors if "xception" in line or not line.startswith("[")]
 
 
-def test_metrics_without_their_package_are_told(done: Start, tmp_path: Path) -> None:
-    """The command that installs it is named."""
-    (tmp_path / "prometheus_client.py").write_text("raise ImportError('hidden')\n")
-    hidden = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
-    code, _, errors = done("run", "--middleware", "memory", "--metrics", 0, *_FREE_PORT, PYTHONPATH=hidden)
-    assert code == 2
-    assert "install it with `pip install 'prometheus-client>=0.21'`" in errors
-
-
-def test_foxglove_sees_the_topics(start: Start) -> None:
-    """A client of its WebSocket protocol is told of every topic with its schema, and gets the messages it asks for."""
-    everywhere = ("--ros-args", "-p", "listen_port:=0")  # the bridge is on all addresses, Foxglove is not
-    program = start("run", "--middleware", "memory", "--no-diagnostics", "--foxglove", 0, *everywhere)
-    address = program.wait_for("connect Foxglove to ").rpartition(" ")[2]
-    assert address.startswith("ws://127.0.0.1:")
-    with _Board(program):
-        channels, message = asyncio.run(asyncio.wait_for(_foxglove(address), 60))
-    assert {channel["topic"] for channel in channels} == {f"/{topic}" for topic in REGISTRY.by_topic}
-    imu = next(channel for channel in channels if channel["topic"] == "/imu_data")
-    assert (imu["encoding"], imu["schemaEncoding"]) == ("cdr", "ros2msg")
-    assert imu["schemaName"] == "comms/msg/ImuSensorInformation"
-    assert imu["schema"] == definition_of(ImuSensorInformation)
-    assert cdr.decode(ImuSensorInformation, message) == ImuSensorInformation(accel_x=1.5)
-    assert program.interrupt() == 0
-
-
-def test_foxglove_is_offered_to_others_on_request(start: Start) -> None:
+def test_foxglove_is_offered_to_others_on_request(bridge: Bridge) -> None:
     """On all addresses, the address in the log is one that can be opened."""
-    options = ("--no-diagnostics", "--foxglove", 0, "--foxglove-address", _EVERY_ADDRESS)
-    program = start("run", "--middleware", "memory", *options, *_FREE_PORT)
+    program, port = bridge("--no-diagnostics", "--foxglove", 0, "--foxglove-address", _EVERY_ADDRESS)
     address = program.wait_for("connect Foxglove to ").rpartition(" ")[2]
     assert _EVERY_ADDRESS not in address
-    with _Board(program):
+    with _speaking(port):
         channels, _ = asyncio.run(asyncio.wait_for(_foxglove(address), 60))
     assert channels
     assert program.interrupt() == 0
@@ -361,30 +260,17 @@ async def _foxglove(address: str) -> tuple[list[dict[str, Any]], bytes]:
                     await connection.send(json.dumps(asked))
 
 
-def test_json_logs(start: Start) -> None:
-    """With `--log-format json`, every line on standard error is an object."""
-    program = start("run", "--middleware", "memory", "--no-diagnostics", "--log-format", "json", *_FREE_PORT)
-    ready = json.loads(program.wait_for("on UDP port "))
-    assert (ready["level"], ready["logger"]) == ("info", "udp_forwarder")
-    assert program.interrupt() == 0
-    assert all("message" in json.loads(line) for line in program.errors)
-
-
 # --- doctor -----------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def taken() -> Iterator[int]:
-    """A UDP port that somebody has."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        yield int(sock.getsockname()[1])
+_FREE_PORT = ("--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
 
 
-def test_doctor_finds_what_is_wrong(done: Start, taken: int) -> None:
+def test_doctor_finds_what_is_wrong(called: Called, peer: socket.socket) -> None:
     """A port that is taken, and by whom; exit code 1. A host that does not resolve is a warning: it may boot later."""
+    taken = peer.getsockname()[1]
     arguments = ("-p", f"listen_port:={taken}", "-p", "listen_address:='127.0.0.1'", "-p", "dst_ip:='rover.invalid'")
-    code, output, _ = done("doctor", "--json", "--ros-args", *arguments)
+    code, output, _ = called("doctor", "--json", "--ros-args", *arguments)
     found = {diagnosis["check"]: diagnosis for diagnosis in json.loads(output)}
     assert code == 1
     assert found[f"UDP port {taken}"]["verdict"] == "error"
@@ -416,51 +302,35 @@ def test_doctor_warns_if_the_table_was_changed_and_not_generated(
     assert said == [] if says is None else says in said[0]
 
 
-def test_doctor_warns_of_small_buffers(done: Start) -> None:
+def test_doctor_warns_of_small_buffers(called: Called) -> None:
     """With the command that cures it; a warning is no failure."""
-    code, output, _ = done("doctor", "--ros-args", "-p", "listen_port:=0", "-p", "receive_buffer:=1073741824")
+    code, output, _ = called("doctor", "--ros-args", "-p", "listen_port:=0", "-p", "receive_buffer:=1073741824")
     assert code == 0 or "error" in output
     assert re.search(r"(warning|ok) +receive buffer: \d+ bytes", output)
 
 
-def test_doctor_goes_on_where_there_is_no_generated_code(done: Start, tmp_path: Any) -> None:
-    """What is not there is told, and the rest is looked at all the same."""
-    code, output, _ = done("doctor", "--json", "--project", tmp_path)
+def test_doctor_goes_on_where_something_keeps_it_from_checking(called: Called, tmp_path: Path) -> None:
+    """Without generated code, or with a wrong parameter: that is told, and the rest is looked at all the same."""
+    code, output, _ = called("doctor", "--json", "--project", tmp_path)
     found = {diagnosis["check"]: diagnosis for diagnosis in json.loads(output)}
     assert code == 1
     assert "run `roverlink generate` there" in found["generated code"]["says"]
     assert found["not checked"]["says"].startswith("UDP port, receive buffer, dst_ip and firewall were not checked")
     assert {"python", "multicast"} <= found.keys()
-
-
-def test_doctor_tells_what_a_wrong_parameter_keeps_from_being_checked(done: Start) -> None:
-    """The parameter is named, not the generated code; the checks that need no parameters are made."""
-    code, output, _ = done("doctor", "--ros-args", "-p", "listen_port:=70000")
+    code, output, _ = called("doctor", "--ros-args", "-p", "listen_port:=70000")
     assert code == 1
-    assert re.search(r"^ok +generated code: ", output, re.MULTILINE)
-    assert re.search(r"^error +parameters: .*listen_port", output, re.MULTILINE)
-    assert re.search(r"^warning +not checked: UDP port, ", output, re.MULTILINE)
+    for line in (r"ok +generated code: ", r"error +parameters: .*listen_port", r"warning +not checked: UDP port, "):
+        assert re.search(f"^{line}", output, re.MULTILINE)
     assert " multicast: " in output
     assert "UDP port 70000" not in output
 
 
-def test_a_foxglove_port_in_use_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    """Exit code 2, with the port."""
-    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        sock.listen()
-        port = sock.getsockname()[1]
-        arguments = ["run", "--middleware", "memory", "--no-diagnostics", "--foxglove", str(port), *_FREE_PORT]
-        assert main(arguments) == 2
-    assert f"cannot serve Foxglove on TCP port {port} of 127.0.0.1" in capsys.readouterr().err
-
-
 @pytest.mark.slow
 @needs_dds
-def test_top_serves_the_page(start: Start) -> None:
+def test_top_serves_the_page(bridge: Bridge, start: Start) -> None:
     """`top --web` shows the rows of a bridge in another process, and the log that it publishes."""
-    program = start("run", "--middleware", "dds", *_FREE_PORT)
-    with _Board(program):
+    program, port = bridge(middleware="dds")
+    with _speaking(port):
         top = start("top", "--middleware", "dds", "--web", "127.0.0.1:0", "--timeout", 60)
         url = top.wait_for("page: ").rpartition(" ")[2]
         seen: dict[str, dict[str, Any]] = {}
@@ -495,22 +365,15 @@ def _shown(url: str, count: int) -> tuple[list[str], str]:
 
 @pytest.mark.slow
 @needs_dds
-def test_the_page_of_top_shows_all_bridges(start: Start) -> None:
+def test_the_page_of_top_shows_all_bridges(bridge: Bridge, start: Start) -> None:
     """All that run, and one that starts later; with `--node`, those with this name."""
-    start("run", "--middleware", "dds", *_FREE_PORT).wait_for("on UDP port ")
+    bridge(middleware="dds")
     urls = {}
     for options in ((), ("--node", "udp_forwarder")):
         top = start("top", "--middleware", "dds", "--web", "127.0.0.1:0", "--timeout", 60, *options)
         urls[options] = top.wait_for("page: ").rpartition(" ")[2]
         assert _shown(urls[options], 1) == (["/udp_forwarder"], "/udp_forwarder")
-    start("run", "--middleware", "dds", *_FREE_PORT, "-r", "__node:=another").wait_for("on UDP port ")
+    bridge(ros=["-r", "__node:=another"], middleware="dds")
     assert _shown(urls[()], 2)[0] == ["/another", "/udp_forwarder"]
     assert _shown(urls[()], 2)[1] == "/another"  # without a selection, the first by name
     assert _shown(urls["--node", "udp_forwarder"], 1) == (["/udp_forwarder"], "/udp_forwarder")
-
-
-def test_top_serves_a_page_or_prints(capsys: pytest.CaptureFixture[str]) -> None:
-    """`--web` with `--once` or `--json` is refused, with exit code 2."""
-    for other in ("--once", "--json"):
-        assert main(["top", "--web", "0", other, "--middleware", "memory"]) == 2
-        assert "--web cannot be combined with --once or --json" in capsys.readouterr().err

@@ -33,6 +33,13 @@ def token_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def shared_link(token_file: Path) -> Iterator[WatchedLink]:
+    """A bridge for tests that leave it as it was, and that send no wrong token."""
+    with watched_link(token_file) as made:
+        yield made
+
+
 @pytest.fixture
 def link(token_file: Path) -> Iterator[WatchedLink]:
     with watched_link(token_file) as made:
@@ -53,15 +60,13 @@ def _silence(link: WatchedLink, events: Events) -> dict[str, Any]:
 
 def test_an_alarm_is_acknowledged_for_all_browsers(link: WatchedLink) -> None:
     """The bridge keeps it, so that another browser gets it, too; its log says who has done it."""
-    events = Events(link.url)
-    alarm = _silence(link, events)
-    assert not alarm["acknowledged"]
-    assert act(link.url, "/acknowledge", [alarm["number"]], TOKEN) == (204, "")
-    events.alarm("stop drive_motor", lambda now: now["acknowledged"])
-    events.close()
-    late = Events(link.url)
-    assert late.alarm("stop drive_motor")["acknowledged"]
-    late.close()
+    with Events(link.url) as events:
+        alarm = _silence(link, events)
+        assert not alarm["acknowledged"]
+        assert act(link.url, "/acknowledge", [alarm["number"]], TOKEN) == (204, "")
+        events.alarm("stop drive_motor", lambda now: now["acknowledged"])
+    with Events(link.url) as late:
+        assert late.alarm("stop drive_motor")["acknowledged"]
     assert "the alarm 'stop drive_motor' was acknowledged on the page from 127.0.0.1" in link.lines
 
 
@@ -97,20 +102,19 @@ def test_parameters_are_shown_and_set(link: WatchedLink) -> None:
     ],
 )
 def test_a_refused_change_has_a_reason_and_changes_nothing(
-    link: WatchedLink, name: str, value: object, reason: str
+    shared_link: WatchedLink, name: str, value: object, reason: str
 ) -> None:
     """All parameters of a request change, or none."""
-    before = _parameters(link)
-    status, text = act(link.url, "/parameters", {"dst_a_port": 6020, name: value}, TOKEN)
+    before = _parameters(shared_link)
+    status, text = act(shared_link.url, "/parameters", {"dst_a_port": 6020, name: value}, TOKEN)
     assert (status, reason in text) == (409, True), text
-    assert _parameters(link) == before
+    assert _parameters(shared_link) == before
 
 
 def test_only_the_page_itself_acts(link: WatchedLink) -> None:
     """A POST from another site, without an origin, to another name, or without the token is refused."""
-    events = Events(link.url)
-    alarm = _silence(link, events)
-    events.close()
+    with Events(link.url) as events:
+        alarm = _silence(link, events)
     own = link.url.rstrip("/")
     bearer = {"Authorization": f"Bearer {TOKEN}"}
     for headers, status in (
@@ -128,9 +132,8 @@ def test_only_the_page_itself_acts(link: WatchedLink) -> None:
     assert ask(link.url, "/parameters")[0] == 401
     assert ask(link.url, "/parameters", Origin="http://evil.example", **bearer)[0] == 403
     assert _parameters(link)["dst_a_port"] == 6000
-    events = Events(link.url)
-    assert not events.alarm("stop drive_motor")["acknowledged"]
-    events.close()
+    with Events(link.url) as events:
+        assert not events.alarm("stop drive_motor")["acknowledged"]
 
 
 def test_the_token_is_told_to_nobody(link: WatchedLink, capsys: pytest.CaptureFixture[str]) -> None:
@@ -145,12 +148,12 @@ def test_the_token_is_told_to_nobody(link: WatchedLink, capsys: pytest.CaptureFi
 
 
 @pytest.mark.parametrize("body", [b"{", b"[" * 10_000, b"[true]", b"[[1]]", b"{}", b"7", b"\xff", b"", b'{"1": 1}'])
-def test_nonsense_is_refused(link: WatchedLink, body: bytes) -> None:
+def test_nonsense_is_refused(shared_link: WatchedLink, body: bytes) -> None:
     """It is answered with the reason, and the page goes on."""
-    assert act(link.url, "/acknowledge", body, TOKEN)[0] == 400
-    assert act(link.url, "/parameters", body, TOKEN)[0] in (400, 409)
-    assert act(link.url, "/other", b"[]", TOKEN)[0] == 404
-    assert ask(link.url, "/")[0] == 200
+    assert act(shared_link.url, "/acknowledge", body, TOKEN)[0] == 400
+    assert act(shared_link.url, "/parameters", body, TOKEN)[0] in (400, 409)
+    assert act(shared_link.url, "/other", b"[]", TOKEN)[0] == 404
+    assert ask(shared_link.url, "/")[0] == 200
 
 
 def test_a_long_body_is_not_read(link: WatchedLink) -> None:
@@ -193,11 +196,10 @@ def test_top_only_acknowledges(token_file: Path) -> None:
     """The parameters belong to another process, so setting them is refused with a reason."""
     with followed_page(token_file) as page:
         page.hear("one", ages={"imu_info": 9.0})
-        events = Events(page.url)
-        assert events.next("page")["sets_parameters"] is False
-        assert act(page.url, "/acknowledge", [events.alarm("peer hardware")["number"]], TOKEN)[0] == 204
-        events.alarm("peer hardware", lambda now: now["acknowledged"])
-        events.close()
+        with Events(page.url) as events:
+            assert events.next("page")["sets_parameters"] is False
+            assert act(page.url, "/acknowledge", [events.alarm("peer hardware")["number"]], TOKEN)[0] == 204
+            events.alarm("peer hardware", lambda now: now["acknowledged"])
         status, text = act(page.url, "/parameters", {"dst_ip": "127.0.0.1"}, TOKEN)
         assert (status, "open the page of the bridge itself" in text) == (409, True)
         assert ask(page.url, "/parameters", Authorization=f"Bearer {TOKEN}") == (200, b"[]")
@@ -206,9 +208,8 @@ def test_top_only_acknowledges(token_file: Path) -> None:
 def test_without_the_option_there_is_nothing_to_unlock() -> None:
     """The page says so to the browser, and has neither parameters nor actions."""
     with watched_link() as link:
-        events = Events(link.url)
-        assert events.next("page")["can_act"] is False
-        events.close()
+        with Events(link.url) as events:
+            assert events.next("page")["can_act"] is False
         assert ask(link.url, "/parameters", Authorization=f"Bearer {TOKEN}")[0] == 404
         assert act(link.url, "/acknowledge", [1], TOKEN)[0] == 501
 
@@ -231,27 +232,31 @@ def test_a_missing_file_is_made(tmp_path: Path) -> None:
         assert act(link.url, "/acknowledge", [], token)[0] == 204
 
 
+_CONTENT = "must have 16 to 1024 ASCII characters without spaces; remove the file, and roverlink makes"
+_MODE = "other users can read or write the token of the page; run: chmod 600 "
+
+
 @pytest.mark.parametrize(
     ("content", "mode", "said"),
     [
-        ("", 0o600, "must have 16 to 1024 ASCII characters without spaces; remove the file, and roverlink makes"),
-        ("fifteen-letters\n", 0o600, "must have 16 to 1024 ASCII characters"),
-        ("sixteen letters!!", 0o600, "must have 16 to 1024 ASCII characters without spaces"),
-        ("ünsixteen-letters", 0o600, "must have 16 to 1024 ASCII characters without spaces"),
-        ("x" * 2000, 0o600, "must have 16 to 1024 ASCII characters"),
-        (TOKEN, 0o640, "other users can read or write the token of the page; run: chmod 600 "),
-        (TOKEN, 0o602, "other users can read or write the token of the page; run: chmod 600 "),
+        ("", 0o600, _CONTENT),
+        ("fifteen-letters\n", 0o600, _CONTENT),
+        ("sixteen letters!!", 0o600, _CONTENT),
+        ("ünsixteen-letters", 0o600, _CONTENT),
+        ("x" * 2000, 0o600, _CONTENT),
+        (TOKEN, 0o640, _MODE),
+        (TOKEN, 0o602, _MODE),
     ],
 )
-@pytest.mark.parametrize("command", [["run", "--page", "0"], ["record", "run.mcap", "--page", "0"]])
 def test_a_file_that_cannot_be_used_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str], content: str, mode: int, said: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], content: str, mode: int, said: str
 ) -> None:
     """One line with the cure, and exit code 2; the content is not told."""
     path = tmp_path / "token"
     path.write_text(content)
     path.chmod(mode)
-    _refused([*command, "--page-token", str(path)], f"roverlink: {path}: ", said, capsys)
+    for command in (["run"], ["record", str(tmp_path / "run.mcap")]):
+        _refused([*command, "--page", "0", "--page-token", str(path)], f"roverlink: {path}: ", said, capsys)
 
 
 def test_other_files_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

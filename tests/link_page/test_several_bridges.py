@@ -19,55 +19,50 @@ def page() -> Iterator[FollowedPage]:
         yield opened
 
 
+def _ids(events: Events, count: int) -> list[str]:
+    """The names of the bridges in the list, as soon as it has so many that report."""
+    return [bridge["id"] for bridge in _bridges(events, count)]
+
+
 def _bridges(events: Events, count: int) -> list[dict[str, Any]]:
-    """The list of the bridges, as soon as it has so many that report."""
-    while True:
-        found: list[dict[str, Any]] = events.next("bridges")["bridges"]
-        if len(found) == count and all(bridge["level"] for bridge in found):
-            return found
+    def complete(content: dict[str, Any]) -> bool:
+        return len(content["bridges"]) == count and all(bridge["level"] for bridge in content["bridges"])
+
+    bridges: list[dict[str, Any]] = events.until("bridges", complete)["bridges"]
+    return bridges
 
 
 def test_each_browser_selects_its_bridge(page: FollowedPage) -> None:
-    """A browser gets the state of the bridge that it asks for, or of the first, and the list and the alarms of all."""
+    """A browser gets the state of the bridge that it asks for, or of the first, and the list and the alarms of all.
+
+    A bridge that appears later comes into the list, and a browser that waited for it gets its state.
+    """
     page.hear("one")
-    page.hear("two", ages={"imu_info": 9.0})
+    with Events(page.url, "/two") as waiting:
+        assert _ids(waiting, 1) == ["/one"]
+        page.hear("two", ages={"imu_info": 9.0})
+        assert waiting.next("state")["node"]["name"] == "two"
     for asked, name in (("", "one"), ("/one", "one"), ("/two", "two")):
-        events = Events(page.url, asked)
-        assert events.next("page")["bridge"] == f"/{name}"
-        assert events.alarm("peer hardware")["bridge"] == "/two"
-        events.close()
-        events = Events(page.url, asked)
-        assert [bridge["id"] for bridge in events.next("bridges")["bridges"]] == ["/one", "/two"]
-        assert events.next("state")["node"]["name"] == name
-        events.close()
-
-
-def test_a_bridge_that_appears_later_is_shown(page: FollowedPage) -> None:
-    """It comes into the list, and a browser that waited for it gets its state."""
-    page.hear("one")
-    events = Events(page.url, "/late")
-    assert [bridge["id"] for bridge in _bridges(events, 1)] == ["/one"]
-    page.hear("late")
-    assert events.next("state")["node"]["name"] == "late"
-    events.close()
+        with Events(page.url, asked) as events:
+            assert events.next("page")["bridge"] == f"/{name}"
+            assert events.alarm("peer hardware")["bridge"] == "/two"
+        with Events(page.url, asked) as events:
+            assert _ids(events, 2) == ["/one", "/two"]
+            assert events.next("state")["node"]["name"] == name
 
 
 def test_a_bridge_that_was_started_again_keeps_its_place(page: FollowedPage) -> None:
     """Its alarms stay, its log says so, and a browser that shows it goes on with the new process."""
     page.hear("one", instance="a", pid=12, ages={"imu_info": 9.0})
-    events = Events(page.url, "/one")
-    number = events.alarm("peer hardware")["number"]
-    page.hear("one", instance="b", pid=34)  # the old process may still be running
-    page.hear("one", after=4.0, instance="b", pid=34)
-    (bridge,) = _bridges(events, 1)
-    while bridge["place"] != "process 34 on rover":
-        (bridge,) = _bridges(events, 1)
-    events.close()
-    events = Events(page.url, "/one")
-    alarm = events.alarm("peer hardware")
-    assert (alarm["number"], alarm["ended"] is None) == (number, False)
-    assert "was started again: process 34 on rover" in events.next("log")["lines"][0]["text"]
-    events.close()
+    with Events(page.url, "/one") as events:
+        number = events.alarm("peer hardware")["number"]
+        page.hear("one", instance="b", pid=34)  # the old process may still be running
+        page.hear("one", after=4.0, instance="b", pid=34)
+        events.until("bridges", lambda one: [at["place"] for at in one["bridges"]] == ["process 34 on rover"])
+    with Events(page.url, "/one") as events:
+        alarm = events.alarm("peer hardware")
+        assert (alarm["number"], alarm["ended"] is None) == (number, False)
+        assert "was started again: process 34 on rover" in events.next("log")["lines"][0]["text"]
 
 
 def test_two_bridges_with_one_name_are_both_shown(page: FollowedPage) -> None:
@@ -75,33 +70,29 @@ def test_two_bridges_with_one_name_are_both_shown(page: FollowedPage) -> None:
     for _ in range(2):
         page.hear("one", instance="a", pid=12)
         page.hear("one", instance="b", pid=34)
-    events = Events(page.url)
-    first, second = _bridges(events, 2)
+    with Events(page.url) as events:
+        first, second = _bridges(events, 2)
     assert (first["name"], first["place"]) == ("/one", "process 12 on rover")
     assert (second["name"], second["place"]) == ("/one", "process 34 on rover")
-    events.close()
-    events = Events(page.url, second["id"])
-    assert "start one with --ros-args -r __node:=NAME" in events.next("bridges")["warnings"][0]
-    assert events.next("state")["node"]["pid"] == 34
-    events.close()
+    with Events(page.url, second["id"]) as events:
+        assert "start one with --ros-args -r __node:=NAME" in events.next("bridges")["warnings"][0]
+        assert events.next("state")["node"]["pid"] == 34
 
 
 def test_the_number_of_bridges_is_bounded(page: FollowedPage) -> None:
     """One more bridge is refused with a warning, until another one has been gone for a minute."""
     for number in range(MOST + 1):
         page.hear(f"b{number}")
-    events = Events(page.url)
-    bridges = events.next("bridges")
-    assert [bridge["id"] for bridge in bridges["bridges"]] == [f"/b{number}" for number in range(MOST)]
-    assert bridges["warnings"] == [f"more than {MOST} bridges are running; select some of them with --node"]
-    for number in (0, 2, 3):
-        page.hear(f"b{number}", after=21.0)
-    page.hear("late")
-    ids = [bridge["id"] for bridge in _bridges(events, MOST)]
-    while "/late" not in ids:
-        ids = [bridge["id"] for bridge in _bridges(events, MOST)]
-    assert ids == ["/b0", "/b2", "/b3", "/late"]
-    events.close()
+    with Events(page.url) as events:
+        bridges = events.next("bridges")
+        assert [bridge["id"] for bridge in bridges["bridges"]] == [f"/b{number}" for number in range(MOST)]
+        assert bridges["warnings"] == [f"more than {MOST} bridges are running; select some of them with --node"]
+        for number in (0, 2, 3):
+            page.hear(f"b{number}", after=21.0)
+        page.hear("late")
+        while "/late" not in (ids := _ids(events, MOST)):
+            pass
+        assert ids == ["/b0", "/b2", "/b3", "/late"]
 
 
 def test_lines_of_the_log_go_to_their_bridge(page: FollowedPage) -> None:
@@ -110,7 +101,5 @@ def test_lines_of_the_log_go_to_their_bridge(page: FollowedPage) -> None:
         page.bridges.take_log(Log(Time(1, 0), 20, name, text))
     page.hear("late")
     page.bridges.take_log(Log(Time(2, 0), 20, "late", "it goes on"))
-    events = Events(page.url, "/late")
-    lines = events.next("log")["lines"]
-    assert [line["text"] for line in lines] == ["it begins", "it goes on"]
-    events.close()
+    with Events(page.url, "/late") as events:
+        assert [line["text"] for line in events.next("log")["lines"]] == ["it begins", "it goes on"]

@@ -65,15 +65,21 @@ class Events:
 
         The page sends its alarms only when they change, so the last ones may have come while another event was awaited.
         """
-        while (found := alarm_in(self._bridges, subject)) is None or not wanted(found):
+        while True:
+            found = next((alarm for alarm in self._bridges["alarms"] if alarm["subject"] == subject), None)
+            if found is not None and wanted(found):
+                return found
             self.next("bridges")
-        return found
 
-    def close(self) -> None:
+    def until(self, name: str, wanted: Callable[[Any], object]) -> Any:
+        """The content of the next event with this name that is as wanted."""
+        while not wanted(content := self.next(name)):
+            pass
+        return content
+
+    def __enter__(self) -> Events:
+        return self
+
+    def __exit__(self, *_: object) -> None:
         """Leave the page."""
         self._stream.close()
-
-
-def alarm_in(bridges: dict[str, Any], subject: str) -> dict[str, Any] | None:
-    """The alarm with a subject in the list of the bridges."""
-    return next((alarm for alarm in bridges["alarms"] if alarm["subject"] == subject), None)

@@ -1,0 +1,111 @@
+"""A command that cannot do what its line says tells what is wrong: one line, exit code 2, and nothing is written."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from needs import NO_AV, NO_ONNX, NO_OPENCV
+from running import exit_code, record_one_message
+
+_HERE = Path(__file__).parent
+_ROOT = Path(__file__).parents[2]
+_CASES = [
+    line.split(" | ")
+    for line in (_HERE / "mistakes.txt").read_text(encoding="utf-8").splitlines()
+    if line and not line.startswith("#")
+]
+_IN_THE_FOLDER = {"aruco", "link", "objects", "video"}
+"""Commands that need no project; their lines name the files without a folder."""
+_NEEDED = {
+    "aruco": (NO_OPENCV, ["cv2"]),
+    "fuse": (NO_OPENCV, ["cv2", "gtsam"]),
+    "objects": (NO_ONNX, ["cv2", "onnx", "onnxruntime"]),
+    "rocks": (NO_OPENCV, ["cv2"]),
+    "video": (NO_AV, ["cv2", "av"]),
+}
+_FILES = {
+    "params.yaml": "udp_forwarder: {ros__parameters: {listen_prt: 5000}}",
+    "seven.yaml": "landmarks: 7\n",
+    "boards.yaml": "boards: {gate: {side: 0.15, markers: {7: {position: [0, 0, 0], rpy: [0, 0, 0]}}}}",
+    "wall.yaml": "landmarks: {wall: {position: [0, 0, 0], rpy: [0, 0, 0]}}",
+    "bare.yaml": "cameras: {front: {source: images}}",
+    "video.yaml": "host: 127.0.0.1\nstreams:\n  front: {source: images, port: 4500}\n",
+    "drive.mp4": "a recording",
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The files that the lines name."""
+    folder = tmp_path_factory.mktemp("mistakes")
+    for name in ("empty", "images"):
+        (folder / name).mkdir()
+    for name, text in _FILES.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    record_one_message(folder / "run.mcap")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def ports() -> Iterator[dict[str, str]]:
+    """A UDP port and a TCP port that another program has."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp, socket.create_server(("127.0.0.1", 0)) as tcp:
+        udp.bind(("127.0.0.1", 0))
+        yield {"@port": str(udp.getsockname()[1]), "@tcp": str(tcp.getsockname()[1])}
+
+
+def _write_pictures(folder: Path) -> None:
+    """Write the images and the files of the camera; this needs OpenCV."""
+    import cv2
+    import numpy as np
+
+    from roverlink.demo.field import write_cameras, write_field
+
+    cv2.imwrite(str(folder / "images" / "0.png"), np.full((480, 640, 3), 128, np.uint8))
+    write_field(folder)
+    write_cameras(folder, {"source": "images"})
+
+
+@pytest.mark.parametrize(("line", "expected"), _CASES, ids=[line for line, _ in _CASES])
+def test_a_line_that_cannot_be_obeyed_is_told(
+    line: str,
+    expected: str,
+    folder: Path,
+    ports: dict[str, str],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The message quotes what is wrong; where the line itself is wrong, the command that shows the usage is named."""
+    command = line.partition(" ")[0]
+    reason, packages = _NEEDED.get(command, ("", []))
+    for package in packages:
+        pytest.importorskip(package, reason=reason)
+    if packages and not (folder / "camera.yml").exists():
+        _write_pictures(folder)
+    if "--pipeline" in line and shutil.which("gst-launch-1.0") is None:
+        pytest.skip("need GStreamer (apt-get install gstreamer1.0-tools)")
+    side = "--side 0.15 --landmarks landmarks.yaml"
+    given = {"@images": f"images --parameters camera.yml {side} --rate 10 --json", "@side": side}
+    given |= {"@/": f"{folder}/", "@long": 70 * "a", "@deep": 3000 * "[", "@digits": 5000 * "9", **ports}
+    for name, text in given.items():
+        line, expected = line.replace(name, text), expected.replace(name, text)
+    monkeypatch.setenv("ROS_DOMAIN_ID", "1")  # which the demo sets for itself
+    monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
+    monkeypatch.chdir(folder if command in _IN_THE_FOLDER else _ROOT)
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    assert exit_code(*shlex.split(line)) == 2
+    output, errors = capsys.readouterr()
+    told, *others = [text for text in errors.splitlines() if text.startswith("roverlink")]
+    assert expected in told
+    assert output == ""
+    assert others == []
+    assert told.startswith("roverlink: ") or re.search(
+        r"\nrun `roverlink.* --help` for all arguments$", errors.rstrip()
+    )
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
