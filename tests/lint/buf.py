@@ -7,7 +7,6 @@ import os
 import subprocess
 import tempfile
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -56,12 +55,6 @@ def breaking(before: Path, after: Path, categories: Sequence[str] = CATEGORIES) 
     if any(finding.rule == "COMPILE" for finding in findings):
         raise BufError(said)
     return findings
-
-
-def breaking_all(pairs: Sequence[tuple[Path, Path]], categories: Sequence[str] = CATEGORIES) -> list[list[BufFinding]]:
-    """The same for many pairs of folders, as many at a time as there are processors."""
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        return list(pool.map(lambda pair: breaking(pair[0], pair[1], categories), pairs))
 
 
 @cache
