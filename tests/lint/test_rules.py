@@ -66,7 +66,7 @@ def _said(context: Context, *ids: str) -> list[str]:
     return [f"{finding.span} {finding.message}" for finding in _found(context, *ids)]
 
 
-# --- half a table, and none ---------------------------------------------------------------------------------------
+# --- half a table, and none ---
 
 
 def test_nothing_is_concluded_from_a_table_that_is_not_whole(tmp_path: Path) -> None:
@@ -119,7 +119,7 @@ def test_a_tree_without_an_envelope_is_no_fault() -> None:
     assert lint(Context(table, Schema((), {}, {}), Ledger())) == []
 
 
-# --- what was published -------------------------------------------------------------------------------------------
+# --- what was published ---
 
 
 def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
@@ -162,7 +162,7 @@ def test_the_topics_of_a_row_are_said_once(tmp_path: Path) -> None:
     assert said == ["mapping.yaml:7:47 'imu' has the topic 'imu'; it was published on 'old' and on 'older'"]
 
 
-# --- numbers ------------------------------------------------------------------------------------------------------
+# --- numbers ---
 
 
 @pytest.mark.parametrize(
@@ -197,7 +197,7 @@ def test_numbers_that_are_retired_or_in_a_comment_are_not_skipped(tmp_path: Path
     assert _said(dataclasses.replace(context, files={}), "TAB106") != []
 
 
-# --- the envelope's file ------------------------------------------------------------------------------------------
+# --- the envelope's file ---
 
 
 def test_our_envelope_is_compared_only_where_it_was_read(tmp_path: Path) -> None:
@@ -262,7 +262,7 @@ def test_a_number_that_is_gone_is_one_fault(tmp_path: Path, retired: str, reserv
     assert [finding.rule.id for finding in _found(context, "ENV103", "ENV105", "ENV106", "ENV107")] == found
 
 
-# --- names --------------------------------------------------------------------------------------------------------
+# --- names ---
 
 
 def test_nested_messages_may_share_a_name(tmp_path: Path) -> None:
@@ -321,7 +321,7 @@ def test_direction_and_prefix(tmp_path: Path, proto: str, direction: str, contra
     assert said == ([f"mapping.yaml:7:{column} {message}"] if contradicts else [])
 
 
-# --- settings of the lint -----------------------------------------------------------------------------------------
+# --- settings of the lint ---
 
 
 def test_a_row_lowers_what_is_about_it_alone(tmp_path: Path) -> None:
@@ -360,7 +360,7 @@ def test_a_fatal_rule_cannot_be_lowered(tmp_path: Path, monkeypatch: pytest.Monk
     assert finding.message == "LED101 (unreadable-ledger) is fatal, so its severity cannot be lowered"
 
 
-# --- sizes --------------------------------------------------------------------------------------------------------
+# --- sizes ---
 
 _NOTE = 'syntax = "proto3";\nmessage Note {\n  string text = 1;\n  uint32 count = 2;\n  repeated float more = 3;\n}\n'
 _TO_BASE = "  - {number: 1, name: note, proto: Note, topic: note, direction: ros_to_base}\n"
