@@ -84,33 +84,24 @@ def test_nothing_is_concluded_from_a_table_that_is_not_whole(tmp_path: Path) -> 
     }
 
 
-@pytest.fixture
-def tree_subject(tmp_path: Path) -> Context:
-    """A tree without a table, whose envelope lost the number 2 and gave 3 to another payload."""
+def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tmp_path: Path) -> None:
+    """Its members are rows: their reuse, their free numbers and payloads beside the oneof are found.
+
+    What has no topic and no direction cannot have a wrong one.
+    """
     outside = "Gps lost = 9; uint32 sequence = 100;"
     files = {"payloads.proto": _PAYLOADS, "envelope.proto": _envelope("Imu imu = 1;", "Imu wind = 3;", outside=outside)}
     schema = _schema(tmp_path, files, "")
-    table = bare_tree.with_members(
-        bare_tree.table_of_tree(bare_tree.EnvelopeName("envelope.proto", "Envelope")), schema
-    )
+    name = bare_tree.EnvelopeName("envelope.proto", "Envelope")
+    table = bare_tree.with_members(bare_tree.table_of_tree(name), schema)
     before = _published((1, "imu", "Imu"), (2, "gps", "Gps"), (3, "wind", "Wind"), file="before/envelope.proto")
-    return Context(table, schema, Ledger(), {f: parse(t) for f, t in files.items()}, earlier_entries=before)
-
-
-def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tree_subject: Context) -> None:
-    """Its members are rows: their reuse, their free numbers and payloads beside the oneof are found."""
-    found = [(str(finding.span), finding.rule.id, finding.number) for finding in lint(tree_subject)]
-    assert found == [
+    parsed = {path: parse(text) for path, text in files.items()}
+    found = lint(Context(table, schema, Ledger(), parsed, earlier_entries=before))
+    assert [(str(finding.span), finding.rule.id, finding.number) for finding in found] == [
         ("envelope.proto:5:25", "ENV102", 3),
         ("envelope.proto:7:1", "ENV106", 9),
         ("envelope.proto:3:9", "ENV107", 2),
     ]
-
-
-def test_the_members_of_a_tree_have_no_topics(tree_subject: Context) -> None:
-    """What has no topic and no direction cannot have a wrong one."""
-    ids = {finding.rule.id for finding in lint(tree_subject)}
-    assert ids.isdisjoint({"TAB102", "TAB103", "TAB105", "TAB107", "ROS101", "NAM102", "ENV103", "ENV105"})
 
 
 def test_a_tree_without_an_envelope_is_no_fault() -> None:
