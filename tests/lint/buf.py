@@ -7,7 +7,6 @@ import os
 import subprocess
 import tempfile
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,7 +18,6 @@ from roverlink.generator.lint.buf import executable
 CATEGORIES = ("FILE", "WIRE_JSON", "WIRE")
 
 _VIOLATIONS = 100  # the exit code of a check that found something
-_PLACE = ("start_line", "start_column", "end_line", "end_column")
 _ENVIRONMENT = {
     "BUF_CACHE_DIR": str(Path(tempfile.gettempdir()) / "roverlink-buf-cache"),  # it insists on one, and leaves it empty
     "GOMAXPROCS": "1",  # of many short runs at a time, each is best off with one thread
@@ -34,8 +32,6 @@ class BufFinding:
     path: str
     line: int
     column: int
-    end_line: int
-    end_column: int
     rule: str
     message: str
 
@@ -56,12 +52,6 @@ def breaking(before: Path, after: Path, categories: Sequence[str] = CATEGORIES) 
     if any(finding.rule == "COMPILE" for finding in findings):
         raise BufError(said)
     return findings
-
-
-def breaking_all(pairs: Sequence[tuple[Path, Path]], categories: Sequence[str] = CATEGORIES) -> list[list[BufFinding]]:
-    """The same for many pairs of folders, as many at a time as there are processors."""
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        return list(pool.map(lambda pair: breaking(pair[0], pair[1], categories), pairs))
 
 
 @cache
@@ -87,7 +77,5 @@ def _run(folder: Path, *arguments: str) -> str:
 
 
 def _finding(said: dict[str, object]) -> BufFinding:
-    line, column, end_line, end_column = (int(str(said.get(key, 0))) for key in _PLACE)
-    return BufFinding(
-        str(said.get("path", "")), line, column, end_line, end_column, str(said["type"]), str(said["message"])
-    )
+    line, column = (int(str(said.get(key, 0))) for key in ("start_line", "start_column"))
+    return BufFinding(str(said.get("path", "")), line, column, str(said["type"]), str(said["message"]))

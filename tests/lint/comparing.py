@@ -52,3 +52,15 @@ def found(context: Context) -> list[Diagnostic]:
     """What the rules about changes find."""
     ours = (module for id, module in rules.modules().items() if id.startswith(FAMILY))
     return list(dict.fromkeys(finding for module in ours for finding in module.check(context)))
+
+
+def case_table(text: str) -> dict[str, tuple[str, str, str]]:
+    """Read cases of two lines, ``NAME | BEFORE`` and ``EXPECTED | AFTER``: before, after and what is expected, by name.
+
+    A dash stands for nothing that is expected.
+    """
+    cells = [line.split(" | ") for line in text.strip().splitlines()]
+    return {
+        name: (before, after, "" if expected == "-" else expected)
+        for (name, before), (expected, after) in zip(cells[::2], cells[1::2], strict=True)
+    }

@@ -34,6 +34,21 @@ def message(name: str, *fields: str) -> str:
     return f'syntax = "proto3";\n\nmessage {name} {{\n{lines}\n}}\n'
 
 
+PAYLOADS = {
+    "imu.proto": message("Imu", "float accel_x", "float accel_y", "float accel_z"),
+    "gps.proto": message("Gps", "double latitude", "double longitude", "uint32 satellites"),
+    "ph.proto": message("Ph", "float acidity", "bool calibrated"),
+    "load.proto": message("LoadCell", "int32 ticks", "string unit_name", "bytes raw"),
+}
+ENVELOPE_FILE = "components/common/envelope.proto"
+_MEMBERS = {"I": "Imu imu", "G": "Gps gps", "P": "Ph ph", "L": "LoadCell load_cell"}
+
+
+def members(text: str) -> list[str]:
+    """Members of the envelope, such as ``I1 G2`` for ``Imu imu = 1;`` and ``Gps gps = 2;``."""
+    return [f"{_MEMBERS[word[0]]} = {word[1:]};" for word in text.split()]
+
+
 @dataclass
 class RepositoryBuilder:
     """A repository that grows by commits, each a day after the one before it. Commits are called by their marks."""
@@ -72,6 +87,32 @@ class RepositoryBuilder:
         self._heads[branch] = self._mark
         return self._mark
 
+    def commits(self, *states: Mapping[str, str | None]) -> RepositoryBuilder:
+        """Commit changes of files one after the other, with the subjects 0, 1, ...; the repository itself."""
+        for number, files in enumerate(states):
+            self.commit(str(number), files)
+        return self
+
+    def play(self, history: str) -> dict[str, int]:
+        """Commit states of the envelope, such as ``a: I1 / b: I1 G2 / c on a: I1 / d on b c: I1 G2``.
+
+        Each commit is on top of the one before it if no others are named. The last one is the branch main. Others that
+        nothing is built upon are branches of their own names. Returns the marks by the names of the commits.
+        """
+        marks: dict[str, int] = {}
+        built_upon: set[str] = set()
+        for step in history.split(" / "):
+            head, _, text = step.partition(":")
+            name, _, given = head.strip().partition(" on ")
+            parents = given.split() or list(marks)[-1:]
+            files = {ENVELOPE_FILE: envelope(*members(text)), **({} if marks else PAYLOADS)}
+            marks[name] = self.commit(name, files, branch=name, parents=[marks[parent] for parent in parents])
+            built_upon |= set(parents)
+        self.branch("main")
+        for merged in (*built_upon, name):
+            self.delete_branch(merged)
+        return marks
+
     def branch(self, name: str, mark: int | None = None) -> None:
         """A branch that begins at a commit: the last one, if none is given."""
         self._ref(f"refs/heads/{name}", mark)
@@ -94,7 +135,7 @@ class RepositoryBuilder:
         git(self.root, "init", "--quiet", "--initial-branch", "main")
         git(self.root, "fast-import", "--quiet", "--force", input=b"\n".join([*self._stream, b"done\n"]))
         if "main" in self._heads:
-            git(self.root, "reset", "--quiet", "--hard")
+            git(self.root, "checkout", "--quiet", "--force", "main")
         return self.root
 
 

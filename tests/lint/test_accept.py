@@ -151,7 +151,7 @@ def _status() -> str:
     return git(Path(), "status", "--porcelain").strip()
 
 
-# --- one number ---------------------------------------------------------------------------------------------------
+# --- one number ---
 
 
 def test_one_number_is_accepted(reused: Repository) -> None:
@@ -186,36 +186,28 @@ def test_one_number_is_accepted(reused: Repository) -> None:
     assert "accepted: the GPS board was never built" in found["help"]
 
 
-def test_accepting_again_changes_nothing(reused: Repository) -> None:
-    """The same question writes the same bytes; with another reason, only the reason changes."""
+def test_what_was_accepted_is_known_to_all(reused: Repository, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same question writes the same bytes; the committed file settles the numbers, also for clones and for refs.
+
+    A payload's message that is only renamed after that is no further meaning, and `generate` goes on.
+    """
+    number = f"{reused.full('Env')}:2"
     assert reused.lint("--accept", "--reason", "known")[0] == 0
     text = reused.ledger.read_text()
-    for arguments in (["--accept"], ["--accept", f"{reused.full('Env')}:2"]):
+    for arguments in (["--accept"], ["--accept", number]):
         assert reused.lint(*arguments)[0] == 0
         assert reused.ledger.read_text() == text
-    assert reused.lint("--accept", f"{reused.full('Env')}:2", "--reason", "better known")[0] == 0
+    assert reused.lint("--accept", number, "--reason", "better known")[0] == 0
     assert reused.ledger.read_text().splitlines()[:-1] == [
-        line.replace("known", "better known") if f"{reused.full('Env')} 2:" in line else line
+        line.replace("known", "better known") if number.replace(":", " ") in line else line
         for line in text.splitlines()[:-1]
     ]
-
-
-def test_a_clone_knows_what_was_accepted(reused: Repository, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The committed file settles the numbers for everybody, and for the ref that has it."""
-    assert reused.lint("--accept")[0] == 0
     commit_all()
     git(tmp_path, "clone", "--quiet", str(Path.cwd()), "clone")
-    monkeypatch.chdir(tmp_path / "clone")
-    assert reused.lint()[0] == 0
-    subject = reused.subject
-    assert reused.run("lint", *subject, "--history", "HEAD")[0] == 0
-    assert reused.run("lint", *subject, "--history", "HEAD~1")[0] == 1
-
-
-def test_a_package_or_message_with_another_name_keeps_what_was_accepted(reused: Repository) -> None:
-    """A payload's message that was only renamed after that is no further meaning, and `generate` goes on."""
-    assert reused.lint("--accept")[0] == 0
-    commit_all()
+    with monkeypatch.context() as elsewhere:
+        elsewhere.chdir(tmp_path / "clone")
+        codes = [reused.run("lint", *reused.subject, "--history", *ref)[0] for ref in ((), ("HEAD",), ("HEAD~1",))]
+        assert codes == [0, 0, 1]
     reused.commit("Imu imu = 1;", "WindInfo wind = 2;", "Load load = 3;", types=_TYPES.replace("Wind", "WindInfo"))
     assert [one for one in reused.found() if one[1] == reused.full("Env")] == []
     if reused.table:
@@ -223,7 +215,7 @@ def test_a_package_or_message_with_another_name_keeps_what_was_accepted(reused: 
         assert reused.lint()[0] == 0
 
 
-# --- kinds of findings --------------------------------------------------------------------------------------------
+# --- kinds of findings ---
 
 
 def test_each_kind_of_finding_is_accepted(tree: Repository) -> None:
@@ -292,27 +284,22 @@ def test_a_rename_is_one_meaning(project: Repository) -> None:
     assert project.lint()[0] == 0
 
 
-def test_a_list_and_a_single_value_are_two_meanings(tree: Repository) -> None:
-    """`repeated` reads other bytes, so the same name with it is a further meaning."""
-    types = _TYPES.replace("float accel_x", "string accel_x")
+def test_other_types_of_one_number(tree: Repository) -> None:
+    """A renamed map is accepted, whose type the history spells in another way than today's schema.
+
+    `repeated` reads other bytes, so the same name with it is a further meaning.
+    """
     tree.commit(*_FIRST)
+    types = _TYPES.replace("float accel_x", "string accel_x").replace("places", "victims")
     tree.commit(*_FIRST, types=types)
+    assert tree.found() == [("HIS101", "rover.Imu", 1), ("HIS101", "rover.Imu", 4)]
     assert tree.lint("--accept")[0] == 0
     assert tree.lint()[0] == 0
     tree.commit(*_FIRST, types=types.replace("string accel_x", "repeated string accel_x"))
     assert tree.found() == [("HIS101", "rover.Imu", 1)]
 
 
-def test_a_renamed_map_is_accepted(tree: Repository) -> None:
-    """The history spells a map in another way than today's schema; it keeps its number all the same."""
-    tree.commit(*_FIRST)
-    tree.commit(*_FIRST, types=_TYPES.replace("places", "victims"))
-    assert tree.found() == [("HIS101", "rover.Imu", 4)]
-    assert tree.lint("--accept")[0] == 0
-    assert tree.lint()[0] == 0
-
-
-# --- numbers that are free ----------------------------------------------------------------------------------------
+# --- numbers that are free ---
 
 
 def test_a_burned_number_that_is_free_is_given_to_nobody(tree: Repository) -> None:
@@ -339,11 +326,13 @@ def test_a_burned_number_that_is_free_is_given_to_nobody(tree: Repository) -> No
     assert "number 2 of 'rover.Imu' was used for 'left_speed' (float) and 'left_current' (float) in the past" in out
 
 
-# --- projects -----------------------------------------------------------------------------------------------------
+# --- projects ---
 
 
 def test_a_project_in_a_package_goes_on(project: Repository) -> None:
     """After `--accept`, a payload in use keeps its number in `retire`, `add` and `next-number`, too."""
+    code, out, _ = project.run("lint", "--accept")
+    assert (code, "fatal[RET102]" in out) == (2, True)  # nothing is accepted where nobody asked what there is
     assert project.lint("--accept")[0] == 0
     assert project.run("next-number")[1] == "4\n"
     assert project.run("add", "ph", "--proto", "rover.Ph", "--direction", "board_to_ros")[0] == 0
@@ -351,6 +340,20 @@ def test_a_project_in_a_package_goes_on(project: Repository) -> None:
     assert project.run("retire", "2")[0] == 0
     assert project.run("generate", "--check")[0] == 0
     commit_all()
+    assert project.lint()[0] == 0
+
+
+def test_a_number_that_is_free_gets_reserved(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The ledger takes note of a number that no payload has today, and the envelope reserves it."""
+    project = _repository(run, "rover", True, tmp_path / "repository", monkeypatch)
+    bare = Repository(run, "rover", False)
+    bare.commit("Ph old = 9;")
+    bare.commit("Load other = 9;")
+    _reused(project)
+    code, out, _ = project.lint("--accept")
+    assert (code, "changed mapping.lock" in out) == (0, True)
+    assert "  rover.Env 9: rover.Ph old | rover.Load other\n" in project.ledger.read_text()
+    assert "  reserved 9;  // rover.Ph, rover.Load\n" in Path("protos/envelope.proto").read_text()
     assert project.lint()[0] == 0
 
 
@@ -379,7 +382,7 @@ def test_init_takes_the_accepted_numbers_over(tree: Repository) -> None:
     assert tree.run("generate", "--check")[0] == 0
 
 
-# --- bad input ----------------------------------------------------------------------------------------------------
+# --- bad input ---
 
 
 @pytest.mark.parametrize(
@@ -431,13 +434,15 @@ def test_a_shallow_clone_says_why_a_number_is_not_reported(
     assert (code, "git fetch --unshallow" in out) == (2, True)
 
 
-def test_a_number_alone_needs_the_envelope(tree: Repository) -> None:
-    """In a tree whose envelope is not named, `18` is no number of any message."""
+def test_a_tree_without_the_name_of_its_envelope(tree: Repository) -> None:
+    """`18` is no number of any message; and without the file of accepted numbers, free ones would look unused."""
     _reused(tree)
     code, out, _ = tree.run("lint", "--history", "protos", "--accept", "2")
-    assert code == 2
-    assert "name the envelope with --message" in out
+    assert (code, "name the envelope with --message" in out) == (2, True)
     assert tree.run("lint", "--history", "protos", "--accept", "rover.Env:2")[0] == 0
+    commit_all()
+    tree.ledger.unlink()
+    assert "[LED104]" in tree.run("lint", *tree.subject)[1]
 
 
 @pytest.mark.parametrize(
@@ -467,17 +472,7 @@ def test_a_damaged_ledger_of_a_project_is_kept(project: Repository) -> None:
     text = project.ledger.read_text().replace("  1: imu", "  one: imu")
     project.ledger.write_text(text)
     code, out, _ = project.lint("--accept")
-    assert (code, "[LED102]" in out) == (2, True)
-    assert project.ledger.read_text() == text
-
-
-def test_a_deleted_file_is_reported(tree: Repository) -> None:
-    """Without the file, numbers that are free would look unused."""
-    _reused(tree)
-    assert tree.lint("--accept")[0] == 0
-    commit_all()
-    tree.ledger.unlink()
-    assert "[LED104]" in tree.run("lint", *tree.subject)[1]
+    assert (code, "[LED102]" in out, project.ledger.read_text()) == (2, True, text)
 
 
 def test_both_sides_of_a_merge_conflict_count(tree: Repository) -> None:
@@ -508,7 +503,7 @@ def test_a_file_that_does_not_compile_hides_no_meaning(tree: Repository) -> None
     assert not tree.ledger.exists()
 
 
-# --- the text -----------------------------------------------------------------------------------------------------
+# --- the text ---
 
 _NAMES = st.from_regex(r"[a-z_]\w{0,8}", fullmatch=True)
 _ONE_TYPE = st.from_regex(

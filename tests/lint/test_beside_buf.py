@@ -17,7 +17,7 @@ import buf
 import pytest
 from buf import BufFinding, needs_buf
 from comparing import FAMILY, ROOT, changes_found, compiled
-from mutations import HARMLESS, MESSAGE_SETS, MUTATIONS, Mutation, together, write
+from mutations import HARMLESS, MESSAGE_SETS, MUTATIONS, SEVERAL, Mutation, together, write
 
 from roverlink.generator.diagnostics import Severity, Span
 from roverlink.generator.lint import rules
@@ -234,6 +234,15 @@ def test_what_buf_finds_we_find(pairs: list[Pair]) -> None:
 
 @pytest.mark.slow
 @needs_buf
+def test_every_rule_of_buf_is_broken(pairs: list[Pair]) -> None:
+    """Among the mutations, each rule that buf has in our categories is broken; services and options are not ours."""
+    rules = {rule for rule, categories in buf.categories_of_rules().items() if categories}
+    broken = {finding.rule for pair in pairs for finding in pair.theirs}
+    assert {rule for rule in rules if not _OUT_OF_SCOPE.match(rule)} - broken == set()
+
+
+@pytest.mark.slow
+@needs_buf
 def test_what_buf_calls_a_fault_of_bytes_is_an_error(pairs: list[Pair]) -> None:
     """Where buf's WIRE finds another type, ours is an error, but for types that read each other's bytes."""
     assert [told for pair in pairs for told in pair.lowered() if set(told[1:]) not in _SAME_BYTES] == []
@@ -248,16 +257,34 @@ def test_no_error_without_a_reason(pairs: list[Pair]) -> None:
 
 @pytest.mark.slow
 def test_harmless_mutations_find_nothing(tmp_path: Path) -> None:
-    """What is harmless gives no finding."""
-    assert Pair(together(HARMLESS), tmp_path).ours == []
+    """What is harmless gives no finding of ours, and none of buf's."""
+    pair = Pair(together(HARMLESS), tmp_path)
+    assert (pair.ours, pair.theirs) == ([], [])
 
 
+@needs_buf
+def test_mutations_break_the_same_together(tmp_path: Path) -> None:
+    """Many mutations as one are as many findings of buf's, at the same places, each in its mutation's folder."""
+
+    def found(mutation: Mutation, folder: str, inside: str) -> set[tuple[str, int, int, str]]:
+        states = write(mutation.before, tmp_path / folder / "before"), write(
+            mutation.after, tmp_path / folder / "after"
+        )
+        return {(f"{inside}{one.path}", one.line, one.column, one.rule) for one in buf.breaking(*states)}
+
+    alone = [found(mutation, mutation.name, f"{mutation.name}/") for mutation in SEVERAL]
+    assert found(together(SEVERAL), "together", "") == set().union(*alone)
+
+
+@needs_buf
 def test_message_sets_which_buf_refuses(tmp_path: Path) -> None:
-    """The option that buf does not compile is found, whether it comes or goes."""
+    """The option that buf does not compile is found, whether it comes or goes; buf refuses it aloud."""
     for mutation in MESSAGE_SETS:
         before = compiled(mutation.before, tmp_path / mutation.name / "before")
         after = compiled(mutation.after, tmp_path / mutation.name / "after")
         assert [finding.rule.id for finding in changes_found(before, after)] == ["WIR109"]
+        with pytest.raises(buf.BufError, match="MessageSet"):
+            buf.breaking(tmp_path / mutation.name / "before", tmp_path / mutation.name / "after")
 
 
 def test_the_table_in_the_docs() -> None:

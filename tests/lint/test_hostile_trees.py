@@ -59,6 +59,14 @@ def _run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return done
 
 
+def _expect(folder: Path, code: int, said: str, *arguments: str, start: str = "") -> None:
+    """A command ends with an exit code, and one of its lines has the words, perhaps at or behind a start."""
+    done = _run(folder, *arguments)
+    lines = (done.stdout + done.stderr).splitlines()
+    assert done.returncode == code
+    assert any(said in line and start in line for line in lines), "\n".join(lines)
+
+
 def _huge(path: Path) -> None:
     with path.open("wb") as file:
         file.truncate(100_000_000)
@@ -82,6 +90,11 @@ _KINDS: dict[str, tuple[Callable[[Path], object], str]] = {
     "100 MB": (_huge, "it has 100000000 bytes; files of more than"),
     "folder": (Path.mkdir, "it is not a regular file"),
 }
+_FILES = [kind for kind in _KINDS if kind != "folder"]
+_LINT, _CHECK = ("lint",), ("generate", "--check")
+_BOTH = pytest.mark.parametrize("command", [_LINT, _CHECK])
+_EACH_KIND = pytest.mark.parametrize("kind", _KINDS)
+_WRONG = 'syntax = "proto3";\n\nmessage Wrong {\n  Missing x = 1;\n}\n'
 
 
 def _top(path: Path) -> Path:
@@ -95,70 +108,63 @@ def _plant(path: Path, kind: str) -> str:
     return _KINDS[kind][1]
 
 
-@pytest.mark.parametrize("kind", _KINDS)
+@_EACH_KIND
 def test_lint_names_and_skips_hostile_files(project: Path, kind: str) -> None:
     """A hostile ledger, .options file and .proto file are each named with the reason; the rest is still checked."""
     names = ["mapping.lock", "proto/probe.options"] + (["proto/planted.proto"] if kind != "folder" else [])
     for name in names:
         fault = _plant(project / name, kind)
-    (project / "proto" / "wrong.proto").write_text('syntax = "proto3";\n\nmessage Wrong {\n  Missing x = 1;\n}\n')
+    (project / "proto" / "wrong.proto").write_text(_WRONG)
     done = _run(project, "lint")
+    lines = done.stdout.splitlines()
     assert done.returncode == 2
-    assert {
-        name for name in names if any(f"{name}: " in line and fault in line for line in done.stdout.splitlines())
-    } == set(names)
+    assert [name for name in names if any(f"{name}: " in line and fault in line for line in lines)] == names
     assert '"Missing" is not defined' in done.stdout
 
 
-@pytest.mark.parametrize("command", [("lint",), ("generate", "--check")])
-@pytest.mark.parametrize("kind", _KINDS)
+@_BOTH
+@_EACH_KIND
 def test_a_hostile_table(project: Path, kind: str, command: tuple[str, ...]) -> None:
     """A table that is no file of the repository is named with the reason, and not read."""
     fault = _plant(project / "mapping.yaml", kind)
-    done = _run(project, *command)
-    assert done.returncode == 2
-    assert f"mapping.yaml: fatal[MAP101] the table cannot be read: {fault}" in done.stdout + done.stderr
+    _expect(project, 2, f"mapping.yaml: fatal[MAP101] the table cannot be read: {fault}", *command)
 
 
-@pytest.mark.parametrize("kind", _KINDS)
+@_EACH_KIND
 def test_check_compares_no_hostile_file(project: Path, kind: str) -> None:
     """A generated file that became hostile is named; its content does not appear in the differences."""
     planted = project / "generated" / "registry.py"
     fault = _plant(planted, kind)
-    done = _run(project, "generate", "--check")
+    code, said = 2, f"generated/registry.py: fatal[OUT101] cannot read the file: {fault}"
     if planted.is_symlink():
-        said = 1, "generated/registry.py: error[OUT109] cannot write 'generated/registry.py': a symbolic link"
-    else:
-        said = 2, f"generated/registry.py: fatal[OUT101] cannot read the file: {fault}"
-    assert done.returncode == said[0]
-    assert said[1] in done.stderr
+        code, said = 1, "generated/registry.py: error[OUT109] cannot write 'generated/registry.py': a symbolic link"
+    _expect(project, code, said, *_CHECK)
 
 
-@pytest.mark.parametrize("kind", _KINDS)
+def _import(project: Path, name: str) -> None:
+    (project / "proto" / "probe.proto").write_text(PROBE_PROTO.replace("\n\n", f'\n\nimport "{name}";\n', 1))
+
+
+@_EACH_KIND
 def test_no_hostile_file_is_imported(project: Path, kind: str) -> None:
     """Protoc does not read what an import names, if it is no file of the repository; the import is an error."""
     _plant(project / "proto" / "planted", kind)
-    (project / "proto" / "probe.proto").write_text(PROBE_PROTO.replace("\n\n", '\n\nimport "planted";\n', 1))
-    for command in (("lint",), ("generate", "--check")):
-        done = _run(project, *command)
-        assert done.returncode == 1
-        assert 'proto/probe.proto:3:1: error[PRO101] Import "planted" was not found' in done.stdout + done.stderr
+    _import(project, "planted")
+    for command in (_LINT, _CHECK):
+        _expect(project, 1, 'proto/probe.proto:3:1: error[PRO101] Import "planted" was not found', *command)
 
 
 @pytest.mark.parametrize("imported", ["../../secret", "/etc/passwd", "./probe.proto", "../proto/probe.proto"])
 def test_imports_stay_below_the_proto_root(project: Path, imported: str) -> None:
     """An import with an absolute path or dots is protoc's error, and no file is written anywhere."""
     before = sorted(project.parent.rglob("*"))
-    (project / "proto" / "probe.proto").write_text(PROBE_PROTO.replace("\n\n", f'\n\nimport "{imported}";\n', 1))
-    done = _run(project, "lint")
-    assert done.returncode == 1
-    assert "proto/probe.proto" in done.stdout
-    assert "error[PRO101]" in done.stdout
+    _import(project, imported)
+    _expect(project, 1, "error[PRO101]", "lint", start="proto/probe.proto")
     assert sorted(project.parent.rglob("*")) == before
 
 
 @pytest.mark.parametrize("root", ["../elsewhere", "proto/link", "/"])
-@pytest.mark.parametrize("command", [("lint",), ("generate", "--check")])
+@_BOTH
 def test_the_proto_root_is_in_the_repository(project: Path, root: str, command: tuple[str, ...]) -> None:
     """A `root` outside the repository, be it through a link, is one message at the key; nothing of it is read."""
     (project / "proto" / "link").symlink_to(project.parent / "elsewhere")
@@ -169,25 +175,20 @@ def test_the_proto_root_is_in_the_repository(project: Path, root: str, command: 
     assert f"{root!r} is outside the git repository" in done.stdout + done.stderr
 
 
-def test_links_inside_the_repository(project: Path) -> None:
-    """Links to a file and to a folder of the same repository are followed."""
+def test_links_to_folders(project: Path) -> None:
+    """Links to a file and to a folder of the same repository are followed; a link out of it is named."""
     (project / "shared").mkdir()
     (project / "proto" / "probe.proto").rename(project / "shared" / "probe.proto")
-    (project / "shared" / "wind.proto").write_text('syntax = "proto3";\n\nmessage Wind {\n  Missing x = 1;\n}\n')
+    (project / "shared" / "wind.proto").write_text(_WRONG)
     (project / "proto" / "probe.proto").symlink_to("../shared/probe.proto")
     (project / "proto" / "weather").symlink_to("../shared")
     (project / "mapping.yaml").write_text(_TABLE.replace("root: proto", "root: proto, exclude: [weather/probe.proto]"))
     done = _run(project, "lint")
     assert (done.returncode, done.stdout.count("error[")) == (1, 1)
     assert 'proto/weather/wind.proto:4:3: error[PRO101] "Missing" is not defined' in done.stdout
-
-
-def test_a_link_to_a_folder_out_of_the_repository(project: Path) -> None:
-    """The link is named, and no file behind it is read."""
+    (project / "proto" / "weather").unlink()
     (project / "proto" / "weather").symlink_to("../../elsewhere")
-    done = _run(project, "lint")
-    assert done.returncode == 2
-    assert f"proto/weather: fatal[PRO102] the folder was not read: {_OUT}" in done.stdout
+    _expect(project, 2, f"proto/weather: fatal[PRO102] the folder was not read: {_OUT}", "lint")
 
 
 def test_folders_that_multiply_through_links(project: Path) -> None:
@@ -198,9 +199,7 @@ def test_folders_that_multiply_through_links(project: Path) -> None:
         for name in ("left", "right"):
             (here / name).symlink_to(f"../level{level + 1}")
     (project / "proto" / "level30").mkdir()
-    done = _run(project, "lint")
-    assert done.returncode == 2
-    assert "fatal[PRO102] the folder has more than 100000 entries" in done.stdout
+    _expect(project, 2, "fatal[PRO102] the folder has more than 100000 entries", "lint")
 
 
 def test_folders_nested_deeper_than_python_calls(project: Path) -> None:
@@ -225,9 +224,7 @@ def test_a_tree_with_too_many_bytes(project: Path) -> None:
     """Many files that are each small enough are read up to 32 MiB; the first one that is left out is named."""
     for number in range(6):
         (project / "proto" / f"large{number}.proto").write_text('syntax = "proto3";\n//' + "x" * 7_000_000 + "\n")
-    done = _run(project, "lint")
-    assert done.returncode == 2
-    assert "proto/large5.proto: fatal[PRO102] the .proto files have more than 33554432 bytes" in done.stdout
+    _expect(project, 2, "proto/large5.proto: fatal[PRO102] the .proto files have more than 33554432 bytes", "lint")
 
 
 def test_hostile_files_among_the_pins(project: Path) -> None:
@@ -299,7 +296,7 @@ def test_an_earlier_state_with_paths_out_of_its_folder(project: Path) -> None:
     assert not (Path(tempfile.gettempdir()) / "planted.proto").exists()
 
 
-# --- templates of the project's own -----------------------------------------------------------------------------
+# --- templates of the project's own ---
 
 
 @pytest.fixture
@@ -311,42 +308,30 @@ def templates(project: Path) -> Path:
     return project / "own"
 
 
-_NOT_IN_FOLDER = "the link does not lead to a visible file inside the folder 'own'"
-_FILES = [kind for kind in _KINDS if kind != "folder"]
-
-
-@pytest.mark.parametrize("kind", _FILES)
-def test_hostile_templates(project: Path, templates: Path, kind: str) -> None:
-    """A template that must not be read is named with the reason, and nothing is rendered."""
-    fault = _plant(templates / "planted.j2", kind)
-    if (templates / "planted.j2").is_symlink():
-        fault = _NOT_IN_FOLDER
-    done = _run(project, "generate", "--check")
-    assert done.returncode == 1
-    assert any(line.startswith("own/planted.j2: error[OUT107] ") and fault in line for line in done.stderr.splitlines())
-
-
-@pytest.mark.parametrize("kind", _KINDS)
-def test_hostile_parts_of_templates(project: Path, templates: Path, kind: str) -> None:
-    """A file that a template includes is refused for the same reasons."""
-    fault = _plant(templates / "part", kind)
-    if (templates / "part").is_symlink():
-        fault = "'part' is not a visible file inside the folder of the templates"
-    done = _run(project, "generate", "--check")
-    assert done.returncode == 1
-    assert any(
-        line.startswith("own/all.txt.j2:1: error[OUT106] ") and fault in line for line in done.stderr.splitlines()
-    )
+@pytest.mark.parametrize(
+    ("name", "place", "of_link"),
+    [
+        ("planted.j2", "own/planted.j2: error[OUT107] ", "the link does not lead to a visible file inside the folder"),
+        ("part", "own/all.txt.j2:1: error[OUT106] ", "'part' is not a visible file inside the folder of the templates"),
+    ],
+)
+@_EACH_KIND
+def test_hostile_templates(project: Path, templates: Path, kind: str, name: str, place: str, of_link: str) -> None:
+    """A template that must not be read, and one that a template includes, is named with the reason."""
+    if (name, kind) == ("planted.j2", "folder"):
+        return
+    fault = _plant(templates / name, kind)
+    _expect(project, 1, of_link if (templates / name).is_symlink() else fault, *_CHECK, start=place)
 
 
 def test_no_template_reads_gits_settings(project: Path) -> None:
     """The folder `.git` is no folder of templates, even if a template is in it."""
     (project / "mapping.yaml").write_text(_TABLE + "templates: [.git]\n")
     (project / ".git" / "all.txt.j2").write_text("{% include 'config' %}\n")
-    assert _run(project, "generate", "--check").returncode == 1
+    _expect(project, 1, "", *_CHECK)
 
 
-# --- starting a project -----------------------------------------------------------------------------------------
+# --- starting a project ---
 
 
 @pytest.mark.parametrize("kind", _FILES)
@@ -355,9 +340,8 @@ def test_adoption_of_hostile_files(project: Path, kind: str) -> None:
     for name in ("mapping.yaml", "mapping.lock"):
         (project / name).unlink()
     fault = _plant(project / "proto" / "planted.proto", kind)
-    done = _run(project, "init", "--from", "proto")
-    assert done.returncode == 2
-    assert f"proto/planted.proto: fatal[PRO102] the file cannot be read: {fault}" in done.stderr
+    said = f"proto/planted.proto: fatal[PRO102] the file cannot be read: {fault}"
+    _expect(project, 2, said, "init", "--from", "proto")
     assert not (project / "mapping.yaml").exists()
     (project / "proto" / "planted.proto").unlink()
     fault = _plant(project / "proto" / "probe.options", kind)
@@ -377,19 +361,17 @@ def test_adoption_of_a_folder_out_of_the_repository(project: Path, folder: str) 
 
 
 @pytest.mark.parametrize("name", ["mapping.lock", "proto/board.proto"])
-@pytest.mark.parametrize("kind", _KINDS)
+@_EACH_KIND
 def test_a_new_project_beside_hostile_files(project: Path, kind: str, name: str) -> None:
     """A hostile file in the place of one that `roverlink init` keeps is named with the reason; nothing is written."""
     for path in ("mapping.yaml", "mapping.lock", "proto/probe.proto", "proto/envelope.proto"):
         (project / path).unlink()
     fault = _plant(project / name, kind)
-    done = _run(project, "init")
-    assert done.returncode == 2
-    assert any(f"{name}: " in line and fault in line for line in done.stderr.splitlines()), done.stderr
+    _expect(project, 2, fault, "init", start=f"{name}: ")
     assert not (project / "mapping.yaml").exists()
 
 
-# --- nothing is run ---------------------------------------------------------------------------------------------
+# --- nothing is run ---
 
 _MARK = "import os\nopen(os.environ['MARK'], 'w').close()\n"
 
@@ -418,33 +400,21 @@ def test_no_target_of_the_pull_request_is_loaded(project: Path) -> None:
     (project / "evil-1.0.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: evil\nVersion: 1.0\n")
     (project / "evil-1.0.dist-info" / "entry_points.txt").write_text("[roverlink.targets]\nevil = evil:emit\n")
     (project / "mapping.yaml").write_text(_TABLE.replace("[python, nanopb]", "[python, evil]"))
-    done = _run(project, "generate", "--check")
-    assert done.returncode == 1
-    assert "'evil'" in done.stderr
+    _expect(project, 1, "'evil'", *_CHECK)
 
 
 @pytest.mark.parametrize(
     "arguments",
-    [("lint",), ("lint", "proto"), ("lint", "--history"), ("lint", "--against", "main"), ("generate", "--check")],
+    [("lint",), ("lint", "proto"), ("lint", "--history"), ("lint", "--against", "main"), _CHECK],
 )
 def test_no_program_of_an_embedded_repository_is_run(project: Path, arguments: tuple[str, ...]) -> None:
     """Files that look like a bare repository are not one: the programs that their config names are not run."""
     proto = project / "proto"
     mark = f"touch '{project / 'MARK'}'"
     subprocess.run(["git", "init", "--quiet", "--bare", "--initial-branch", "main", str(proto)], check=True)
-    git = [
-        "git",
-        "--git-dir",
-        str(proto),
-        "--work-tree",
-        str(proto),
-        "-c",
-        "user.name=A",
-        "-c",
-        "user.email=a@example.com",
-    ]
+    git = ["git", "--git-dir", str(proto), "--work-tree", str(proto)]
     subprocess.run([*git, "add", "probe.proto"], check=True)
-    subprocess.run([*git, "commit", "--quiet", "-m", "Begin"], check=True)
+    subprocess.run([*git, *_COMMIT[1:]], check=True)
     (proto / ".gitattributes").write_text("* filter=evil diff=evil\n")
     (proto / "config").write_text(
         "[core]\n\trepositoryformatversion = 0\n\tbare = false\n\tworktree = .\n"
@@ -457,7 +427,7 @@ def test_no_program_of_an_embedded_repository_is_run(project: Path, arguments: t
     assert _run(project, *arguments).returncode in (1, 2)
 
 
-# --- a misspelt key ---------------------------------------------------------------------------------------------
+# --- a misspelt key ---
 
 
 @pytest.mark.parametrize(("key", "place", "typo"), [("proto:", "2:1", "porto:"), ("root:", "2:9", "rot:")])
@@ -466,10 +436,10 @@ def test_a_misspelt_key_does_not_widen_the_search(project: Path, key: str, place
     (project / "wrong.proto").write_text("this would be an error")
     os.mkfifo(project / "pipe.proto")
     (project / "mapping.yaml").write_text(_TABLE.replace(key, typo, 1))
-    for command in (("lint",), ("generate", "--check")):
+    for command in (_LINT, _CHECK):
         done = _run(project, *command)
         said = done.stdout + done.stderr
         assert said.startswith(f"mapping.yaml:{place}: error[MAP104] unknown key {typo[:-1]!r}")
         assert f"help: did you mean {key[:-1]!r}?" in said
         assert ".proto" not in said.replace("envelope.proto", "")
-        assert done.returncode == (2 if command == ("lint",) else 1)
+        assert done.returncode == (2 if command == _LINT else 1)

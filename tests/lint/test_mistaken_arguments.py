@@ -32,20 +32,22 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return built.root
 
 
-# --- names ------------------------------------------------------------------------------------------------------
+# --- names ---
 
 
-@pytest.mark.parametrize("named", ["Env:2", "rover.Env:2"])
-def test_history_takes_a_number_of_any_message(repository: Path, run: Run, named: str) -> None:
-    """`history` takes `TYPE:NUMBER`, as `--accept` does, and the envelope does not have to be named."""
-    code, out, _ = run("history", named, "protos")
-    assert (code, out.splitlines()[0]) == (0, "Gps gps")
-
-
-def test_history_knows_types_that_are_gone(repository: Path, run: Run) -> None:
-    """A message that only earlier commits declare has a history, and a number that it never had is exit code 1."""
-    assert run("history", "Gps:2", "protos")[0] == 0
-    assert run("history", "Gps:3", "protos")[:2] == (1, "Gps never used the number 3 in 2 commits\n")
+@pytest.mark.parametrize(
+    ("named", "code", "first"),
+    [
+        ("Env:2", 0, "Gps gps"),  # the envelope does not have to be named
+        ("rover.Env:2", 0, "Gps gps"),
+        ("Gps:2", 0, "double lon"),  # only earlier commits declare it
+        ("Gps:3", 1, "Gps never used the number 3 in 2 commits"),
+    ],
+)
+def test_history_takes_a_number_of_any_message(repository: Path, run: Run, named: str, code: int, first: str) -> None:
+    """`history` takes `TYPE:NUMBER`, as `--accept` does; a number that the type never had is exit code 1."""
+    exit_code, out, _ = run("history", named, "protos")
+    assert (exit_code, out.splitlines()[0]) == (code, first)
 
 
 @pytest.mark.parametrize(
@@ -113,7 +115,7 @@ def test_next_number_says_if_the_message_has_no_oneof(repository: Path, run: Run
     assert "oneof" not in run("next-number", "protos", "--message", "Env")[2]
 
 
-# --- folders ----------------------------------------------------------------------------------------------------
+# --- folders ---
 
 
 def test_a_folder_that_an_option_swallowed(repository: Path, run: Run) -> None:
@@ -167,7 +169,7 @@ def test_without_git_the_cause_is_in_the_message(
     assert "  help: install git, and run the command in a clone of the repository\n" in out + err
 
 
-# --- pins -------------------------------------------------------------------------------------------------------
+# --- pins ---
 
 
 def test_a_list_of_pins_that_does_not_exist(repository: Path, run: Run) -> None:
@@ -185,15 +187,13 @@ def test_a_list_of_pins_with_colons(repository: Path, run: Run) -> None:
     """A line `rover: main~1` names the project `rover`, and no line of the table ends with a space."""
     Path("boards.txt").write_text("rover: main~1\narm=main\n")
     _, out, _ = run("lint", "protos", "--message", "Env", "--pins", "boards.txt")
-    assert "1 rover " in out
-    assert [line for line in out.splitlines() if line != line.rstrip()] == []
+    assert ("1 rover " in out, [line for line in out.splitlines() if line != line.rstrip()]) == (True, [])
 
 
-# --- places in earlier commits ----------------------------------------------------------------------------------
+# --- places in earlier commits ---
 
 
-@pytest.mark.parametrize("option", [("--against", "main~1"), ("--pins", "boards.txt")])
-@pytest.mark.parametrize("folder", ["protos", "."])
+@pytest.mark.parametrize(("folder", "option"), [("protos", ("--against", "main~1")), (".", ("--pins", "boards.txt"))])
 def test_git_show_takes_the_places_of_earlier_commits(
     repository: Path, run: Run, monkeypatch: pytest.MonkeyPatch, option: tuple[str, ...], folder: str
 ) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,13 +9,12 @@ from typing import Any
 import pytest
 from repositories import RepositoryBuilder, git, message
 
-from roverlink.__main__ import main
-
 POSE = message("Pose", "float x", "float y", "float z", "int32 frame_id")
 WITHOUT_Z = message("Pose", "float x", "float y", "int32 frame_id = 4;")
 REUSED = message("Pose", "float x", "float y", "string label_text = 3;", "int32 frame_id = 4;")
 
-Run = Callable[..., tuple[int, list[dict[str, Any]]]]
+Run = Callable[..., tuple[int, str, str]]
+Found = Callable[..., tuple[int, list[dict[str, Any]]]]
 
 
 @pytest.fixture
@@ -25,25 +23,14 @@ def repository(tmp_path: Path) -> RepositoryBuilder:
     return RepositoryBuilder(tmp_path / "repository")
 
 
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """The lint in this process: its exit code and its findings."""
-
-    def call(*arguments: str | Path) -> tuple[int, list[dict[str, Any]]]:
-        code = main(["lint", *map(str, arguments), "--format", "json"])
-        return code, json.loads(capsys.readouterr().out)
-
-    return call
-
-
 def _ids(found: list[dict[str, Any]]) -> list[tuple[str, str | None, int | None]]:
     return [(one["id"], one["message_type"], one["number"]) for one in found]
 
 
-# --- files from elsewhere ---------------------------------------------------------------------------------------
+# --- files from elsewhere ---
 
 
-def test_the_history_follows_files_into_the_root(repository: RepositoryBuilder, run: Run) -> None:
+def test_the_history_follows_files_into_the_root(repository: RepositoryBuilder, found: Found) -> None:
     """Files were moved twice, the second time into the proto root and with a package: the reuse is found."""
     packaged = [text.replace("\n\n", "\n\npackage rover;\n\n", 1) for text in (WITHOUT_Z, REUSED)]
     repository.commit("Begin", {"pose.proto": POSE, "README.md": "Text."})
@@ -51,22 +38,22 @@ def test_the_history_follows_files_into_the_root(repository: RepositoryBuilder, 
     repository.commit("Move", {"pose.proto": None, "api/pose.proto": WITHOUT_Z})
     repository.commit("Move again", {"api/pose.proto": None, "proto/pose.proto": packaged[0]})
     repository.commit("Reuse", {"proto/pose.proto": packaged[1]})
-    code, (found,) = run(repository.write() / "proto", "--history")
+    code, (one,) = found(repository.write() / "proto", "--history")
     assert code == 1
-    assert _ids([found]) == [("HIS101", "rover.Pose", 3)]
-    assert [use["path"] for use in found["history"]] == ["../pose.proto", "pose.proto"]
+    assert _ids([one]) == [("HIS101", "rover.Pose", 3)]
+    assert [use["path"] for use in one["history"]] == ["../pose.proto", "pose.proto"]
 
 
-def test_other_files_elsewhere_do_not_count(repository: RepositoryBuilder, run: Run) -> None:
+def test_other_files_elsewhere_do_not_count(repository: RepositoryBuilder, found: Found) -> None:
     """Outside of the root, and in a new file at the former path of a moved one, numbers may be reused."""
     repository.commit("Begin", {"api/pose.proto": WITHOUT_Z, "other/pose.proto": POSE})
     repository.commit("Move", {"api/pose.proto": None, "proto/pose.proto": WITHOUT_Z})
     repository.commit("Reuse elsewhere", {"other/pose.proto": REUSED, "api/pose.proto": POSE})
     repository.commit("And again", {"api/pose.proto": REUSED})
-    assert run(repository.write() / "proto", "--history") == (0, [])
+    assert found(repository.write() / "proto", "--history") == (0, [])
 
 
-def test_a_branch_without_the_move_still_counts(repository: RepositoryBuilder, run: Run) -> None:
+def test_a_branch_without_the_move_still_counts(repository: RepositoryBuilder, found: Found) -> None:
     """What a branch did to the file at its former path, after the others had moved it, is part of its history."""
     begin = repository.commit("Begin", {"api/pose.proto": WITHOUT_Z})
     moved = repository.commit("Move", {"api/pose.proto": None, "proto/pose.proto": WITHOUT_Z})
@@ -74,14 +61,14 @@ def test_a_branch_without_the_move_still_counts(repository: RepositoryBuilder, r
     repository.delete_branch("side")
     files = {"api/pose.proto": None, "proto/pose.proto": POSE}
     repository.commit("Merge", files, parents=[side, moved])
-    _, (found,) = run(repository.write() / "proto", "--history")
-    assert _ids([found]) == [("HIS101", "Pose", 3)]
-    ends = {use["name"]: use.get("last_subject") for use in found["history"]}
+    _, (one,) = found(repository.write() / "proto", "--history")
+    assert _ids([one]) == [("HIS101", "Pose", 3)]
+    ends = {use["name"]: use.get("last_subject") for use in one["history"]}
     assert ends == {"z": None, "label_text": "Merge"}
 
 
 @pytest.mark.parametrize("staged", [True, False])
-def test_a_move_that_is_not_committed_yet(repository: RepositoryBuilder, run: Run, staged: bool) -> None:
+def test_a_move_that_is_not_committed_yet(repository: RepositoryBuilder, found: Found, staged: bool) -> None:
     """The file is followed before the commit, too, whether git was told of the move or not."""
     repository.commit("Begin", {"api/pose.proto": POSE, "proto/other.proto": message("Other", "bool on")})
     repository.commit("Lose z", {"api/pose.proto": WITHOUT_Z})
@@ -91,80 +78,68 @@ def test_a_move_that_is_not_committed_yet(repository: RepositoryBuilder, run: Ru
     else:
         (root / "api" / "pose.proto").rename(root / "proto" / "pose.proto")
     (root / "proto" / "pose.proto").write_text(REUSED)
-    assert _ids(run(root / "proto", "--history")[1]) == [("HIS101", "Pose", 3)]
+    assert _ids(found(root / "proto", "--history")[1]) == [("HIS101", "Pose", 3)]
 
 
-def test_what_cannot_be_followed_is_told_once(repository: RepositoryBuilder, run: Run) -> None:
+def test_what_cannot_be_followed_is_told_once(repository: RepositoryBuilder, found: Found) -> None:
     """Files that one commit copies and another one deletes are a hint, with the commit that copied them."""
     others = {name: message(name.title(), "bool on", "float level") for name in ("lamp", "horn")}
     repository.commit("Begin", {"api/pose.proto": POSE, **{f"api/{name}.proto": others[name] for name in others}})
     copied = {"proto/pose.proto": POSE, **{f"proto/{name}.proto": others[name] for name in others}}
     repository.commit("Copy", copied)
     repository.commit("Delete", {"api/pose.proto": None, **{f"api/{name}.proto": None for name in others}})
-    code, (found,) = run(repository.write() / "proto", "--history")
-    assert (code, found["id"], found["severity"]) == (0, "STA108", "hint")
-    assert "Copy was not read, nor that of 2 other files: the commit copied it from 'api/" in found["message"]
+    code, (one,) = found(repository.write() / "proto", "--history")
+    assert (code, one["id"], one["severity"]) == (0, "STA108", "hint")
+    assert "Copy was not read, nor that of 2 other files: the commit copied it from 'api/" in one["message"]
 
 
-# --- the wrong root ---------------------------------------------------------------------------------------------
+# --- the wrong root ---
 
 
 @pytest.fixture
-def tree(tmp_path: Path) -> Path:
-    """A folder with files that import each other from the folder `proto`."""
-    header = 'syntax = "proto3";\n\npackage rover;\n\nmessage Header { uint32 stamp = 1; }\n'
+def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with files that import each other from the folder `proto`; it is the current folder."""
+    head = 'syntax = "proto3";\n\npackage rover;\n\n'
     (tmp_path / "proto" / "common").mkdir(parents=True)
-    (tmp_path / "proto" / "common" / "header.proto").write_text(header)
+    (tmp_path / "proto" / "common" / "header.proto").write_text(f"{head}message Header {{ uint32 stamp = 1; }}\n")
     (tmp_path / "proto" / "sensors").mkdir()
     for name in ("Imu", "Gps", "Ph"):
-        text = 'syntax = "proto3";\n\npackage rover;\n\nimport "common/header.proto";\n\n'
-        text += f"message {name} {{ rover.Header header = 1; }}\n"
+        text = f'{head}import "common/header.proto";\n\nmessage {name} {{ rover.Header header = 1; }}\n'
         (tmp_path / "proto" / "sensors" / f"{name.lower()}.proto").write_text(text)
+    monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 @pytest.mark.parametrize(("root", "file"), [(".", "proto/sensors/gps.proto"), ("proto/sensors", "gps.proto")])
-def test_a_wrong_root_is_one_line_that_names_the_right_one(
-    tree: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], root: str, file: str
-) -> None:
+def test_a_wrong_root_is_one_line_that_names_the_right_one(tree: Path, run: Run, root: str, file: str) -> None:
     """A folder above or below the right one gives one finding in place of one for each import."""
-    monkeypatch.chdir(tree)
-    assert main(["lint", root]) == 2
-    said, *help = capsys.readouterr().out.splitlines()
+    code, out, _ = run("lint", root)
+    said, *help = out.splitlines()
     imports = f"3 of 3 imports, such as 'common/header.proto' in '{file}', are not found from here"
-    assert said == f"{root}: fatal[STA107] {imports}; they start at 'proto'"
+    assert (code, said) == (2, f"{root}: fatal[STA107] {imports}; they start at 'proto'")
     assert help == ["  help: give the folder 'proto' as the proto root", "", "1 fatal error"]
-    assert main(["lint", "proto"]) == 0
 
 
-def test_a_wrong_root_in_a_table(
-    tree: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_wrong_root_in_a_table(tree: Path, run: Run) -> None:
     """The finding stands at the root in mapping.yaml."""
     (tree / "mapping.yaml").write_text("version: 1\nproto:\n  root: proto/sensors\n")
-    monkeypatch.chdir(tree)
-    assert main(["lint"]) == 2
-    assert "mapping.yaml:3:9: fatal[STA107] 3 of 3 imports" in capsys.readouterr().out
+    code, out, _ = run("lint")
+    assert (code, "mapping.yaml:3:9: fatal[STA107] 3 of 3 imports" in out) == (2, True)
 
 
-def test_a_root_above_two_right_ones(
-    tree: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_root_above_two_right_ones(tree: Path, run: Run) -> None:
     """Both are named."""
     (tree / "proto").rename(tree / "board")
     (tree / "rover" / "parts").mkdir(parents=True)
     (tree / "rover" / "parts" / "arm.proto").write_text('syntax = "proto3";\n')
     (tree / "rover" / "all.proto").write_text('syntax = "proto3";\nimport "parts/arm.proto";\n')
-    monkeypatch.chdir(tree)
-    assert main(["lint", "."]) == 2
-    assert "they start at 'board' and 'rover'" in capsys.readouterr().out
+    code, out, _ = run("lint", ".")
+    assert (code, "they start at 'board' and 'rover'" in out) == (2, True)
 
 
-def test_a_missing_file_is_no_wrong_root(
-    tree: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_missing_file_is_no_wrong_root(tree: Path, run: Run) -> None:
     """One import that is not found, among others that are, is an error of the file."""
+    assert run("lint", "proto")[0] == 0
     (tree / "proto" / "sensors" / "arm.proto").write_text('syntax = "proto3";\nimport "gps.proto";\n')
-    monkeypatch.chdir(tree)
-    assert main(["lint", "proto"]) == 1
-    assert "error[PRO101]" in capsys.readouterr().out
+    code, out, _ = run("lint", "proto")
+    assert (code, "error[PRO101]" in out) == (1, True)

@@ -66,7 +66,7 @@ def _said(context: Context, *ids: str) -> list[str]:
     return [f"{finding.span} {finding.message}" for finding in _found(context, *ids)]
 
 
-# --- half a table, and none ---------------------------------------------------------------------------------------
+# --- half a table, and none ---
 
 
 def test_nothing_is_concluded_from_a_table_that_is_not_whole(tmp_path: Path) -> None:
@@ -84,33 +84,24 @@ def test_nothing_is_concluded_from_a_table_that_is_not_whole(tmp_path: Path) -> 
     }
 
 
-@pytest.fixture
-def tree_subject(tmp_path: Path) -> Context:
-    """A tree without a table, whose envelope lost the number 2 and gave 3 to another payload."""
+def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tmp_path: Path) -> None:
+    """Its members are rows: their reuse, their free numbers and payloads beside the oneof are found.
+
+    What has no topic and no direction cannot have a wrong one.
+    """
     outside = "Gps lost = 9; uint32 sequence = 100;"
     files = {"payloads.proto": _PAYLOADS, "envelope.proto": _envelope("Imu imu = 1;", "Imu wind = 3;", outside=outside)}
     schema = _schema(tmp_path, files, "")
-    table = bare_tree.with_members(
-        bare_tree.table_of_tree(bare_tree.EnvelopeName("envelope.proto", "Envelope")), schema
-    )
+    name = bare_tree.EnvelopeName("envelope.proto", "Envelope")
+    table = bare_tree.with_members(bare_tree.table_of_tree(name), schema)
     before = _published((1, "imu", "Imu"), (2, "gps", "Gps"), (3, "wind", "Wind"), file="before/envelope.proto")
-    return Context(table, schema, Ledger(), {f: parse(t) for f, t in files.items()}, earlier_entries=before)
-
-
-def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tree_subject: Context) -> None:
-    """Its members are rows: their reuse, their free numbers and payloads beside the oneof are found."""
-    found = [(str(finding.span), finding.rule.id, finding.number) for finding in lint(tree_subject)]
-    assert found == [
+    parsed = {path: parse(text) for path, text in files.items()}
+    found = lint(Context(table, schema, Ledger(), parsed, earlier_entries=before))
+    assert [(str(finding.span), finding.rule.id, finding.number) for finding in found] == [
         ("envelope.proto:5:25", "ENV102", 3),
         ("envelope.proto:7:1", "ENV106", 9),
         ("envelope.proto:3:9", "ENV107", 2),
     ]
-
-
-def test_the_members_of_a_tree_have_no_topics(tree_subject: Context) -> None:
-    """What has no topic and no direction cannot have a wrong one."""
-    ids = {finding.rule.id for finding in lint(tree_subject)}
-    assert ids.isdisjoint({"TAB102", "TAB103", "TAB105", "TAB107", "ROS101", "NAM102", "ENV103", "ENV105"})
 
 
 def test_a_tree_without_an_envelope_is_no_fault() -> None:
@@ -119,7 +110,7 @@ def test_a_tree_without_an_envelope_is_no_fault() -> None:
     assert lint(Context(table, Schema((), {}, {}), Ledger())) == []
 
 
-# --- what was published -------------------------------------------------------------------------------------------
+# --- what was published ---
 
 
 def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
@@ -162,7 +153,7 @@ def test_the_topics_of_a_row_are_said_once(tmp_path: Path) -> None:
     assert said == ["mapping.yaml:7:47 'imu' has the topic 'imu'; it was published on 'old' and on 'older'"]
 
 
-# --- numbers ------------------------------------------------------------------------------------------------------
+# --- numbers ---
 
 
 @pytest.mark.parametrize(
@@ -197,7 +188,7 @@ def test_numbers_that_are_retired_or_in_a_comment_are_not_skipped(tmp_path: Path
     assert _said(dataclasses.replace(context, files={}), "TAB106") != []
 
 
-# --- the envelope's file ------------------------------------------------------------------------------------------
+# --- the envelope's file ---
 
 
 def test_our_envelope_is_compared_only_where_it_was_read(tmp_path: Path) -> None:
@@ -262,7 +253,7 @@ def test_a_number_that_is_gone_is_one_fault(tmp_path: Path, retired: str, reserv
     assert [finding.rule.id for finding in _found(context, "ENV103", "ENV105", "ENV106", "ENV107")] == found
 
 
-# --- names --------------------------------------------------------------------------------------------------------
+# --- names ---
 
 
 def test_nested_messages_may_share_a_name(tmp_path: Path) -> None:
@@ -321,7 +312,7 @@ def test_direction_and_prefix(tmp_path: Path, proto: str, direction: str, contra
     assert said == ([f"mapping.yaml:7:{column} {message}"] if contradicts else [])
 
 
-# --- settings of the lint -----------------------------------------------------------------------------------------
+# --- settings of the lint ---
 
 
 def test_a_row_lowers_what_is_about_it_alone(tmp_path: Path) -> None:
@@ -360,7 +351,7 @@ def test_a_fatal_rule_cannot_be_lowered(tmp_path: Path, monkeypatch: pytest.Monk
     assert finding.message == "LED101 (unreadable-ledger) is fatal, so its severity cannot be lowered"
 
 
-# --- sizes --------------------------------------------------------------------------------------------------------
+# --- sizes ---
 
 _NOTE = 'syntax = "proto3";\nmessage Note {\n  string text = 1;\n  uint32 count = 2;\n  repeated float more = 3;\n}\n'
 _TO_BASE = "  - {number: 1, name: note, proto: Note, topic: note, direction: ros_to_base}\n"
