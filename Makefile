@@ -10,6 +10,8 @@ ROS2 ?=
 SOAK_SECONDS ?= 600
 SOAK_FAULTS := $(addprefix --scenario ,reboot old-schema malformed padded lossy)
 FUZZ_SECONDS ?= 60
+# Without the compiled modules, each program that a test starts compiles all of roverlink again.
+unexport PYTHONDONTWRITEBYTECODE
 HAND_WRITTEN := generator runtime vision driving launch_check navigation roverlink bench tests docs
 
 .PHONY: help demo test test-all exhaustive test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision bench-video mutation pictures generate docs docs-reference clean
