@@ -183,9 +183,11 @@ class RclpyMiddleware:
         self._open = False
         if self._receiver:
             self._receiver.stop()
-        # First the thread, then the node: an executor that waits for what is destroyed may raise InvalidHandle.
-        self._executor.shutdown()
+        # First the thread, then the executor and the node: a callback that ends while `shutdown` runs misses the guard
+        # condition that it triggers, and an executor that waits for what is destroyed may raise InvalidHandle.
+        self._executor.create_task(lambda: None)  # it ends the wait
         self._thread.join()
+        self._executor.shutdown()
         self._held.close()
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
@@ -199,7 +201,8 @@ class RclpyMiddleware:
     def _spin(self) -> None:
         # Somebody else in the process may shut ROS 2 down; the program ends by its own signal handler.
         with contextlib.suppress(ExternalShutdownException):
-            self._executor.spin()
+            while self._open and self._context.ok():
+                self._executor.spin_once()
 
 
 def _receiver(node: Any) -> Receiver | None:

@@ -31,7 +31,6 @@ HERE = Path(__file__).parent
 ENVIRONMENTS = ROOT / ".ros2"
 PACKAGES = (ROOT / "generated" / "ros" / "comms", HERE / "nav2_msgs", HERE / "tf2_msgs", HERE / "vision_msgs")
 DISTRIBUTIONS = ("jazzy", "kilted")
-_SOME_FAILED = 1  # exit code of pytest
 
 
 def main() -> int:
@@ -53,13 +52,7 @@ def main() -> int:
             print(f"ROS 2 {distribution} was not prepared: {error}", file=sys.stderr)
             return 2
         print(f"== ROS 2 {distribution}", flush=True)
-        pytest = ("-m", "pytest", str(HERE), *for_pytest)
-        code = run(distribution, *pytest, "-n", "auto")
-        if code == _SOME_FAILED:
-            # On a busy computer, nodes of ROS 2 now and then do not find each other. What fails twice has failed.
-            print(f"== ROS 2 {distribution}: the tests that failed, once more and alone", flush=True)
-            code = run(distribution, *pytest, "-n", "0", "--last-failed", "--last-failed-no-failures=none")
-        failed |= code != 0
+        failed |= run(distribution, "-m", "pytest", str(HERE), "-n", "auto", *for_pytest) != 0
     return int(failed)
 
 
