@@ -201,7 +201,7 @@ class RclpyMiddleware:
     def _spin(self) -> None:
         # Somebody else in the process may shut ROS 2 down; the program ends by its own signal handler.
         with contextlib.suppress(ExternalShutdownException):
-            while self._open and self._context.ok():
+            while self._open:
                 self._executor.spin_once()
 
 

@@ -178,7 +178,9 @@ class Judge:
             yield
 
     def close(self) -> None:
-        """Leave the graph."""
+        """Leave the graph, unless it has left."""
+        if not self._open:
+            return
         self._open = False
         self.executor.create_task(lambda: None)  # it ends the wait
         self._thread.join()

@@ -302,15 +302,17 @@ class _Ros:
     def add_node(self, node: Any) -> None:
         assert node is self
 
-    def spin(self) -> None:
+    def spin_once(self) -> None:
         self.spinning.set()
         assert self.end_spin.wait(PATIENCE_S)
         if self.shut_down_from_outside:
             raise _ExternalShutdown
 
+    def create_task(self, _: Any) -> None:
+        self.end_spin.set()
+
     def shutdown(self) -> None:
         self.calls.append(("executor.shutdown",))
-        self.end_spin.set()
 
     def destroy_node(self) -> None:
         self.calls.append(("destroy_node",))
