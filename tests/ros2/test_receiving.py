@@ -83,34 +83,24 @@ def _has_arrived(judge: Judge) -> None:
     repeat(lambda: publisher.publish(interface(_MOTOR)()), lambda: heard.values, "a round trip")
 
 
+@pytest.mark.parametrize("calls", [True, False], ids=["with callbacks", "without"])
 def test_a_shutdown_from_outside_ends_the_threads_quietly(
-    ours: RclpyMiddleware, judge: Judge, monkeypatch: pytest.MonkeyPatch
+    ours: RclpyMiddleware, judge: Judge, monkeypatch: pytest.MonkeyPatch, calls: bool
 ) -> None:
-    """Where another part of the program shuts ROS 2 down, both threads end without a traceback."""
-    failures = _failures(monkeypatch)
+    """Where another part of the program shuts ROS 2 down, both threads end without a traceback.
+
+    A signal handler of rclpy's shuts contexts down without their callbacks; the thread that takes messages notices.
+    """
+    failures: list[Any] = []  # what ends threads by an exception from now on
+    monkeypatch.setattr(threading, "excepthook", failures.append)
     received = _Received(ours, judge, "/a")
     repeat(lambda: received.publish(1), lambda: received.numbers, "a message")
-    ours._context.shutdown()
+    (ours._context if calls else ours._context.handle).shutdown()
     _wait_for_end("rclpy-take")
-    _wait_for_end("rclpy-spin")
+    if calls:
+        _wait_for_end("rclpy-spin")
     ours.close()
     assert not failures
-
-
-def test_a_shutdown_that_calls_nobody_ends_the_thread(ours: RclpyMiddleware, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A signal handler of rclpy's shuts contexts down without their callbacks; the thread notices within seconds."""
-    failures = _failures(monkeypatch)
-    ours._context.handle.shutdown()
-    _wait_for_end("rclpy-take")
-    ours.close()
-    assert not failures
-
-
-def _failures(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """What ends threads by an exception from now on."""
-    failures: list[Any] = []
-    monkeypatch.setattr(threading, "excepthook", failures.append)
-    return failures
 
 
 def _wait_for_end(thread_name: str) -> None:
