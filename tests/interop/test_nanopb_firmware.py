@@ -75,15 +75,12 @@ class Firmware:
         return answers
 
 
-def _firmware(
-    folder: Path, project: Path, protos: Iterable[str], envelope: str, message: str, program: str = "nanopb_echo.c"
-) -> Firmware:
+def _firmware(folder: Path, project: Path, protos: Iterable[str], envelope: str, message: str, *more: str) -> Firmware:
     """The firmware of a project, compiled in a folder."""
     header = envelope.removesuffix(".proto") + ".pb.h"
     defines = (f'-DENVELOPE_HEADER="{header}"', f"-DENVELOPE={message}", f"-DENVELOPE_FIELDS={message}_fields")
-    tag = f"-DSIGNATURE_TAG={message}_signature_tag"
     options = project / "generated" / "nanopb"
-    return Firmware(compiled(folder, project / "proto", options, protos, program, *defines, tag))
+    return Firmware(compiled(folder, project / "proto", options, protos, "nanopb_echo.c", *defines, *more))
 
 
 @pytest.fixture(scope="module")
@@ -110,10 +107,10 @@ def test_a_board_reads_what_we_send_and_we_read_what_it_sends(board: Firmware, n
 @pytest.fixture(scope="module")
 def bounded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Firmware, Any]:
     """Firmware of a project whose table says what the board has room for, and that project's envelope class."""
-    return _of_notes(tmp_path_factory.mktemp("bounded"), _NOTE_TABLE, "nanopb_echo.c")
+    return _of_notes(tmp_path_factory.mktemp("bounded"), _NOTE_TABLE)
 
 
-def _of_notes(folder: Path, table: str, program: str) -> tuple[Firmware, Any]:
+def _of_notes(folder: Path, table: str, *more: str) -> tuple[Firmware, Any]:
     project = folder / "project"
     (project / "proto").mkdir(parents=True)
     (project / "mapping.yaml").write_text(table)
@@ -121,7 +118,7 @@ def _of_notes(folder: Path, table: str, program: str) -> tuple[Firmware, Any]:
     for path, text in compile_table(project / "mapping.yaml").files.items():
         (project / path).parent.mkdir(parents=True, exist_ok=True)
         (project / path).write_text(text)
-    firmware = _firmware(folder, project, ["note.proto", "envelope.proto"], "envelope.proto", "Envelope", program)
+    firmware = _firmware(folder, project, ["note.proto", "envelope.proto"], "envelope.proto", "Envelope", *more)
     return firmware, _envelope_class(project / "proto", folder / "descriptors")
 
 
@@ -153,7 +150,7 @@ def test_the_board_has_the_room_that_the_table_says(bounded: tuple[Firmware, Any
 def test_a_board_that_must_sign(tmp_path: Path) -> None:
     """With the C functions that our target writes, a board takes each signed datagram once, and nothing else."""
     table = _NOTE_TABLE.replace("max_size: 128}", "max_size: 128, sign: required}") + "signing: {number: 23}\n"
-    firmware, envelope = _of_notes(tmp_path, table, "nanopb_signed.c")
+    firmware, envelope = _of_notes(tmp_path, table, "-DSIGNED", "-DSIGNATURE_TAG=Envelope_signature_tag")
     clock = SigningClock()
     signer = Signer(23, Key(2, "ros", bytes([2] * 32)), clock)
     verifier = Verifier(23, [(Key(1, "board", bytes([1] * 32)), clock.last)], clock)
