@@ -193,20 +193,11 @@ def measured_world(judge: Judge, start: Start, tmp_path: Path) -> Iterator[_Worl
         yield world
 
 
-def test_the_rover_drives_to_all_goals(world: _World, start: Start, tmp_path: Path) -> None:
-    """In spite of slip, the model is within the tolerance of each goal when the mission says so."""
-    _accomplish([(1.5, 0.0), (3.0, 1.5), (1.5, 3.0)], world, start, tmp_path)
-
-
 def test_odometry_and_fusion_lead_the_rover_to_all_goals(measured_world: _World, start: Start, tmp_path: Path) -> None:
     """With slip, lost datagrams and a landmark that was moved, the rover ends at each of four goals."""
-    _accomplish([(1.5, 1.5), (-1.5, 1.5), (-1.5, -1.5), (1.5, -1.5)], measured_world, start, tmp_path)
-
-
-def _accomplish(goals: list[tuple[float, float]], world: _World, start: Start, folder: Path) -> None:
-    """Run a mission, and compare the true pose of the rover with each goal that is reached."""
-    (folder / "mission.yaml").write_text(json.dumps({"goals": [{"position": goal} for goal in goals]}))
-    program = start("mission", "run", folder / "mission.yaml", "--json")
+    goals, world = [(1.5, 1.5), (-1.5, 1.5), (-1.5, -1.5), (1.5, -1.5)], measured_world
+    (tmp_path / "mission.yaml").write_text(json.dumps({"goals": [{"position": goal} for goal in goals]}))
+    program = start("mission", "run", tmp_path / "mission.yaml", "--json")
     wait_until(lambda: len(world.ends) == len(goals), "the last goal", _DRIVE_S)
     assert program.end() == 0, str(program)
     for end, goal in zip(world.ends, goals):
@@ -222,4 +213,4 @@ def test_manual_over_the_link_stops_mission_and_rover(world: _World, start: Star
     assert program.end() == 1, str(program)
     assert "a person has taken over" in str(program)
     wait_until(lambda: world.model.speed == 0 and world.goal is None, "the rover that stands")
-    assert world.model.pose.x - place < 1
+    assert world.model.pose.x - place < 2  # ten times what it takes

@@ -260,7 +260,8 @@ def test_without_nav2_or_a_pose_the_program_says_so(serve: Serve, run: Callable[
     assert "Nav2 is not there: no server of the action /navigate_to_pose" in program.errors[-1]
     nav2 = serve()
     nav2.pose = None
-    nav2.pace = lambda: 0.5 if nav2.servers[0].asked else 0.001
+    navigate, _ = nav2.servers
+    nav2.pace = lambda: 0.5 if navigate.asked else 0.001
     program = run("{goals: [{position: [1, 0]}]}", "--wait", "100")
     assert program.end() == 2
     assert "the rover's pose on the map is not known" in program.errors[-1]
