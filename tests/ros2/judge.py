@@ -122,6 +122,11 @@ class Judge:
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
 
+    def on_thread(self, action: Callable[[], object]) -> None:
+        """Do something on the thread that spins: rclpy 9.1 adds actions to a node before they are complete."""
+        done = self.executor.create_task(action)
+        wait_until(done.done, "an action on the thread of the judge")
+
     def hear(self, topic: str, type_name: str, qos: QoSProfile | int = 10) -> Heard:
         """Subscribe."""
         heard = Heard(topic)

@@ -94,8 +94,10 @@ class Nav2StandIn:
         """Simulated seconds that pass from one tick to the next."""
         self._outcome = outcome
         self._running: list[_Running] = []
-        self._executor = judge.executor
-        node = judge.node
+        self._judge = judge
+        judge.on_thread(lambda: self._serve(judge.node))
+
+    def _serve(self, node: Any) -> None:
         self.servers = [
             _Server(
                 node,
@@ -125,8 +127,7 @@ class Nav2StandIn:
 
     def close(self) -> None:
         """Stop serving, so that no later test finds these servers."""
-        closed = self._executor.create_task(lambda: [server.destroy() for server in self.servers])
-        wait_until(closed.done, "the end of the servers")
+        self._judge.on_thread(lambda: [server.destroy() for server in self.servers])
         self.servers, self._running = [], []
 
     def _answer(self, request: Any) -> GoalResponse:

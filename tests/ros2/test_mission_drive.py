@@ -67,15 +67,18 @@ class _World:
         self.bridge, self.clock = bridge, judge.node.get_clock()
         self._velocity = judge.node.create_publisher(interface("geometry_msgs/msg/Twist"), "/cmd_vel", 10)
         self._tf = judge.node.create_publisher(interface("tf2_msgs/msg/TFMessage"), "/tf", 10)
+        judge.on_thread(lambda: self._serve(judge.node))
+
+    def _serve(self, node: Any) -> None:
         self._server = ActionServer(
-            judge.node,
+            node,
             NavigateToPose,
             "navigate_to_pose",
             lambda handle: None,
             handle_accepted_callback=lambda handle: setattr(self, "goal", handle),
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
-        self._timer = judge.node.create_timer(_PERIOD_S, self._tick)
+        self._timer = node.create_timer(_PERIOD_S, self._tick)
 
     @property
     def pose(self) -> PlanarPose | None:
@@ -167,7 +170,7 @@ class _MeasuredWorld(_World):
 def _opened(kind: type[_World], judge: Judge, start: Start, held: ExitStack) -> _World:
     """Return the world between which and the boards the bridge and `roverlink drive` run."""
     world = kind(judge, Bridge(start, "rclpy", (), held))
-    held.callback(lambda: wait_until(judge.executor.create_task(world.close).done, "the end of the world"))
+    held.callback(judge.on_thread, world.close)
     drive = start("drive", "--middleware", "rclpy", "--ros-args", "-p", f"smallest_radius:={_SMALLEST_M}")
     drive.wait_for("control_mode is AUTO")
     return world

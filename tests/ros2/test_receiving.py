@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 from judge import Bridge, Judge, interface, repeat
 from polling import wait_until
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from generated.messages import DrivingBoardMotorMessage
@@ -100,6 +102,24 @@ def test_a_shutdown_from_outside_ends_the_threads_quietly(
     if calls:
         _wait_for_end("rclpy-spin")
     ours.close()
+    assert not failures
+
+
+def test_an_action_is_complete_before_the_executor_sees_it(
+    ours: RclpyMiddleware, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A client of rclpy 9.1 is added to the node before it is complete; an executor that looks at it then would end."""
+    action = pytest.importorskip("nav2_msgs.action").NavigateToPose
+    failures: list[Any] = []
+    monkeypatch.setattr(threading, "excepthook", failures.append)
+    add = Node.add_waitable
+
+    def add_slowly(node: Node, waitable: Any) -> None:
+        add(node, waitable)
+        time.sleep(0.2)
+
+    monkeypatch.setattr(Node, "add_waitable", add_slowly)
+    assert not ours.action(action, "/navigate_to_pose").has_server()
     assert not failures
 
 

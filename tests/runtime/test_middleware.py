@@ -336,6 +336,7 @@ def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[_Ros]:
     for name, module in ros.modules().items():
         monkeypatch.setitem(sys.modules, name, module)
     yield ros
+    ros.shut_down_from_outside = True
     ros.end_spin.set()
     sys.modules.pop("roverlink.runtime.middleware.rclpy", None)
 
