@@ -25,6 +25,7 @@ NAVIGATE, BACK_UP = "navigate_to_pose", "backup"
 """Names of Nav2's actions."""
 _STEP_S = 0.1  # longest time between two looks at the clock, which may be that of a simulation
 _BACK_UP_SPEED = 0.2  # m/s
+_SERVER_S = 5.0  # longest time in seconds for a server that is found, or that was started again
 _ANSWER_S = 5.0  # longest time in seconds for the end of a goal that was cancelled
 _POSE_S = 5.0  # longest time in seconds without the rover's pose
 _OUTCOMES = {
@@ -136,7 +137,7 @@ class Nav2Rover:
 
         A goal whose server disappears has failed.
         """
-        if not action.has_server():
+        if not self._until(action.has_server, _SERVER_S):
             return Outcome.REFUSED
         ends: list[GoalEnd] = []
 

@@ -10,6 +10,7 @@ import contextlib
 import logging
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 # Names that the ROS 2 middlewares give to the node of an endpoint until they know it.
 _UNKNOWN_NODES = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
 _USE_SIM_TIME = "use_sim_time"  # which rclpy declares itself
+_ACTION_S = 60.0  # longest time in seconds for the executor to make the client of an action, far more than it takes
 _INFINITE_NS = 2**63 - 1  # RMW_DURATION_INFINITE
 
 
@@ -168,7 +170,18 @@ class RclpyMiddleware:
         """Create a client of an action, by the class that rosidl generated and the action's fully qualified name."""
         from roverlink.runtime.middleware.rclpy_actions import RclpyAction
 
-        return RclpyAction(self._node, self._executor, action_class, name)
+        made: Future[RclpyAction] = Future()
+
+        def make() -> None:
+            try:
+                made.set_result(RclpyAction(self._node, self._executor, action_class, name))
+            except Exception as error:  # noqa: BLE001  # it is raised by the thread that waits
+                made.set_exception(error)
+
+        # On the thread of the executor: rclpy 9.1 (Kilted) adds a client to the node before the client is complete. An
+        # executor that just then collects what it waits for ends with an AttributeError, and no goal is ever sent.
+        self._executor.create_task(make)
+        return made.result(_ACTION_S)
 
     def set_parameters(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of the own node: those of rclpy, which asks the function of `_declare`."""
@@ -183,9 +196,11 @@ class RclpyMiddleware:
         self._open = False
         if self._receiver:
             self._receiver.stop()
-        # First the thread, then the node: an executor that waits for what is destroyed may raise InvalidHandle.
-        self._executor.shutdown()
+        # First the thread, then the executor and the node: a callback that ends while `shutdown` runs misses the guard
+        # condition that it triggers, and an executor that waits for what is destroyed may raise InvalidHandle.
+        self._executor.create_task(lambda: None)  # it ends the wait
         self._thread.join()
+        self._executor.shutdown()
         self._held.close()
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
@@ -199,7 +214,8 @@ class RclpyMiddleware:
     def _spin(self) -> None:
         # Somebody else in the process may shut ROS 2 down; the program ends by its own signal handler.
         with contextlib.suppress(ExternalShutdownException):
-            self._executor.spin()
+            while self._open:
+                self._executor.spin_once()
 
 
 def _receiver(node: Any) -> Receiver | None:

@@ -2,16 +2,28 @@
 
 Everything that belongs to a goal happens on the thread of the executor. From another thread, rclpy's client registers a
 goal only after it has sent it, and ignores an answer that comes before (rclpy 3.3 of Humble and 7.1 of Jazzy).
+
+A server may be ready for this client before it knows the client's readers. Then its answers go to nobody: Fast DDS
+gives up after 0.1 s ("failed to send response (timeout): client will not receive response"), and the client never hears
+that its goal was accepted or reached (ros2/rmw_fastrtps issue 392). So the client first asks for the result of a goal
+that does not exist, again and again, until the server answers. DDS announces the readers of a client in the order in
+which rcl makes them, and the one for results is the last that receives answers: a server that knows it knows them all.
 """
 
 from __future__ import annotations
 
 import enum
+import uuid
 from collections.abc import Callable
 from typing import Any
 
 from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient
+from rclpy.action.client import ClientGoalHandle
+from rclpy.clock import Clock, ClockType
+from unique_identifier_msgs.msg import UUID
+
+_QUESTION_S = 0.25  # time in seconds between two questions to a server that has not answered yet
 
 
 class GoalEnd(enum.Enum):
@@ -36,15 +48,29 @@ class RclpyAction:
 
     def __init__(self, node: Any, executor: Any, action_class: Any, name: str) -> None:
         self._executor, self._client = executor, ActionClient(node, action_class, name)
+        self._no_goal = ClientGoalHandle(
+            self._client, UUID(uuid=list(uuid.uuid4().bytes)), action_class.Impl.SendGoalService.Response()
+        )
+        self._answers = False
+        node.create_timer(_QUESTION_S, self._ask, clock=Clock(clock_type=ClockType.STEADY_TIME))
         executor.wake()
 
     def has_server(self) -> bool:
-        """Return true if the server of the action is there."""
-        return bool(self._client.server_is_ready())
+        """Return true if the server of the action is there, and its answers arrive here."""
+        return self._answers and bool(self._client.server_is_ready())
 
     def send(self, goal: Any, take_feedback: Callable[[Any], None], end: Callable[[GoalEnd], None]) -> SentGoal:
         """Send a goal. The functions are called with its feedback and its end, on the thread of the executor."""
         return SentGoal(self._executor, self._client, goal, take_feedback, end)
+
+    def _ask(self) -> None:
+        if not self._client.server_is_ready():
+            self._answers = False  # the next server is another one
+        elif not self._answers:
+            self._no_goal.get_result_async().add_done_callback(self._take_no_result)
+
+    def _take_no_result(self, _: Any) -> None:
+        self._answers = True
 
 
 class SentGoal:

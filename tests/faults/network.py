@@ -1,25 +1,28 @@
-"""A rover and a board in network namespaces of their own, with a cable between them that can be cut.
+"""Network namespaces: a rover and a board with a cable that can be cut, and the network of a whole rover.
 
-A thread joins a namespace with setns(2), and the sockets that it makes there stay there: so a whole bridge runs in the
-tests' own process. Needs root.
+A thread joins a namespace with setns(2), and the sockets that it makes there stay there, as do the programs that it
+starts: so a whole bridge runs in the tests' own process. Needs root.
 """
 
 from __future__ import annotations
 
 import ctypes
 import os
-import shutil
+import socket
 import subprocess
 import sys
-import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TypeVar
 
 T = TypeVar("T")
 
 ROVER, BOARD = "10.99.0.1", "10.99.0.2"
-_CLONE_NEWNET = 0x40000000
+_CLONE_NEWNS, _CLONE_NEWNET = 0x00020000, 0x40000000
+_MS_BIND, _MS_REC, _MS_PRIVATE = 0x1000, 0x4000, 0x40000
+_LIBC = ctypes.CDLL(None, use_errno=True)
 
 
 def why_not() -> str:
@@ -38,125 +41,101 @@ def ip(*arguments: str) -> None:
     subprocess.run(["ip", *arguments], check=True, capture_output=True, text=True)
 
 
-class Network:
-    """Two namespaces, each with its end of a cable. A context manager."""
+def inside(namespace: str, make: Callable[[], T], hosts: Path | None = None) -> T:
+    """What a function makes in a namespace; ``hosts`` is put in the place of /etc/hosts."""
 
-    def __init__(self) -> None:
-        self._tag = f"rl{os.getpid()}"
-        self.rover, self.board = f"{self._tag}r", f"{self._tag}b"
+    def run() -> T:
+        with Path(f"/run/netns/{namespace}").open() as file:
+            _check(_LIBC.setns(file.fileno(), _CLONE_NEWNET))
+        if hosts:
+            _check(_LIBC.unshare(_CLONE_NEWNS))
+            _check(_LIBC.mount(b"none", b"/", None, _MS_REC | _MS_PRIVATE, None))
+            _check(_LIBC.mount(bytes(hosts), b"/etc/hosts", None, _MS_BIND, None))
+        return make()
+
+    with ThreadPoolExecutor(1) as thread:  # a thread of its own, which ends in the namespace
+        return thread.submit(run).result()
+
+
+def bound(address: tuple[str, int]) -> socket.socket:
+    """A socket with room for many datagrams, which waits for none."""
+    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 * 1024 * 1024)
+    sock.bind(address)
+    sock.setblocking(False)
+    return sock
+
+
+def arrived(sock: socket.socket) -> Iterator[bytes]:
+    """The datagrams that have arrived at a socket since the last call."""
+    with suppress(BlockingIOError):
+        while True:
+            yield sock.recv(65_536)
+
+
+def _check(result: int) -> None:
+    if result:
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+
+
+@contextmanager
+def _namespaces(*names: str) -> Iterator[list[str]]:
+    """Namespaces of this process, each with its own loopback."""
+    with ExitStack() as held:
+        made = [f"rl{os.getpid()}{name}" for name in names]
+        for name in made:
+            ip("netns", "add", name)
+            held.callback(ip, "netns", "del", name)
+            ip("-n", name, "link", "set", "lo", "up")
+        yield made
+
+
+def _connect(end: str, address: str, other: str, port: str) -> None:
+    """Lay a cable from a namespace, where it is called ``cable`` and has the address, to a port of another one."""
+    ip("link", "add", "cable", "netns", end, "type", "veth", "peer", "name", port, "netns", other)
+    ip("-n", end, "address", "add", f"{address}/24", "dev", "cable")
+    ip("-n", end, "link", "set", "cable", "up")
+    ip("-n", other, "link", "set", port, "up")
+
+
+class Network(ExitStack):
+    """A rover and a board, each with its end of a cable. A context manager."""
 
     def __enter__(self) -> Network:
-        for name in (self.rover, self.board):
-            ip("netns", "add", name)
-            ip("-n", name, "link", "set", "lo", "up")
-        ip("link", "add", "cable", "netns", self.rover, "type", "veth", "peer", "name", "cable", "netns", self.board)
-        for name, address in ((self.rover, ROVER), (self.board, BOARD)):
-            ip("-n", name, "address", "add", f"{address}/24", "dev", "cable")
-            ip("-n", name, "link", "set", "cable", "up")
+        self.rover, self.board = self.enter_context(_namespaces("rover", "board"))
+        _connect(self.rover, ROVER, self.board, "cable")
+        ip("-n", self.board, "address", "add", f"{BOARD}/24", "dev", "cable")
         return self
 
-    def __exit__(self, *_: object) -> None:
-        for name in (self.rover, self.board):
-            ip("netns", "del", name)
 
-    def inside(self, namespace: str, make: Callable[[], T]) -> T:
-        """What a function makes in a namespace."""
-        return inside(namespace, make)
-
-    def impair(self, namespace: str, *netem: str) -> str:
-        """Let tc(8) spoil what leaves a namespace; why it cannot, or nothing."""
-        return impair(namespace, "cable", *netem)
-
-
-class RoverNetwork:
-    """A rover, three boards on a switch, and a basestation behind a radio; a router is between them. A context manager.
-
-    The namespaces are attributes of their names: ``rover``, ``router``, ``arm``, ``driving``, ``sensor``, ``base``.
-    """
+class RoverNetwork(ExitStack):
+    """A rover, three boards on a switch, and a basestation behind a radio; a router is between them."""
 
     SWITCH = "192.168.77"
     RADIO = "10.98.9"
     ROVER = "10.98.0.2"
 
-    def __init__(self) -> None:
-        self._tag = f"rn{os.getpid()}"
-        self.router, self.rover, self.base = (f"{self._tag}{name}" for name in ("router", "rover", "base"))
-        self.arm, self.driving, self.sensor = (f"{self._tag}{name}" for name in ("arm", "driving", "sensor"))
-        self.hosts = Path(f"/etc/netns/{self.rover}/hosts")
-        """The rover's own file of host names, which `ip netns exec` puts in the place of /etc/hosts."""
-
     def __enter__(self) -> RoverNetwork:
-        self.hosts.parent.mkdir(parents=True)
-        self.hosts.write_text("127.0.0.1 localhost\n")
-        for name in (self.router, self.rover, self.base, self.arm, self.driving, self.sensor):
-            ip("netns", "add", name)
-            ip("-n", name, "link", "set", "lo", "up")
+        names = ("router", "rover", "base", "arm", "driving", "sensor")
+        spaces = self.enter_context(_namespaces(*names))
+        self.router, self.rover, self.base, self.arm, self.driving, self.sensor = spaces
         ip("-n", self.router, "link", "add", "switch", "type", "bridge")
         ip("-n", self.router, "link", "set", "switch", "up")
         ip("-n", self.router, "address", "add", f"{self.SWITCH}.1/24", "dev", "switch")
         for number, board in ((21, self.arm), (22, self.driving), (23, self.sensor)):
-            self._cable(board, f"{self.SWITCH}.{number}", f"{self.SWITCH}.1")
-            ip("-n", self.router, "link", "set", f"to{board[-6:]}", "master", "switch")
-        for end, address in ((self.rover, self.ROVER), (self.base, f"{self.RADIO}.2")):
+            _connect(board, f"{self.SWITCH}.{number}", self.router, f"to{number}")
+            ip("-n", self.router, "link", "set", f"to{number}", "master", "switch")
+            ip("-n", board, "route", "add", "default", "via", f"{self.SWITCH}.1")
+        for port, end, address in (("torover", self.rover, self.ROVER), ("tobase", self.base, f"{self.RADIO}.2")):
             router = f"{address.rpartition('.')[0]}.1"
-            self._cable(end, address, router)
-            ip("-n", self.router, "address", "add", f"{router}/24", "dev", f"to{end[-6:]}")
+            _connect(end, address, self.router, port)
+            ip("-n", self.router, "address", "add", f"{router}/24", "dev", port)
+            ip("-n", end, "route", "add", "default", "via", router)
         inside(self.router, lambda: Path("/proc/sys/net/ipv4/ip_forward").write_text("1"))
         return self
-
-    def _cable(self, end: str, address: str, router: str) -> None:
-        port = f"to{end[-6:]}"
-        ip("link", "add", "cable", "netns", end, "type", "veth", "peer", "name", port, "netns", self.router)
-        ip("-n", end, "address", "add", f"{address}/24", "dev", "cable")
-        ip("-n", end, "link", "set", "cable", "up")
-        ip("-n", self.router, "link", "set", port, "up")
-        ip("-n", end, "route", "add", "default", "via", router)
-
-    def __exit__(self, *_: object) -> None:
-        for name in (self.router, self.rover, self.base, self.arm, self.driving, self.sensor):
-            ip("netns", "del", name)
-        shutil.rmtree(self.hosts.parent)
 
     def move(self, board: str, number: int, to: int) -> None:
         """Give a board on the switch another address."""
         ip("-n", board, "address", "del", f"{self.SWITCH}.{number}/24", "dev", "cable")
         ip("-n", board, "address", "add", f"{self.SWITCH}.{to}/24", "dev", "cable")
         ip("-n", board, "route", "add", "default", "via", f"{self.SWITCH}.1")
-
-
-def inside(namespace: str, make: Callable[[], T]) -> T:
-    """What a function makes in a namespace."""
-    made: list[T] = []
-    failures: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            _join(namespace)
-            made.append(make())
-        except BaseException as failure:  # noqa: BLE001  # raised below
-            failures.append(failure)
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    thread.join()
-    if failures:
-        raise failures[0]
-    return made[0]
-
-
-def impair(namespace: str, device: str, *netem: str) -> str:
-    """Let tc(8) spoil what leaves a namespace through a device; why it cannot, or nothing."""
-    tc = shutil.which("tc", path=f"{os.environ['PATH']}:/usr/sbin:/sbin")  # not every user's path has it
-    if tc is None:
-        return "need tc (apt-get install iproute2)"
-    command = [tc, "-n", namespace, "qdisc", "replace", "dev", device, "root", "netem", *netem]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    return "" if done.returncode == 0 else f"need netem in the kernel: {done.stderr.strip()}"
-
-
-def _join(namespace: str) -> None:
-    """Take the calling thread into a namespace."""
-    with Path(f"/run/netns/{namespace}").open() as file:
-        libc = ctypes.CDLL(None, use_errno=True)
-        if libc.setns(file.fileno(), _CLONE_NEWNET):
-            raise OSError(ctypes.get_errno(), f"cannot join {namespace}")

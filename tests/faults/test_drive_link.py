@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import socket
-from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import Any
 
 import pytest
 from needs import needs_dds
+from network import arrived, bound
 from polling import wait_until
 from programs import Start
 from relay import Relay
@@ -21,32 +21,15 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces.geometry_msgs import Twist, Vector3
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
+_LOCAL = ("127.0.0.1", 0)
 _LOSS = 0.05
 _MODES = 400
 
 
-def _socket() -> socket.socket:
-    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    sock.bind(("127.0.0.1", 0))
-    return sock
-
-
-class _Board:
-    """The socket of the driving board."""
-
-    def __init__(self, sock: socket.socket) -> None:
-        self._socket = sock
-        self._socket.setblocking(False)
-
-    def distances(self) -> Iterator[float]:
-        """The distances of the commands that have arrived since the last call."""
-        try:
-            while True:
-                envelope: Any = REGISTRY.envelope.FromString(self._socket.recv(65_536))
-                if envelope.WhichOneof("payload") == "drive_motor":
-                    yield envelope.drive_motor.distance_to_go
-        except BlockingIOError:
-            return
+def _distances(board: socket.socket) -> list[float]:
+    """The distances of the drive commands that have arrived at a board since the last call."""
+    envelopes: list[Any] = [REGISTRY.envelope.FromString(datagram) for datagram in arrived(board)]
+    return [one.drive_motor.distance_to_go for one in envelopes if one.WhichOneof("payload") == "drive_motor"]
 
 
 @pytest.mark.slow
@@ -58,13 +41,12 @@ def test_losses_stop_nothing_and_the_operator_and_a_cut_link_do(
     for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
         monkeypatch.setenv(name, environment[name])
     with ExitStack() as held:
-        sock = held.enter_context(_socket())
-        to_board = held.enter_context(Relay(_socket(), sock.getsockname(), 1, _LOSS, 0.0, 0.005))
-        board = _Board(sock)
+        board = held.enter_context(bound(_LOCAL))
+        to_board = held.enter_context(Relay(bound(_LOCAL), board.getsockname(), 1, _LOSS, 0.0, 0.005))
         ros = ("listen_port:=0", "listen_address:='127.0.0.1'", f"dst_b_port:={to_board.address[1]}")
         bridge = start("run", "--middleware", "dds", "--ros-args", *(word for one in ros for word in ("-p", one)))
         port = int(bridge.wait_for("on UDP port ").rpartition(" ")[2])
-        to_bridge = held.enter_context(Relay(_socket(), ("127.0.0.1", port), 2, _LOSS, 0.0, 0.005))
+        to_bridge = held.enter_context(Relay(bound(_LOCAL), ("127.0.0.1", port), 2, _LOSS, 0.0, 0.005))
         # Long enough for a machine that is busy with other things; the bench measures the times.
         given = ("mode_timeout:=4.0", "timeout:=4.0", "horizon:=4.0")
         drive = start(
@@ -74,7 +56,7 @@ def test_losses_stop_nothing_and_the_operator_and_a_cut_link_do(
         node = held.enter_context(open_middleware("dds", NodeIdentity("controller")))
         velocities = node.publisher("/cmd_vel", Twist, Qos())
         held.enter_context(repeated(lambda _: velocities.publish([cdr.encode(Twist(Vector3(0.3)))]), 0.05))
-        basestation = held.enter_context(_socket())
+        basestation = held.enter_context(bound(_LOCAL))
         mode: int | None = 1
 
         def tell(_: int) -> None:
@@ -83,25 +65,25 @@ def test_losses_stop_nothing_and_the_operator_and_a_cut_link_do(
                 basestation.sendto(datagram, to_bridge.address)
 
         held.enter_context(repeated(tell, 0.02))
-        wait_until(lambda: any(board.distances()), "a command")
+        wait_until(lambda: any(_distances(board)), "a command")
         told = to_bridge.taken + _MODES
         wait_until(lambda: to_bridge.taken > told, "many modes")
-        arrived = list(board.distances())
+        arrived = _distances(board)
         assert len(arrived) > 20
         assert 0 not in arrived
 
         mode = 0
         drive.wait_for("manual: control_mode is MANUAL")
         # The deadman of the bridge now sends stops: the topic is silent.
-        wait_until(lambda: 0 in list(board.distances()), "a stop")
-        wait_until(lambda: 0 in (found := list(board.distances())) and not any(found), "nothing but stops")
+        wait_until(lambda: 0 in _distances(board), "a stop")
+        wait_until(lambda: 0 in (found := _distances(board)) and not any(found), "nothing but stops")
 
         mode = 1
-        wait_until(lambda: any(board.distances()), "a command")
+        wait_until(lambda: any(_distances(board)), "a command")
         mode = None
         drive.wait_for("manual: no control_mode for ")
-        wait_until(lambda: 0 in list(board.distances()), "a stop")
-        wait_until(lambda: 0 in (found := list(board.distances())) and not any(found), "nothing but stops")
+        wait_until(lambda: 0 in _distances(board), "a stop")
+        wait_until(lambda: 0 in (found := _distances(board)) and not any(found), "nothing but stops")
         assert drive.interrupt() == 0
     states = [one["state"] for one in map(json.loads, drive.output) if "state" in one]
     assert states == ["manual", "idle", "driving", "manual", "idle", "driving", "manual", "manual"]

@@ -4,11 +4,10 @@
 //   fastdds_peer DOMAIN subscribe TOPIC TYPE COUNT    prints COUNT samples, each as a line of hexadecimal
 //   fastdds_peer DOMAIN publish TOPIC TYPE HEX COUNT  once a reader matches, writes the sample COUNT times, each of them
 //                                                     when the one before was acknowledged, at most 20 a second
-//   fastdds_peer DOMAIN graph GID_SIZE                prints endpoints and nodes as they appear, as lines of JSON
+//   fastdds_peer DOMAIN graph                         prints endpoints and samples of ros_discovery_info as they appear,
+//                                                     as lines of JSON
 //
 // TOPIC and TYPE are ROS 2's names: /imu_data, comms/msg/ImuSensorInformation.
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -244,58 +243,11 @@ void publish(int domain, const std::string& topic, const std::string& type, Byte
   }
 }
 
-// rmw_dds_common/msg/ParticipantEntitiesInfo, read by Fast CDR; its GIDs have 24 bytes up to Humble, then 16.
-class GraphSample {
- public:
-  GraphSample(Bytes& sample, size_t gid_size)
-      : buffer_(reinterpret_cast<char*>(sample.data()), sample.size()),
-        cdr_(buffer_, eprosima::fastcdr::Cdr::DEFAULT_ENDIAN, eprosima::fastcdr::Cdr::DDS_CDR),
-        gid_size_(gid_size) {
-    cdr_.read_encapsulation();
-  }
-
-  void print_nodes() {
-    gid();  // the participant's
-    for (uint32_t left = count(); left > 0; --left) {
-      const std::string space = text(), name = text(), readers = gids(), writers = gids();
-      print("{\"kind\": \"node\", \"namespace\": \"" + space + "\", \"name\": \"" + name + "\", " +
-            "\"readers\": [" + readers + "], \"writers\": [" + writers + "]}");
-    }
-  }
-
- private:
-  uint32_t count() {
-    uint32_t value;
-    cdr_ >> value;
-    return value;
-  }
-
-  std::string text() {
-    std::string value;
-    cdr_ >> value;
-    return value;
-  }
-
-  std::string gid() {
-    Bytes value(gid_size_);
-    cdr_.deserializeArray(value.data(), value.size());
-    return to_hex(value.data(), value.size());
-  }
-
-  std::string gids() {
-    std::string list;
-    for (uint32_t left = count(); left > 0; --left) list += "\"" + gid() + (left > 1 ? "\", " : "\"");
-    return list;
-  }
-
-  eprosima::fastcdr::FastBuffer buffer_;
-  eprosima::fastcdr::Cdr cdr_;
-  size_t gid_size_;
-};
-
-void graph(int domain, size_t gid_size) {
+void graph(int domain) {
   Endpoints endpoints;
-  Samples samples([gid_size](Bytes& sample) { GraphSample(sample, gid_size).print_nodes(); });
+  Samples samples([](Bytes& sample) {
+    print("{\"kind\": \"nodes\", \"sample\": \"" + to_hex(sample.data(), sample.size()) + "\"}");
+  });
   Node node(domain, &endpoints);
   node.reader("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", &samples, true);
   pause();  // until killed
@@ -308,10 +260,10 @@ int main(int count, char** words) try {
     subscribe(std::stoi(arguments[0]), arguments[2], arguments[3], std::stoi(arguments[4]));
   } else if (arguments.size() == 6 && arguments[1] == "publish") {
     publish(std::stoi(arguments[0]), arguments[2], arguments[3], from_hex(arguments[4]), std::stoi(arguments[5]));
-  } else if (arguments.size() == 3 && arguments[1] == "graph") {
-    graph(std::stoi(arguments[0]), std::stoul(arguments[2]));
+  } else if (arguments.size() == 2 && arguments[1] == "graph") {
+    graph(std::stoi(arguments[0]));
   } else {
-    std::cerr << "fastdds_peer DOMAIN subscribe TOPIC TYPE COUNT | publish TOPIC TYPE HEX COUNT | graph GID_SIZE\n";
+    std::cerr << "fastdds_peer DOMAIN subscribe TOPIC TYPE COUNT | publish TOPIC TYPE HEX COUNT | graph\n";
     return 2;
   }
   return 0;

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import struct
 import subprocess
-import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from random import Random
 from typing import Any
 
 import pytest
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from grpc_tools import protoc
+from nanopb_board import compiled
 from payloads import random_payload
 
 from generated.registry import REGISTRY
@@ -23,8 +24,6 @@ from roverlink.runtime.core.signing import Key, Signer, SigningClock, Verifier
 from roverlink.runtime.core.translator import Translator
 
 ROOT = Path(__file__).parents[2]
-_PROGRAM = Path(__file__).with_name("nanopb_echo.c")
-_RUNTIME = ("-lprotobuf-nanopb",)
 _REFUSED = 0xFFFF
 _NOTE_TABLE = """\
 version: 1
@@ -76,38 +75,21 @@ class Firmware:
         return answers
 
 
-def _firmware(
-    folder: Path, project: Path, protos: Iterable[str], envelope: str, message: str, program_c: Path = _PROGRAM
-) -> Firmware:
+def _firmware(folder: Path, project: Path, protos: Iterable[str], envelope: str, message: str, *more: str) -> Firmware:
     """The firmware of a project, compiled in a folder."""
-    if shutil.which("gcc") is None or not Path("/usr/include/pb_decode.h").exists():
-        pytest.skip("need nanopb's C library (apt-get install gcc libnanopb-dev)")
-    pytest.importorskip("nanopb", reason="need nanopb (pip install nanopb)")
-    made, names = folder / "firmware", sorted(protos)
-    made.mkdir()
-    generator = [sys.executable, "-m", "nanopb.generator.nanopb_generator", "--quiet"]
-    options = ["--options-path", str(project / "generated" / "nanopb"), "-I", str(project / "proto"), "-D", str(made)]
-    environment = {**os.environ, "PROTOCOL_BUFFERS_PYTHON_IMPLEMENTATION": "upb"}
-    subprocess.run([*generator, *options, *names], check=True, cwd=project / "proto", env=environment)
-    program = folder / "board"
     header = envelope.removesuffix(".proto") + ".pb.h"
-    defines = [f'-DENVELOPE_HEADER="{header}"', f"-DENVELOPE={message}", f"-DENVELOPE_FIELDS={message}_fields"]
-    shipped = project / "generated" / "nanopb"
-    defines.append(f"-DSIGNATURE_TAG={message}_signature_tag")
-    sources = [str(path) for path in (*sorted(made.rglob("*.pb.c")), *sorted(shipped.glob("*.c")))]
-    flags = ["-std=c11", "-Wall", "-Werror", "-O1", f"-I{made}", f"-I{shipped}"]
-    subprocess.run(["gcc", *flags, *defines, str(program_c), *sources, "-o", str(program), *_RUNTIME], check=True)
-    return Firmware(program)
+    defines = (f'-DENVELOPE_HEADER="{header}"', f"-DENVELOPE={message}", f"-DENVELOPE_FIELDS={message}_fields")
+    options = project / "generated" / "nanopb"
+    return Firmware(compiled(folder, project / "proto", options, protos, "nanopb_echo.c", *defines, *more))
 
 
 @pytest.fixture(scope="module")
 def board(tmp_path_factory: pytest.TempPathFactory) -> Firmware:
     """Firmware of this repository's envelope."""
+    protos = [path.relative_to(ROOT / "proto").as_posix() for path in ROOT.glob("proto/**/*.proto")]
+    wanted = [path for path in protos if path != "components/common/message_types.proto"]
     folder = tmp_path_factory.mktemp("board")
     shutil.copytree(ROOT / "proto", folder / "project" / "proto")
-    excluded = "components/common/message_types.proto"
-    protos = [path.relative_to(ROOT / "proto").as_posix() for path in ROOT.glob("proto/**/*.proto")]
-    wanted = [path for path in protos if path != excluded]
     return _firmware(folder, folder / "project", wanted, "components/common/envelope.proto", "PBEnvelope")
 
 
@@ -125,10 +107,10 @@ def test_a_board_reads_what_we_send_and_we_read_what_it_sends(board: Firmware, n
 @pytest.fixture(scope="module")
 def bounded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Firmware, Any]:
     """Firmware of a project whose table says what the board has room for, and that project's envelope class."""
-    return _of_notes(tmp_path_factory.mktemp("bounded"), _NOTE_TABLE, _PROGRAM)
+    return _of_notes(tmp_path_factory.mktemp("bounded"), _NOTE_TABLE)
 
 
-def _of_notes(folder: Path, table: str, program_c: Path) -> tuple[Firmware, Any]:
+def _of_notes(folder: Path, table: str, *more: str) -> tuple[Firmware, Any]:
     project = folder / "project"
     (project / "proto").mkdir(parents=True)
     (project / "mapping.yaml").write_text(table)
@@ -136,14 +118,12 @@ def _of_notes(folder: Path, table: str, program_c: Path) -> tuple[Firmware, Any]
     for path, text in compile_table(project / "mapping.yaml").files.items():
         (project / path).parent.mkdir(parents=True, exist_ok=True)
         (project / path).write_text(text)
-    firmware = _firmware(folder, project, ["note.proto", "envelope.proto"], "envelope.proto", "Envelope", program_c)
+    firmware = _firmware(folder, project, ["note.proto", "envelope.proto"], "envelope.proto", "Envelope", *more)
     return firmware, _envelope_class(project / "proto", folder / "descriptors")
 
 
 def _envelope_class(root: Path, descriptors: Path) -> Any:
-    from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
-    from grpc_tools import protoc
-
+    """The envelope's class, in a pool of its own: several projects have the same names."""
     arguments = [f"-I{root}", f"--descriptor_set_out={descriptors}", "note.proto", "envelope.proto"]
     assert protoc.main(["protoc", *arguments]) == 0
     pool = descriptor_pool.DescriptorPool()
@@ -170,7 +150,7 @@ def test_the_board_has_the_room_that_the_table_says(bounded: tuple[Firmware, Any
 def test_a_board_that_must_sign(tmp_path: Path) -> None:
     """With the C functions that our target writes, a board takes each signed datagram once, and nothing else."""
     table = _NOTE_TABLE.replace("max_size: 128}", "max_size: 128, sign: required}") + "signing: {number: 23}\n"
-    firmware, envelope = _of_notes(tmp_path, table, Path(__file__).with_name("nanopb_signed.c"))
+    firmware, envelope = _of_notes(tmp_path, table, "-DSIGNED", "-DSIGNATURE_TAG=Envelope_signature_tag")
     clock = SigningClock()
     signer = Signer(23, Key(2, "ros", bytes([2] * 32)), clock)
     verifier = Verifier(23, [(Key(1, "board", bytes([1] * 32)), clock.last)], clock)

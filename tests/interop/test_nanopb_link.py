@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import struct
 import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, cast
 
 import pytest
 from linked import PROTO, TABLE, linked_registry, write_project
+from nanopb_board import compiled
 
 from roverlink.runtime.core.link_message import LinkMessage, LinkWriter, read
 from roverlink.runtime.core.link_statistics import LinkStatistics
 
-_PROGRAM = Path(__file__).with_name("nanopb_link.c")
 _MANY = 12  # rows of the board beside its two own: more than one link message holds
 
 
@@ -58,27 +55,10 @@ class _Board:
 
 def _compiled(folder: Path, table: str = TABLE, proto: str = PROTO) -> Path:
     """Return the program for a project that has the target nanopb."""
-    if shutil.which("gcc") is None or not Path("/usr/include/pb_decode.h").exists():
-        pytest.skip("need nanopb's C library (apt-get install gcc libnanopb-dev)")
-    pytest.importorskip("nanopb", reason="need nanopb (pip install nanopb)")
-    project = write_project(
-        folder / "project", table.replace("messages:\n", "targets: [python, nanopb]\nmessages:\n"), proto
-    )
-    made, options = folder / "firmware", project / "linked_rover" / "nanopb"
-    made.mkdir()
-    generator = [sys.executable, "-m", "nanopb.generator.nanopb_generator", "--quiet", "--options-path", str(options)]
+    table = table.replace("messages:\n", "targets: [python, nanopb]\nmessages:\n")
+    project = write_project(folder / "project", table, proto)
     names = ["linked/envelope.proto", "linked/link.proto", "linked/messages.proto"]
-    subprocess.run(
-        [*generator, "-I", str(project / "proto"), "-D", str(made), *names],
-        check=True,
-        cwd=project / "proto",
-        env={**os.environ, "PROTOCOL_BUFFERS_PYTHON_IMPLEMENTATION": "upb"},
-    )
-    sources = [str(path) for path in sorted(made.rglob("*.pb.c"))]
-    flags = ["-std=c11", "-Wall", "-Wextra", "-Werror", "-O1", f"-I{made}", f"-I{options}"]
-    program = folder / "board"
-    subprocess.run(["gcc", *flags, str(_PROGRAM), *sources, "-o", str(program), "-lprotobuf-nanopb"], check=True)
-    return program
+    return compiled(folder, project / "proto", project / "linked_rover" / "nanopb", names, "nanopb_link.c")
 
 
 @pytest.fixture(scope="module")

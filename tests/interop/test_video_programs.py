@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import shutil
 import socket
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -35,11 +37,24 @@ def _needs(program: str, package: str) -> None:
 
 
 @pytest.fixture
-def port() -> int:
-    """A free UDP port, with a free one above it, which FFmpeg uses, too."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        return int(sock.getsockname()[1]) & ~1
+def port() -> Iterator[int]:
+    """A UDP port for another program, and one above it, which FFmpeg uses, too.
+
+    It is below those that the kernel gives away, and the TCP port of the same number, which we hold, is the lock.
+    """
+    with contextlib.ExitStack() as held:
+        yield next(number for number in range(6200, 7300, 2) if _claimed(number, held))
+
+
+def _claimed(number: int, held: contextlib.ExitStack) -> bool:
+    try:
+        held.enter_context(socket.create_server(("127.0.0.1", number)))
+        for udp in (number, number + 1):
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+                sock.bind(("", udp))
+    except OSError:
+        return False
+    return True
 
 
 @pytest.fixture
@@ -52,29 +67,34 @@ def sender(start: Start, tmp_path: Path, port: int) -> Program:
     return start("video", "send", folder, "--port", port, "--loop", "--middleware", "none")
 
 
-def test_our_receiver_shows_what_gstreamer_sends(start: Start, port: int) -> None:
+@pytest.fixture
+def receiver(start: Start) -> tuple[Program, int]:
+    """Our receiver, and its port."""
+    program = start("video", "receive", "front=0", "--json", "--page", "0")
+    program.wait_for("page: ")
+    return program, json.loads(program.wait_for("port", program.output))["streams"][0]["port"]
+
+
+def test_our_receiver_shows_what_gstreamer_sends(receiver: tuple[Program, int]) -> None:
     """With the rover's earlier pipeline and the two options that a late receiver needs."""
     _needs("gst-launch-1.0", "gstreamer1.0-tools")
-    receiver = start("video", "receive", f"front={port}", "--json", "--page", "0")
-    receiver.wait_for("page: ")
     pipeline = (
         "videotestsrc is-live=true ! video/x-raw,width=320,height=240,framerate=30/1 ! videoconvert ! "
         "x264enc tune=zerolatency speed-preset=superfast key-int-max=30 ! rtph264pay pt=96 config-interval=1 ! "
-        f"udpsink host=127.0.0.1 port={port}"
+        f"udpsink host=127.0.0.1 port={receiver[1]}"
     )
     with subprocess.Popen(["gst-launch-1.0", "-q", *pipeline.split()]) as process:
-        _wait_for_images(receiver)
+        _wait_for_images(receiver[0])
         process.terminate()
 
 
-def test_our_receiver_shows_what_ffmpeg_sends(start: Start, port: int) -> None:
+def test_our_receiver_shows_what_ffmpeg_sends(receiver: tuple[Program, int]) -> None:
     """As it packs H.264 by default."""
     _needs("ffmpeg", "ffmpeg")
-    receiver = start("video", "receive", f"front={port}", "--json", "--no-page")
     film = "-re -f lavfi -i testsrc2=size=320x240:rate=30 -c:v libx264 -tune zerolatency -g 30"
-    words = ["ffmpeg", "-loglevel", "error", *film.split(), "-f", "rtp", f"rtp://127.0.0.1:{port}"]
+    words = ["ffmpeg", "-loglevel", "error", *film.split(), "-f", "rtp", f"rtp://127.0.0.1:{receiver[1]}"]
     with subprocess.Popen(words, stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL) as process:
-        _wait_for_images(receiver)
+        _wait_for_images(receiver[0])
         process.terminate()
 
 
@@ -117,24 +137,21 @@ def _check(path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_gstreamer_encodes_our_images(start: Start, tmp_path: Path, port: int) -> None:
+def test_gstreamer_encodes_our_images(start: Start, tmp_path: Path, receiver: tuple[Program, int]) -> None:
     """With the rover's earlier pipeline, by its name; it ends with the sender."""
     _needs("gst-launch-1.0", "gstreamer1.0-tools")
     cv2.imwrite(str(tmp_path / "0.png"), np.full((240, 320, 3), 120, np.uint8))
-    receiver = start("video", "receive", f"front={port}", "--json", "--page", "0")
-    receiver.wait_for("page: ")
-    sender = start(
-        *("video", "send", tmp_path, "--port", port, "--loop", "--pipeline", "legacy", "--middleware", "none")
-    )
-    _wait_for_images(receiver)
+    options = ("--port", receiver[1], "--loop", "--pipeline", "legacy", "--middleware", "none")
+    sender = start("video", "send", tmp_path, *options)
+    _wait_for_images(receiver[0])
     assert sender.interrupt() == 0
 
 
-def test_a_pipeline_that_fails_is_told(start: Start, tmp_path: Path, port: int) -> None:
+def test_a_pipeline_that_fails_is_told(start: Start, tmp_path: Path) -> None:
     """An element that does not exist at the start; a pipeline that ends, when it does."""
     _needs("gst-launch-1.0", "gstreamer1.0-tools")
     cv2.imwrite(str(tmp_path / "0.png"), np.full((240, 320, 3), 120, np.uint8))
-    words = ("video", "send", tmp_path, "--port", port, "--loop", "--middleware", "none", "--pipeline")
+    words = ("video", "send", tmp_path, "--loop", "--middleware", "none", "--pipeline")
     program = start(*words, "videoconvert ! nosuchelement ! fakesink")
     program.wait_for("roverlink: GStreamer has no element 'nosuchelement'; check the pipeline, or run `apt-get install")
     assert program.end() == 2

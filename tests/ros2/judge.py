@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import array
 import json
+import math
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
 from typing import Any
 
@@ -19,6 +20,7 @@ import pytest
 from needs import NO_RCLPY
 from polling import wait_until
 from programs import Program, Start
+from repeating import repeated
 
 pytest.importorskip("rclpy", reason=NO_RCLPY)
 
@@ -26,23 +28,25 @@ import numpy as np
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
 
 from generated.registry import REGISTRY
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import Message
 
 _LARGEST = 65_536
-_REPEAT_S = 0.05
-_AGAIN_S = 10.0
-_SERVICE_S = 20.0  # far longer than discovery takes
+_AGAIN_S = 1.0
 
 
-def repeat(action: Callable[[], None], until: Callable[[], Any], what: str) -> None:
+def repeat(action: Callable[[], Any], until: Callable[[], Any], what: str, every_s: float = 0.05) -> None:
     """Repeat an action until it has been of effect: what is sent before both ends have matched is lost."""
-    last = 0.0
+    last = -math.inf
 
     def done() -> bool:
         nonlocal last
-        if time.monotonic() - last > _REPEAT_S:
+        if time.monotonic() - last > every_s:
             last = time.monotonic()
             action()
         return bool(until())
@@ -83,6 +87,16 @@ def _field(type_name: str, said: Any) -> Any:
     return said
 
 
+def typed(made: Message) -> Any:
+    """A message of ours as one of rosidl's."""
+    return deserialize_message(cdr.encode(made), interface(made.__msgtype__))
+
+
+def parameters(**changes: Any) -> list[Any]:
+    """Parameters with these values, as services take them."""
+    return [Parameter(name, value=value).to_parameter_msg() for name, value in changes.items()]
+
+
 class Heard:
     """What a subscription of the judge's has received, as values, oldest first."""
 
@@ -104,8 +118,14 @@ class Judge:
         self.node = Node(name, context=self._context, use_global_arguments=False)
         self.executor = SingleThreadedExecutor(context=self._context)
         self.executor.add_node(self.node)
+        self._open = True
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
+
+    def on_thread(self, action: Callable[[], object]) -> None:
+        """Do something on the thread that spins: rclpy 9.1 adds actions to a node before they are complete."""
+        done = self.executor.create_task(action)
+        wait_until(done.done, "an action on the thread of the judge")
 
     def hear(self, topic: str, type_name: str, qos: QoSProfile | int = 10) -> Heard:
         """Subscribe."""
@@ -129,30 +149,54 @@ class Judge:
         """Call a service that is there, and return its response."""
         client = self.node.create_client(interface(type_name), service)
         self.executor.wake()
-        wait_until(client.service_is_ready, f"the service {service}", _SERVICE_S)
-        # A server that does not know this client's reader yet sends its response to nobody, so the request is repeated.
-        calls = [client.call_async(request)]
-        again_at = time.monotonic() + _AGAIN_S
+        wait_until(client.service_is_ready, f"the service {service}")
+        # A server that does not know this client's reader yet sends its response to nobody, and DDS does not tell the
+        # client when the server knows it. So a request that may be repeated is repeated.
+        calls: list[Any] = []
+        repeat(
+            lambda: calls.append(client.call_async(request)),
+            lambda: any(call.done() for call in calls),
+            f"an answer of {service}",
+            _AGAIN_S,
+        )
+        return next(call.result() for call in calls if call.done())
 
-        def answered() -> Any:
-            nonlocal again_at
-            if time.monotonic() > again_at:
-                calls.append(client.call_async(request))
-                again_at = time.monotonic() + _AGAIN_S
-            return next((call for call in calls if call.done()), None)
+    def set_parameters(self, node: str, **changes: Any) -> Any:
+        """Set parameters of a node, as `ros2 param set` does it; return the results."""
+        kind = "rcl_interfaces/srv/SetParameters"
+        request = interface(kind).Request(parameters=parameters(**changes))
+        return self.call(f"{node}/set_parameters", kind, request).results
 
-        return wait_until(answered, f"an answer of {service}").result()
+    @contextmanager
+    def publishing(
+        self, topics: Mapping[str, type[Message]], make: Callable[[int], Iterable[Message]], qos: QoSProfile | int = 5
+    ) -> Iterator[None]:
+        """Publish numbered messages, one on each topic, again and again until the block ends."""
+        node = self.node
+        publishers = [node.create_publisher(interface(kind.__msgtype__), topic, qos) for topic, kind in topics.items()]
+
+        def publish(number: int) -> None:
+            for publisher, made in zip(publishers, make(number), strict=True):
+                publisher.publish(typed(made))
+
+        with repeated(publish, 0.04):
+            yield
 
     def close(self) -> None:
-        """Leave the graph."""
-        self.executor.shutdown()
+        """Leave the graph, unless it has left."""
+        if not self._open:
+            return
+        self._open = False
+        self.executor.create_task(lambda: None)  # it ends the wait
         self._thread.join()
+        self.executor.shutdown()
         self.node.destroy_node()
         rclpy.try_shutdown(context=self._context)
 
     def _spin(self) -> None:
         with suppress(ExternalShutdownException):
-            self.executor.spin()
+            while self._open:
+                self.executor.spin_once()
 
 
 class Bridge:

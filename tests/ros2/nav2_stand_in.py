@@ -18,6 +18,8 @@ pytest.importorskip("nav2_msgs")
 
 from nav2_msgs.action import BackUp, NavigateToPose
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.duration import Duration
+from rclpy.time import Time
 
 from generated.messages import BasestationControlMode
 from roverlink.driving.arcs import PlanarPose
@@ -37,14 +39,29 @@ class Goal:
     back: float | None = None
 
 
-def transforms(pose: PlanarPose, clock: Any) -> Any:
-    """Make the message on /tf that says where the rover is now."""
+def transforms(pose: PlanarPose, stamp: Any) -> Any:
+    """Make the message on /tf that says where the rover is at a time."""
     one = interface("geometry_msgs/msg/TransformStamped")()
-    one.header.stamp = clock.now().to_msg()
+    one.header.stamp = stamp
     one.header.frame_id, one.child_frame_id = "map", "base_link"
     one.transform.translation.x, one.transform.translation.y = pose.x, pose.y
     one.transform.rotation.z, one.transform.rotation.w = math.sin(pose.yaw / 2), math.cos(pose.yaw / 2)
     return interface("tf2_msgs/msg/TFMessage")(transforms=[one])
+
+
+class _Server(ActionServer):
+    """A server whose answers go to nobody until some requests have come, as those of Fast DDS may do at first."""
+
+    unheard = 0
+    """Number of requests that it still takes without an answer."""
+    asked = 0
+    """Number of requests that have come."""
+
+    async def execute(self, taken_data: Any) -> None:
+        """Execute what has come, except for the first requests."""
+        self.asked += 1
+        if self.asked > self.unheard:
+            await super().execute(taken_data)
 
 
 @dataclass
@@ -57,7 +74,7 @@ class _Running:
 
 
 class Nav2StandIn:
-    """Action servers NavigateToPose and BackUp, the rover's pose on /tf, the landmarks in sight, and the mode."""
+    """Action servers NavigateToPose and BackUp, the rover's pose on /tf, landmarks in sight, the mode, and the time."""
 
     def __init__(self, judge: Judge, outcome: Callable[[Goal, int], str]) -> None:
         """Serve; ``outcome`` says what becomes of a goal, by its number from 0."""
@@ -71,12 +88,18 @@ class Nav2StandIn:
         """Mode that the operator repeats; None for silence."""
         self.ticks = 0
         """Number of times that the stand-in has told the mode and the pose."""
-        self._outcome, self._clock = outcome, judge.node.get_clock()
+        self.time = Time(seconds=1000)
+        """Simulated time."""
+        self.pace: Callable[[], float] = lambda: 0.001
+        """Simulated seconds that pass from one tick to the next."""
+        self._outcome = outcome
         self._running: list[_Running] = []
-        self._executor = judge.executor
-        node = judge.node
-        self._servers = [
-            ActionServer(
+        self._judge = judge
+        judge.on_thread(lambda: self._serve(judge.node))
+
+    def _serve(self, node: Any) -> None:
+        self.servers = [
+            _Server(
                 node,
                 kind,
                 name,
@@ -90,6 +113,7 @@ class Nav2StandIn:
         self._publish = {
             topic: node.create_publisher(interface(kind), topic, 10).publish
             for topic, kind in {
+                "/clock": "rosgraph_msgs/msg/Clock",
                 "/tf": "tf2_msgs/msg/TFMessage",
                 "/aruco/detections": "vision_msgs/msg/Detection3DArray",
                 "/control_mode": "comms/msg/BasestationControlMode",
@@ -103,11 +127,8 @@ class Nav2StandIn:
 
     def close(self) -> None:
         """Stop serving, so that no later test finds these servers."""
-        if not self._servers:
-            return
-        closed = self._executor.create_task(lambda: [server.destroy() for server in self._servers])
-        wait_until(closed.done, "the end of the servers")
-        self._servers, self._running = [], []
+        self._judge.on_thread(lambda: [server.destroy() for server in self.servers])
+        self.servers, self._running = [], []
 
     def _answer(self, request: Any) -> GoalResponse:
         if hasattr(request, "target"):
@@ -121,6 +142,7 @@ class Nav2StandIn:
 
     def _tick(self) -> None:
         self.ticks += 1
+        self.time += Duration(seconds=self.pace())
         self._tell_world()
         for one in [*self._running]:
             goal, outcome = self.goals[one.number], self._outcome(self.goals[one.number], one.number)
@@ -148,10 +170,11 @@ class Nav2StandIn:
 
     def _tell_world(self) -> None:
         """Say where the rover is, which landmarks its camera sees, and who drives."""
+        self._publish["/clock"](interface("rosgraph_msgs/msg/Clock")(clock=self.time.to_msg()))
         if self.mode is not None:
             self._publish["/control_mode"](interface("comms/msg/BasestationControlMode")(mode=self.mode))
         if self.pose is None:
             return
-        self._publish["/tf"](transforms(self.pose, self._clock))
+        self._publish["/tf"](transforms(self.pose, self.time.to_msg()))
         seen = [interface("vision_msgs/msg/Detection3D")(id=name) for name in self.sees(self.pose)]
         self._publish["/aruco/detections"](interface("vision_msgs/msg/Detection3DArray")(detections=seen))

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,20 +11,15 @@ import pytest
 from needs import NO_OPENCV
 from polling import wait_until
 from programs import Start
-from repeating import repeated
 
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 pytest.importorskip("cv2", reason=NO_OPENCV)
 
-from judge import Judge, interface  # noqa: E402  # skips this module where there is no rclpy
-from rclpy.parameter import Parameter  # noqa: E402
+from judge import Judge, interface, typed  # noqa: E402  # skips this module where there is no rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: E402
-from rclpy.serialization import deserialize_message  # noqa: E402
 
 from bench.vision.circling_film import render_film  # noqa: E402
 from roverlink.demo.field import SIDE, parameters, write_field  # noqa: E402
-from roverlink.runtime.core import cdr  # noqa: E402
-from roverlink.runtime.core.messages import Message  # noqa: E402
 from roverlink.runtime.interfaces.builtin_interfaces import Time  # noqa: E402
 from roverlink.runtime.interfaces.rosgraph_msgs import Clock  # noqa: E402
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, Image  # noqa: E402
@@ -33,59 +27,36 @@ from tests.vision.d435i import COLOUR, DEPTH, INFO, RenderedD435i  # noqa: E402
 from tests.vision.ros_images import FRAME, camera_info, image  # noqa: E402
 
 _IMAGES, _INFO = "/camera/color/image_raw", "/camera/color/camera_info"
+_D435I = {COLOUR: Image, DEPTH: Image, INFO: CameraInfo}
 
 
-@pytest.fixture(params=["RELIABLE", "BEST_EFFORT"])
-def driver(request: pytest.FixtureRequest, judge: Judge) -> Iterator[list[int]]:
-    """An rclpy node that publishes a colour image and the camera's parameters; the stamps that it has given."""
-    qos = QoSProfile(depth=5, reliability=ReliabilityPolicy[request.param])
-    images = judge.node.create_publisher(interface("sensor_msgs/msg/Image"), _IMAGES, qos)
-    infos = judge.node.create_publisher(interface("sensor_msgs/msg/CameraInfo"), _INFO, qos)
+@pytest.mark.parametrize("reliability", ["RELIABLE", "BEST_EFFORT"])
+def test_images_of_an_rclpy_node_are_tracked(
+    judge: Judge, done: Start, middleware: str, tmp_path: Path, reliability: str
+) -> None:
+    """Poses have the stamp and the frame of the image, with either QoS and either middleware."""
     (picture,) = render_film(1).frames
     stamps: list[int] = []
 
-    def publish(number: int) -> None:
+    def messages(number: int) -> tuple[Image, CameraInfo]:
         stamps.append(1_700_000_000_000_000_000 + 33_333_333 * number)
-        colour = image(picture[:, :, ::-1], "rgb8", stamps[-1])
-        images.publish(deserialize_message(cdr.encode(colour), images.msg_type))
-        infos.publish(deserialize_message(cdr.encode(camera_info(parameters(), stamps[-1])), infos.msg_type))
+        return image(picture[:, :, ::-1], "rgb8", stamps[-1]), camera_info(parameters(), stamps[-1])
 
-    with repeated(publish, 0.05):
-        yield stamps
-
-
-def test_images_of_an_rclpy_node_are_tracked(driver: list[int], done: Start, middleware: str, tmp_path: Path) -> None:
-    """Poses have the stamp and the frame of the image, with either QoS and either middleware."""
     write_field(tmp_path)
-    words = ("--side", SIDE, "--landmarks", tmp_path / "landmarks.yaml", "--json", "--count", 3)
-    # Not `none`: the middleware that receives is the one that would publish.
-    code, output, errors = done(  # type: ignore[misc]
-        "aruco", "track", f"topic:{_IMAGES}", *words, "--middleware", middleware
-    )
+    words = ("--side", SIDE, "--landmarks", tmp_path / "landmarks.yaml", "--json", "--count", 6)
+    qos = QoSProfile(depth=5, reliability=ReliabilityPolicy[reliability])
+    with judge.publishing({_IMAGES: Image, _INFO: CameraInfo}, messages, qos):
+        # Not `none`: the middleware that receives is the one that would publish.
+        code, output, errors = done(  # type: ignore[misc]
+            "aruco", "track", f"topic:{_IMAGES}", *words, "--middleware", middleware
+        )
     assert code == 0, errors
     views = [json.loads(line) for line in output.splitlines()]
-    assert len(views) == 3
-    for view in views:
-        assert (view["frame_id"], view["stamp"] in driver) == (FRAME, True)
-        assert np.linalg.norm(view["camera"]["position"] - render_film(1).truth[0].translation) < 0.01
-
-
-@contextmanager
-def _published(
-    judge: Judge, topics: Mapping[str, type[Message]], make: Callable[[int], Iterable[Message]]
-) -> Iterator[None]:
-    """A thread that publishes numbered messages with rclpy, one on each topic, until the block ends."""
-    publishers = [
-        judge.node.create_publisher(interface(kind.__msgtype__), topic, QoSProfile(depth=5))
-        for topic, kind in topics.items()
-    ]
-
-    def publish(number: int) -> None:
-        for publisher, made in zip(publishers, make(number), strict=True):
-            publisher.publish(deserialize_message(cdr.encode(made), publisher.msg_type))
-
-    with repeated(publish, 0.03):
-        yield
+    assert len(views) == 6
+    assert all((view["frame_id"], view["stamp"] in stamps) == (FRAME, True) for view in views)
+    located = [view["camera"]["position"] for view in views if "camera" in view]  # once the parameters have come
+    assert located
+    assert all(np.linalg.norm(one - render_film(1).truth[0].translation) < 0.01 for one in located)
 
 
 def test_a_d435i_of_rclpy_says_where_base_link_is(judge: Judge, done: Start, middleware: str, tmp_path: Path) -> None:
@@ -93,14 +64,15 @@ def test_a_d435i_of_rclpy_says_where_base_link_is(judge: Judge, done: Start, mid
     camera = RenderedD435i(8)
     write_field(tmp_path)
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    static = judge.node.create_publisher(interface("tf2_msgs/msg/TFMessage"), "/tf_static", latched)
-    static.publish(deserialize_message(cdr.encode(camera.transforms), static.msg_type))
+    judge.node.create_publisher(interface("tf2_msgs/msg/TFMessage"), "/tf_static", latched).publish(
+        typed(camera.transforms)
+    )
     heard = judge.hear("/aruco/pose", "geometry_msgs/msg/PoseWithCovarianceStamped", 100)
-    words = ("--side", SIDE, "--landmarks", tmp_path / "landmarks.yaml", "--count", 60, "--middleware", middleware)
-    with _published(judge, {COLOUR: Image, DEPTH: Image, INFO: CameraInfo}, camera.messages):
+    words = ("--side", SIDE, "--landmarks", tmp_path / "landmarks.yaml", "--count", 24, "--middleware", middleware)
+    with judge.publishing(_D435I, camera.messages):
         code, _, errors = done("aruco", "track", f"topic:{COLOUR}", *words)  # type: ignore[misc]
     assert code == 0, errors
-    wait_until(lambda: len(heard.values) >= 20, "poses of the rover")
+    wait_until(lambda: len(heard.values) >= 12, "poses of the rover")
     inside = []
     for one in heard.values:
         stamp, place = one["header"]["stamp"], one["pose"]["pose"]["position"]
@@ -110,22 +82,16 @@ def test_a_d435i_of_rclpy_says_where_base_link_is(judge: Judge, done: Start, mid
     assert np.mean(inside) > 0.8
 
 
-@pytest.mark.parametrize("middleware", ["rclpy"], indirect=True)
-def test_parameters_of_the_tracker_change_while_it_runs(
-    judge: Judge, start: Start, middleware: str, tmp_path: Path
-) -> None:
+def test_parameters_of_the_tracker_change_while_it_runs(judge: Judge, start: Start, tmp_path: Path) -> None:
     """Another dictionary, landmarks, another side, as `ros2 param set` does it; a refusal has its reason."""
     camera = RenderedD435i(1)
     write_field(tmp_path)
-    words = ("--side", SIDE, "--dictionary", "DICT_4X4_50", "--json", "--middleware", middleware)
+    words = ("--side", SIDE, "--dictionary", "DICT_4X4_50", "--json", "--middleware", "rclpy")
 
     def set_parameter(name: str, value: Any) -> Any:
-        kind = "rcl_interfaces/srv/SetParameters"
-        request = interface(kind).Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
-        (result,) = judge.call("/aruco_tracker/set_parameters", kind, request).results
-        return result
+        return judge.set_parameters("/aruco_tracker", **{name: value})[0]
 
-    with _published(judge, {COLOUR: Image, DEPTH: Image, INFO: CameraInfo}, camera.messages):
+    with judge.publishing(_D435I, camera.messages):
         tracker = start("aruco", "track", f"topic:{COLOUR}", *words)
 
         def last() -> Any:
@@ -157,7 +123,7 @@ def test_the_time_of_a_simulation_is_used(judge: Judge, start: Start, middleware
     def messages(number: int) -> tuple[Image, Clock]:
         return image(picture[:, :, ::-1], "rgb8", 0), Clock(Time(7, number))
 
-    with _published(judge, {COLOUR: Image, "/clock": Clock}, messages):
+    with judge.publishing({COLOUR: Image, "/clock": Clock}, messages):
         tracker = start("aruco", "track", f"topic:{COLOUR}", *words, "--ros-args", "-p", "use_sim_time:=true")
         wait_until(lambda: len(heard.values) > 2, "results")
         assert tracker.interrupt() == 0
@@ -173,16 +139,13 @@ def test_a_subscription_of_rclpy_follows_and_ends(judge: Judge, environment: dic
 
     kind = interface("sensor_msgs/msg/CameraInfo")
     heard: list[Any] = []
-
-    def take(_: Any, messages: Any) -> None:
-        heard.extend(messages)
-
     with open_middleware(middleware, NodeIdentity("camera_reader")) as ours:
-        following = FollowingSubscription(ours, _INFO, [CameraInfo], take, depth=5)
+        following = FollowingSubscription(
+            ours, _INFO, [CameraInfo], lambda _, messages: heard.extend(messages), depth=5
+        )
         for reliability in ("RELIABLE", "BEST_EFFORT", "RELIABLE"):
-            publisher = judge.node.create_publisher(
-                kind, _INFO, QoSProfile(depth=5, reliability=ReliabilityPolicy[reliability])
-            )
+            qos = QoSProfile(depth=5, reliability=ReliabilityPolicy[reliability])
+            publisher = judge.node.create_publisher(kind, _INFO, qos)
             del heard[:]
             wait_until(_heard(following, publisher, kind, heard), f"a message with the QoS {reliability}")
             judge.node.destroy_publisher(publisher)

@@ -10,9 +10,10 @@ from golden import ROOT
 from needs import NO_RCLPY
 from programs import Start
 
+from roverlink.generator.pipeline import compile_table
+
 pytest.importorskip("rclpy", reason=NO_RCLPY)
 
-_PROTOS = Path("proto", "components")
 _CURE = "run `colcon build --base-paths generated/ros` and source its setup.bash"
 _CHANGES = {
     "a new field": (
@@ -28,37 +29,24 @@ _CHANGES = {
 }
 
 
-@pytest.fixture(params=_CHANGES)
-def changed(request: pytest.FixtureRequest, tmp_path: Path, done: Start) -> tuple[Path, str]:
-    """A project whose proto has changed since the interface package was built, and the difference in words."""
-    proto, (before, after), difference = _CHANGES[request.param]
+@pytest.mark.parametrize(("proto", "change", "difference"), _CHANGES.values(), ids=_CHANGES)
+def test_a_stale_package_is_refused(
+    proto: str, change: tuple[str, str], difference: str, done: Start, tmp_path: Path
+) -> None:
+    """The bridge does not start with rclpy; it and `doctor` name the message, the difference and the command."""
     shutil.copytree(ROOT / "proto", tmp_path / "proto")
-    for name in ("mapping.yaml", "mapping.lock"):
-        shutil.copy(ROOT / name, tmp_path)
-    path = tmp_path / _PROTOS / proto
-    assert before in path.read_text()
-    path.write_text(path.read_text().replace(before, after))
-    code, _, errors = done("generate", "--table", tmp_path / "mapping.yaml")
-    assert code == 0, errors
-    return tmp_path, difference
-
-
-def test_a_stale_package_is_refused(changed: tuple[Path, str], done: Start) -> None:
-    """The bridge does not start with rclpy; the error names the message, the difference and the command."""
-    project, difference = changed
-    code, _, errors = done("run", "--project", project, "--middleware", "rclpy", "--ros-args", "-p", "listen_port:=0")
-    assert code == 2
-    assert difference in errors
-    assert _CURE in errors
-
-
-def test_doctor_finds_a_stale_package(changed: tuple[Path, str], done: Start) -> None:
-    """`roverlink doctor` says the same."""
-    project, difference = changed
-    code, output, _ = done("doctor", "--project", project, "--ros-args", "-p", "listen_port:=0")
-    assert code == 1
-    assert difference in output
-    assert _CURE in output
+    shutil.copy(ROOT / "mapping.yaml", tmp_path)
+    path = tmp_path / "proto" / "components" / proto
+    assert change[0] in path.read_text()
+    path.write_text(path.read_text().replace(*change))
+    for name, text in compile_table(tmp_path / "mapping.yaml").files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    words = ("--project", tmp_path, "--ros-args", "-p", "listen_port:=0")
+    code, _, errors = done("run", "--middleware", "rclpy", *words)  # type: ignore[misc]
+    assert (code, difference in errors, _CURE in errors) == (2, True, True), errors
+    code, output, _ = done("doctor", *words)  # type: ignore[misc]
+    assert (code, difference in output, _CURE in output) == (1, True, True), output
 
 
 def test_doctor_accepts_the_package_that_was_built(done: Start) -> None:

@@ -6,78 +6,48 @@ import signal
 import time
 from collections.abc import Callable
 
-import pytest
-from judge import Bridge, Judge, interface, repeat
+from judge import Bridge, Heard, Judge, interface, repeat
 from polling import wait_until
 
 from generated.registry import REGISTRY
-
-Start = Callable[..., Bridge]
 
 _IMU = "comms/msg/ImuSensorInformation"
 _TARGET = "comms/msg/ArmBoardTargetMovement"
 _PROMPT_S = 8.0  # it takes half a second; a node that does not say that it leaves stays on the graph for 10 s
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)
-def test_a_signal_ends_the_bridge_and_takes_it_off_the_graph(
-    judge: Judge, bridge: Start, number: signal.Signals
-) -> None:
-    """Exit code 0, and the node and its topics are gone at once, though the judge still subscribes."""
+def test_bridges_and_nodes_come_and_go(join: Callable[..., Judge], bridge: Callable[..., Bridge]) -> None:
+    """Nodes that stay hear each new bridge, one that joins late too, and their commands cross.
+
+    After SIGINT and SIGTERM, the bridge leaves the graph at once, though the nodes still subscribe. A bridge that was
+    killed is replaced by one of the same name before it has faded from the graph.
+    """
+    early = join("early")
+    heard = early.hear("/imu_data", _IMU)
     running = bridge()
-    heard = judge.hear("/imu_data", _IMU)
-    repeat(lambda: running.send(imu_info={}), lambda: heard.values, "a first message")
-    judge.wait_for_node("/udp_forwarder")
-    started = time.monotonic()
-    assert running.program.interrupt(number) == 0
-    wait_until(lambda: not judge.nodes() and not judge.node.count_publishers("/imu_data"), "the node to leave")
-    assert time.monotonic() - started < _PROMPT_S
-
-
-def test_a_node_that_joins_late_hears_and_is_heard(join: Callable[..., Judge], bridge: Start) -> None:
-    """A second node that starts while messages flow gets them as the first one does, and its commands cross."""
-    running, early = bridge(), join("early").hear("/imu_data", _IMU)
-    repeat(lambda: running.send(imu_info={"accel_x": 1.0}), lambda: early.values, "a message for the first node")
+    _cross(running, early, heard, 1.0)
     late = join("late")
-    heard = late.hear("/imu_data", _IMU)
-    repeat(
-        lambda: running.send(imu_info={"accel_x": 2.0}),
-        lambda: any(value["accel_x"] == 2.0 for value in heard.values),
-        "a message for the second node",
-    )
-    _command(late, running)
-
-
-def test_a_bridge_that_starts_again_finds_the_nodes_that_stayed(judge: Judge, bridge: Start) -> None:
-    """After a restart, the subscriptions and publishers of a node that kept running work with the new bridge."""
-    heard = judge.hear("/imu_data", _IMU)
-    for value in (1.0, 2.0):
+    _cross(running, late, late.hear("/imu_data", _IMU), 2.0)
+    late.close()
+    for number, value in ((signal.SIGINT, 3.0), (signal.SIGTERM, 4.0)):
+        early.wait_for_node("/udp_forwarder")
+        started = time.monotonic()
+        assert running.program.interrupt(number) == 0
+        wait_until(lambda: not early.nodes() and not early.node.count_publishers("/imu_data"), "the node to leave")
+        assert time.monotonic() - started < _PROMPT_S
         running = bridge()
-        repeat(
-            lambda running=running, value=value: running.send(imu_info={"accel_x": value}),
-            lambda value=value: heard.values and heard.values[-1]["accel_x"] == value,
-            f"a message of the bridge with {value}",
-        )
-        _command(judge, running)
-        assert running.program.interrupt() == 0
+        _cross(running, early, heard, value)
+    running.program.kill()
+    _cross(bridge(), early, heard, 5.0)
 
 
-def test_a_bridge_that_was_killed_is_replaced(judge: Judge, bridge: Start) -> None:
-    """After SIGKILL, a new bridge under the same name is heard before the old one has faded from the graph."""
-    heard = judge.hear("/imu_data", _IMU)
-    killed = bridge()
-    repeat(lambda: killed.send(imu_info={"accel_x": 1.0}), lambda: heard.values, "a message of the first bridge")
-    killed.program.kill()
-    running = bridge()
+def _cross(running: Bridge, judge: Judge, heard: Heard, value: float) -> None:
+    """Send a datagram until the judge hears it, and publish a command until it arrives at the peer."""
     repeat(
-        lambda: running.send(imu_info={"accel_x": 2.0}),
-        lambda: heard.values[-1]["accel_x"] == 2.0,
-        "a message of the second bridge",
+        lambda: running.send(imu_info={"accel_x": value}),
+        lambda: heard.values and heard.values[-1]["accel_x"] == value,
+        f"a message with {value}",
     )
-
-
-def _command(judge: Judge, running: Bridge) -> None:
-    """Publish a command until it arrives at the peer."""
     publisher = judge.node.create_publisher(interface(_TARGET), "/arm_target", 10)
     handler = next(one for one in REGISTRY.handlers if one.route.topic == "arm_target")
 

@@ -19,20 +19,17 @@ _BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 _LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-def test_nodes_that_cannot_match_are_warned_of(judge: Judge, bridge: Start) -> None:
-    """A best-effort publisher of commands and a subscription that wants old messages: by node and policy."""
+def test_nodes_that_cannot_match_are_told(judge: Judge, bridge: Start) -> None:
+    """A best-effort publisher of commands and a subscription that wants old messages: by node and policy in the log.
+
+    The status of the publisher's row in /diagnostics is a warning and counts it, until it has left.
+    """
+    heard = judge.hear("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
     running = bridge()
-    judge.node.create_publisher(interface(_MOTOR), "/drive_motor", _BEST_EFFORT)
+    publisher = judge.node.create_publisher(interface(_MOTOR), "/drive_motor", _BEST_EFFORT)
     judge.hear("/imu_data", _IMU, _LATCHED)
     running.program.wait_for("/drive_motor: no messages come from a publisher of /judge (reliability: ")
     running.program.wait_for("/imu_data: a subscription of /judge gets no messages (durability: ")
-
-
-def test_nodes_that_cannot_match_are_in_diagnostics(judge: Judge, bridge: Start) -> None:
-    """The status of the row is a warning and counts them, until they have left."""
-    heard = judge.hear("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
-    bridge()
-    publisher = judge.node.create_publisher(interface(_MOTOR), "/drive_motor", _BEST_EFFORT)
 
     def count() -> str | None:
         statuses = heard.values[-1]["status"] if heard.values else []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 from judge import Bridge, Judge, interface, repeat
 from polling import wait_until
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from generated.messages import DrivingBoardMotorMessage
@@ -83,34 +85,42 @@ def _has_arrived(judge: Judge) -> None:
     repeat(lambda: publisher.publish(interface(_MOTOR)()), lambda: heard.values, "a round trip")
 
 
+@pytest.mark.parametrize("calls", [True, False], ids=["with callbacks", "without"])
 def test_a_shutdown_from_outside_ends_the_threads_quietly(
-    ours: RclpyMiddleware, judge: Judge, monkeypatch: pytest.MonkeyPatch
+    ours: RclpyMiddleware, judge: Judge, monkeypatch: pytest.MonkeyPatch, calls: bool
 ) -> None:
-    """Where another part of the program shuts ROS 2 down, both threads end without a traceback."""
-    failures = _failures(monkeypatch)
+    """Where another part of the program shuts ROS 2 down, both threads end without a traceback.
+
+    A signal handler of rclpy's shuts contexts down without their callbacks; the thread that takes messages notices.
+    """
+    failures: list[Any] = []  # what ends threads by an exception from now on
+    monkeypatch.setattr(threading, "excepthook", failures.append)
     received = _Received(ours, judge, "/a")
     repeat(lambda: received.publish(1), lambda: received.numbers, "a message")
-    ours._context.shutdown()
+    (ours._context if calls else ours._context.handle).shutdown()
     _wait_for_end("rclpy-take")
-    _wait_for_end("rclpy-spin")
+    if calls:
+        _wait_for_end("rclpy-spin")
     ours.close()
     assert not failures
 
 
-def test_a_shutdown_that_calls_nobody_ends_the_thread(ours: RclpyMiddleware, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A signal handler of rclpy's shuts contexts down without their callbacks; the thread notices within seconds."""
-    failures = _failures(monkeypatch)
-    ours._context.handle.shutdown()
-    _wait_for_end("rclpy-take")
-    ours.close()
-    assert not failures
-
-
-def _failures(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """What ends threads by an exception from now on."""
+def test_an_action_is_complete_before_the_executor_sees_it(
+    ours: RclpyMiddleware, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A client of rclpy 9.1 is added to the node before it is complete; an executor that looks at it then would end."""
+    action = pytest.importorskip("nav2_msgs.action").NavigateToPose
     failures: list[Any] = []
     monkeypatch.setattr(threading, "excepthook", failures.append)
-    return failures
+    add = Node.add_waitable
+
+    def add_slowly(node: Node, waitable: Any) -> None:
+        add(node, waitable)
+        time.sleep(0.2)
+
+    monkeypatch.setattr(Node, "add_waitable", add_slowly)
+    assert not ours.action(action, "/navigate_to_pose").has_server()
+    assert not failures
 
 
 def _wait_for_end(thread_name: str) -> None:

@@ -16,17 +16,26 @@ from roverlink.runtime.text.values import message_to_values
 
 Start = Callable[..., Bridge]
 
-INBOUND = [handler for handler in REGISTRY.handlers if handler.route.inbound]
-OUTBOUND = [handler for handler in (*REGISTRY.handlers, *REGISTRY.extra_topics) if not handler.route.inbound]
 _IN_A_ROW = 8  # fewer than a topic's queue holds
 
 
-def test_every_payload_of_a_peer_arrives_with_its_values(judge: Judge, bridge: Start) -> None:
-    """Each inbound row's random payloads arrive as typed messages with equal values, in order, and none is lost."""
-    heard = [judge.hear(f"/{one.route.topic}", one.message_type.__msgtype__) for one in INBOUND]
+def test_every_value_crosses(judge: Judge, bridge: Start) -> None:
+    """Random payloads of each inbound row arrive as typed messages with equal values, in order, and none is lost.
+
+    So do the typed messages of each outbound row and its extra topics arrive at the peer. The standard message of each
+    inbound extra topic has the values of the payload that feeds it, and the present time.
+    """
+    inbound = [handler for handler in REGISTRY.handlers if handler.route.inbound]
+    heard = [judge.hear(f"/{one.route.topic}", one.message_type.__msgtype__) for one in inbound]
     running = bridge()
-    for handler, row in zip(INBOUND, heard):
+    for handler, row in zip(inbound, heard):
         _crosses_to_ros(running, handler, row)
+    for handler in (*REGISTRY.handlers, *REGISTRY.extra_topics):
+        if not handler.route.inbound:
+            _crosses_to_peer(judge, running, handler)
+    for topic in REGISTRY.extra_topics:
+        if topic.route.inbound:
+            _feeds(judge, running, topic)
 
 
 def _crosses_to_ros(running: Bridge, handler: Any, heard: Heard) -> None:
@@ -37,13 +46,6 @@ def _crosses_to_ros(running: Bridge, handler: Any, heard: Heard) -> None:
     for payload in others:
         running.send(**{name: payload})
     wait_until(lambda: heard.values[-len(wanted) :] == wanted, f"{wanted} on {heard.topic}")
-
-
-def test_every_message_for_a_peer_arrives_with_its_values(judge: Judge, bridge: Start) -> None:
-    """Each outbound row's typed messages, and those of its extra topics, arrive at the peer with equal values."""
-    running = bridge()
-    for handler in OUTBOUND:
-        _crosses_to_peer(judge, running, handler)
 
 
 def _crosses_to_peer(judge: Judge, running: Bridge, handler: Any) -> None:
@@ -78,13 +80,6 @@ class _Arrived:
             if envelope.WhichOneof(REGISTRY.oneof) == route.name and not is_stop:
                 self._values.append(message_to_values(self._handler.to_ros(payload)))
         return self._values
-
-
-def test_every_extra_topic_of_a_peer_has_a_standard_message_with_its_values(judge: Judge, bridge: Start) -> None:
-    """Each inbound extra topic's standard message has the values of the payload that feeds it, and the present time."""
-    running = bridge()
-    for topic in (one for one in REGISTRY.extra_topics if one.route.inbound):
-        _feeds(judge, running, topic)
 
 
 def _feeds(judge: Judge, running: Bridge, topic: Any) -> None:

@@ -9,18 +9,14 @@ import pytest
 from needs import NO_AV, NO_OPENCV
 from polling import wait_until
 from programs import Start
-from repeating import repeated
 
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 pytest.importorskip("av", reason=NO_AV)
 
 from judge import Judge, interface  # noqa: E402  # skips this module where there is no rclpy
-from rclpy.parameter import Parameter  # noqa: E402
-from rclpy.qos import QoSProfile  # noqa: E402
-from rclpy.serialization import deserialize_message  # noqa: E402
 
-from roverlink.runtime.core import cdr  # noqa: E402
+from roverlink.runtime.interfaces.sensor_msgs import Image  # noqa: E402
 from tests.vision.ros_images import image  # noqa: E402
 
 
@@ -47,12 +43,11 @@ def test_streams_are_changed_through_either_middleware(
     code, _, errors = done(*words, "video.rate=0")  # type: ignore[misc]
     assert (code, errors) == (2, "roverlink: stream video: the rate is 0; it must be from 0.1 to 240 images a second")
     if middleware == "rclpy":
-        get, change = "rcl_interfaces/srv/GetParameters", "rcl_interfaces/srv/SetParameters"
+        get = "rcl_interfaces/srv/GetParameters"
         names = ["video.bitrate", "video.rate"]
         values = judge.call("/video_sender/get_parameters", get, interface(get).Request(names=names)).values
         assert [value.double_value for value in values] == [500.0, 30.0]
-        request = interface(change).Request(parameters=[Parameter("video.running", value=False).to_parameter_msg()])
-        assert judge.call("/video_sender/set_parameters", change, request).results[0].successful
+        assert judge.set_parameters("/video_sender", **{"video.running": False})[0].successful
         code, output, _ = done(*words, "--json")  # type: ignore[misc]
         stream = json.loads(output)["video"]
         assert (code, stream["running"], stream["bitrate"]) == (0, False, 500.0)
@@ -65,14 +60,12 @@ def test_images_of_an_rclpy_node_arrive(judge: Judge, start: Start, middleware: 
     port = json.loads(receiver.wait_for("port", receiver.output))["streams"][0]["port"]
     start("video", "send", "topic:/camera", "--port", port, "--middleware", middleware)
     heard = judge.hear("/video/front/compressed", "sensor_msgs/msg/CompressedImage")
-    camera = judge.node.create_publisher(interface("sensor_msgs/msg/Image"), "/camera", QoSProfile(depth=5))
     pixels = np.full((48, 64, 3), 90, np.uint8)
 
-    def publish(number: int) -> None:
-        message = image(pixels, stamp=7_000_000_000 + 40_000_000 * number)
-        camera.publish(deserialize_message(cdr.encode(message), camera.msg_type))
+    def messages(number: int) -> tuple[Image]:
+        return (image(pixels, stamp=7_000_000_000 + 40_000_000 * number),)
 
-    with repeated(publish, 0.04):
+    with judge.publishing({"/camera": Image}, messages):
         wait_until(lambda: heard.values, "an image")
     stamp = heard.values[0]["header"]["stamp"]
     assert stamp["sec"] >= 7

@@ -218,7 +218,7 @@ def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 
     ros.executors.ExternalShutdownException = _ExternalShutdown
     ros.executors.SingleThreadedExecutor.return_value.configure_mock(
-        **{"spin.side_effect": spin, "shutdown.side_effect": end_spin.set}
+        **{"spin_once.side_effect": spin, "create_task.side_effect": lambda task: end_spin.set()}
     )
     ros.parameter.Parameter = lambda name, type_=None, value=None: (name, value)
     ros.qos.QoSProfile = dict
@@ -234,6 +234,7 @@ def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     for name, module in {"rclpy": ros, **parts, "rcl_interfaces.msg": rcl_interfaces, "comms.msg": ros.comms}.items():
         monkeypatch.setitem(sys.modules, name, module)
     yield ros
+    ros.ending = _ExternalShutdown()
     end_spin.set()
     sys.modules.pop("roverlink.runtime.middleware.rclpy", None)
 
