@@ -50,7 +50,7 @@ def test_the_bench_measures_every_section_with_compilers(tmp_path: Path) -> None
     assert {("full", "cpp"), ("outbound", "cpp")} <= _contestants(tmp_path, os.environ["PATH"])
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_three_streams_need_no_more_memory_over_time(tmp_path: Path) -> None:
     """And the latency does not grow; `make bench-video` looks at it for ten minutes."""
     pytest.importorskip("cv2", reason=NO_OPENCV)

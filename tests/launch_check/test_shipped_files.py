@@ -133,13 +133,13 @@ def test_misspelt_keys_are_found(project: Project) -> None:
     assert _spoiled_keys(project, 3) == []
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_every_misspelt_key_is_found(project: Project) -> None:
     """Each key of each shipped parameter file, with one wrong letter, gives a finding."""
     assert _spoiled_keys(project, None) == []
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("new", ["{}x", "other/name"])
 def test_every_renamed_topic_is_found(new: str, project: Project) -> None:
     """Each topic in the launch files and configurations of the rover, with another name, gives a finding."""
