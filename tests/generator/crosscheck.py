@@ -1,6 +1,6 @@
-"""Does the generated code of a project do what the table says? A script that reads how many examples to make
-up for each handler, and of which project, line by line.
+"""Does the generated code of a project do what the table says? A script.
 
+Each line that it reads says how many examples to make up for each handler, and of which project.
 For each it prints how the check ended: 0, or 1 with what is wrong in ``crosscheck.log`` in the project's folder. It
 generates, loads the generated code, and checks each handler with random payloads against two others that know nothing
 of that code: the IR, walked field by field by `walker`, says which value belongs where, and the `rosbags` package, fed

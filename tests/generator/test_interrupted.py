@@ -9,7 +9,6 @@ import json
 import os
 import shutil
 import signal
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -101,17 +100,6 @@ def test_the_next_command_completes_the_switch(
     assert "completed what an interrupted command had begun to write" in outcome.stderr
     assert outcome.code == 0
     assert snapshot(project) == finished
-
-
-def test_a_command_that_imports_generated_code_finds_all_of_it(project: Path, finished: dict[str, bytes]) -> None:
-    """`send`, which like `run` imports the generated code, completes the switch before it does so."""
-    _killed_before(project, "os.rename", 5, "generate")
-    done = subprocess.run(
-        [sys.executable, "-m", "roverlink", "send", "arm"], cwd=project, capture_output=True, text=True
-    )
-    assert "completed what an interrupted command had begun to write" in done.stderr
-    assert done.returncode == 0, done.stderr
-    assert {path: data for path, data in snapshot(project).items() if "__pycache__" not in path} == finished
 
 
 def test_a_project_that_was_never_finished_is_found(tmp_path: Path) -> None:

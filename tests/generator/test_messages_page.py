@@ -53,7 +53,7 @@ def _with_pages() -> list[CaseFile]:
 
 _DIFFER_MOST = {
     *("any_of", "comments", "deprecated", "empty_messages", "enums", "extensions", "maps", "nanopb_options", "nested"),
-    *("oneofs", "presence", "proto2_and_editions", "retired", "scalars", "signing", "standard_units", "well_known"),
+    *("oneofs", "presence", "retired", "scalars", "signing", "standard_units", "well_known"),
 }
 _PAGES = [
     pytest.param(case, marks=[] if case.name in _DIFFER_MOST else [pytest.mark.slow], id=case.name)
@@ -99,17 +99,6 @@ def test_units_come_from_the_table_and_from_comments(tmp_path: Path) -> None:
     assert "| 2 | `share` | `float` |  | `float32 share` | Between [0, 1]. |" in page
     assert "| 3 | `level` | `float` | V | `float32 level` |  |" in page
     assert "| 1 | `heat` | `float` | degF | `float32 heat` | Heat. |" in page
-
-
-def test_sizes_follow_the_bounds_of_the_table(tmp_path: Path) -> None:
-    """A payload has a largest size if the table bounds each of its texts and lists."""
-    page = _page(
-        tmp_path,
-        _ROW % (1, "note", "Note", "note", ", bounds: {text: {length: 20}}") + _ROW % (2, "log", "Log", "log", ""),
-        "message Note {\n  string text = 1;\n}\nmessage Log {\n  string text = 1;\n}\n",
-    )
-    assert "- **Size** at most 22 bytes, 24 as a datagram\n" in _sections(page)["note"]
-    assert "- **Size** unlimited: `text` has no bound in mapping.yaml\n" in _sections(page)["log"]
 
 
 def test_the_diagram_stays_small(tmp_path: Path) -> None:

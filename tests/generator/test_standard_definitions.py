@@ -61,15 +61,6 @@ def test_what_is_known_is_about_fields() -> None:
             units.parse(unit)
 
 
-def test_the_outermost_message_knows_the_unit() -> None:
-    """A vector is in the unit of the message that holds it; a message in another keeps its own."""
-    vector = ("sensor_msgs/msg/Imu", "geometry_msgs/msg/Vector3")
-    assert meanings.unit_of(vector, ("linear_acceleration", "x")) == "m/s^2"
-    odometry = ("nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistWithCovariance", "geometry_msgs/msg/Twist")
-    assert meanings.unit_of((*odometry, "geometry_msgs/msg/Vector3"), ("twist", "twist", "linear", "x")) == "m/s"
-    assert meanings.unit_of(("geometry_msgs/msg/Vector3",), ("x",)) == ""
-
-
 def _of_the_runtime() -> dict[str, type[Message]]:
     """Return the classes of `roverlink.runtime.interfaces` that are not of the node itself or of `vision`, by name."""
     others = {"builtin_interfaces", "rcl_interfaces", "rosgraph_msgs", "vision_msgs"}
