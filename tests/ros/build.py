@@ -79,6 +79,7 @@ def main() -> int:
         return 1
     environment = _sourced()
     faults = [*_differences(environment, messages), *_other_hashes(), *_does_not_run(environment)]
+    faults += _is_not_navigation(environment)
     if not _SOURCED:
         faults += workspace.differences(_WORKSPACE / "install" / "node" / "lib" / "node", environment)
     print("\n".join(faults) or f"{len(messages)} messages of {REGISTRY.package} build, and are what Python says")
@@ -347,6 +348,24 @@ def _does_not_run(environment: dict[str, str]) -> Iterator[str]:
         bridge.send_signal(signal.SIGINT)
         if code := bridge.wait(30):
             yield f"{found[0]} ended with {code}"
+
+
+def _is_not_navigation(environment: dict[str, str]) -> Iterator[str]:
+    """Look for the files of the package in navigation/, and start its programs, which are commands of roverlink."""
+    prefix = _WORKSPACE / "install" / _NAVIGATION
+    shared = prefix / "share" / _NAVIGATION
+    for path in (ROOT / "navigation").glob("*/*"):
+        name = path.relative_to(ROOT / "navigation")
+        if name.parts[0] != "scripts" and not (shared / name).is_file():
+            yield f"ros2 launch would not find {shared / name}"
+    programs = sorted((prefix / "lib" / _NAVIGATION).iterdir())
+    if not programs:
+        yield f"{_NAVIGATION} has no programs"
+    ours = {**environment, "PATH": f"{Path(sys.executable).parent}:{environment['PATH']}"}
+    for program in programs:
+        done = subprocess.run([program, "--help"], env=ours, cwd="/", capture_output=True, text=True)
+        if done.returncode or f"usage: roverlink {program.name.replace('_', ' ')} " not in done.stdout:
+            yield f"{program} is not that command of roverlink: {done.stdout[:80]}{done.stderr}"
 
 
 if __name__ == "__main__":
