@@ -8,13 +8,11 @@ The format is Go's txtar: a comment, then files, each below a line with its path
 
     -- mapping.yaml --
     version: 1
-    -- exit --
-    1
     -- stderr --
     mapping.yaml:9:14: error[ENV101] ...
 
 - A line `use: FILE as PATH` of the comment adds a file that several cases share. FILE is relative to tests/.
-- The sections `exit`, `stdout`, `stderr`, `found`, `expected/...` and `lines/...` are the expectations. All other
+- The sections `stderr`, `found`, `expected/...` and `lines/...` are the expectations. All other
   sections are inputs.
 - Below `-- path (escaped) --` stands a file that plain text cannot hold: `\xNN` is a byte, `\\` is a backslash, and
   a backslash at the end of a line joins it with the next one, or with the end of the file.
@@ -59,7 +57,7 @@ _TESTS = Path(__file__).parent
 _HEADING = re.compile(r"^== (\w+): (.+\n)", re.MULTILINE)
 _MARKER = re.compile(r"^-- (.+?)( \(escaped\))? --\n", re.MULTILINE)
 _USE = re.compile(r"^use: (\S+) as (\S+)$", re.MULTILINE)
-_EXPECTATION = re.compile(r"exit|stdout|stderr|found|expected/.*|lines/.*")
+_EXPECTATION = re.compile(r"stderr|found|expected/.*|lines/.*")
 _PROTO3 = " (proto3)"
 _PROTO3_LINE = b'syntax = "proto3";\n'
 _ESCAPE = re.compile(rb"\\(?:x([0-9a-f]{2})|(\\)|\n)")
@@ -151,18 +149,12 @@ def case_files(folder: Path) -> list[CaseFile]:
     return sorted(found, key=lambda case: case.path.name)
 
 
-def outcome(code: int, **streams: str) -> dict[str, str]:
-    """Return the exit code of a run and what it printed as sections; an empty stream has none."""
-    return {"exit": f"{code}\n"} | {name: text for name, text in streams.items() if text}
-
-
 def parse(text: str) -> tuple[str, dict[str, bytes]]:
     """Split a case into its comment and its sections."""
     comment, *rest = _MARKER.split(text)
     sections: dict[str, bytes] = {}
     for name, escaped, body in zip(rest[::3], rest[1::3], rest[2::3], strict=True):
-        if name in sections:
-            raise ValueError(f"the section {name} stands twice")
+        assert name not in sections, f"the section {name} stands twice"
         sections[name] = _ESCAPE.sub(_unescaped, body.encode()) if escaped else body.encode()
     return comment, sections
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
-from case_file import USUAL_TABLE, CaseFile, case_files, outcome, parse, render
+from case_file import USUAL_TABLE, case_files, parse, render
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -16,41 +15,12 @@ _CONTENT = st.binary() | st.text(st.sampled_from("a \\-x0\n\r\t\x85\ufeff é")).
 
 
 @given(st.dictionaries(st.sampled_from(["a.proto", "expected/b c.py", "stderr"]), _CONTENT))
-@example({"empty": b"", "last": b""})
 @example({"no_line_end": b"x", "only_line_ends": b"\n\n", "spaces": b" x \t\n"})
-@example({"windows": b"a\r\nb\r\n", "old_mac": b"a\rb\r"})
-@example({"not_utf8": b"caf\xe9\n", "binary": bytes(range(256))})
 @example({"a_case": b"-- stderr --\nx\n-- exit (escaped) --\n", "nearly": b"--  --\n-- x\n"})
 @example({"escapes": b"\\x41 \\\\ \\\n", "escapes_without_line_end": b"\\x41 \\\\ \\"})
 def test_every_byte_survives(files: dict[str, bytes]) -> None:
     """Line ends, spaces at the end of a line, missing line ends, markers and binary files are read as they were."""
     assert parse(render("A sentence.\n\n", files)) == ("A sentence.\n\n", files)
-
-
-def test_a_section_stands_once() -> None:
-    """A section that stands twice is a mistake of the author, not a choice of the reader."""
-    with pytest.raises(ValueError, match=r"the section a\.txt stands twice"):
-        parse("-- a.txt --\n1\n-- a.txt --\n2\n")
-
-
-def test_an_update_leaves_everything_but_the_expectations(tmp_path: Path) -> None:
-    """Comment and inputs stay as written; the expectations follow in one order."""
-    case = CaseFile(tmp_path / "case.txtar")
-    head = "A sentence.\n\nuse: case_file.py as program.py\n\n-- stderr.txt --\nan input \n"
-    case.path.write_text(head + "-- expected/c --\nold\n-- stderr --\nold\n")
-    case.update(outcome(0, stdout="new\n", stderr="") | {"expected/b": "", "expected/a": "a\n"})
-    written = "-- exit --\n0\n-- stdout --\nnew\n-- expected/a --\na\n-- expected/b --\n"
-    assert case.path.read_text() == head + written
-
-
-def test_shared_files_are_inputs(tmp_path: Path) -> None:
-    """`use: FILE as PATH` puts a file of the tests among the inputs, below another name."""
-    case = CaseFile(tmp_path / "case.txtar")
-    case.path.write_text("A sentence.\n\nuse: shared/imu.proto as proto/imu.proto\n\n-- x --\nx\n-- exit --\n0\n")
-    shared = (_TESTS / "shared" / "imu.proto").read_bytes()
-    assert case.inputs == {"proto/imu.proto": shared, "x": b"x\n"}
-    assert (case.write_inputs(tmp_path / "project") / "proto" / "imu.proto").read_bytes() == shared
-    assert case.expectations == {"exit": "0\n"}
 
 
 def test_a_file_has_many_cases(tmp_path: Path) -> None:
@@ -74,6 +44,7 @@ def test_a_file_has_many_cases(tmp_path: Path) -> None:
 def test_cases_are_tidy() -> None:
     """Each case opens with the sentence that it proves, and is spelled as --update-cases spells it."""
     texts = {case.name: case.text for case in _CASES}
+    assert len(texts) == len(_CASES)
     assert [name for name, text in texts.items() if not re.match(r"[^\n].*?\.\n(\n|--|use:)", text, re.DOTALL)] == []
     assert [name for name, text in texts.items() if render(*parse(text)) != text] == []
 

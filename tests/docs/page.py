@@ -15,14 +15,16 @@ import os
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from polling import PATIENCE_S, wait_until
+
+from roverlink.dds_domain import claim_domain
 
 ROOT = Path(__file__).parents[2]
 _PROJECT = (
@@ -109,6 +111,7 @@ class Reader:
 
     project: Path
     environment: dict[str, str]
+    _held: ExitStack
     _terminals: list[_Terminal] = field(default_factory=list)
 
     @classmethod
@@ -119,7 +122,9 @@ class Reader:
         tools.mkdir()
         for name in _PROJECT:
             _copy(ROOT / name, project / name)
-        ports = dict(zip(("listen", "basestation", "hardware"), free_ports(3)))
+        held = ExitStack()
+        domain = claim_domain(held)
+        ports = dict(zip(("listen", "basestation", "hardware"), ports_of(domain)))
         roverlink = tools / "roverlink"
         roverlink.write_text(_ROVERLINK.format(python=sys.executable, **ports), encoding="utf-8")
         roverlink.chmod(0o755)
@@ -129,11 +134,11 @@ class Reader:
             "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}",
             "HOME": str(folder),
             "PYTHONDONTWRITEBYTECODE": "1",
-            "ROS_DOMAIN_ID": str(130 + os.getpid() % 100),
+            "ROS_DOMAIN_ID": str(domain),
             "ROS_LOCALHOST_ONLY": "1",
             **{f"GIT_{who}_{what}": me for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")},
         }
-        reader = cls(project, environment)
+        reader = cls(project, environment, held)
         if shutil.which("git"):
             reader._shell("git init --quiet && git add . && git commit --quiet --message before")
         return reader
@@ -146,6 +151,7 @@ class Reader:
             if terminal.process.poll() is None:
                 terminal.process.kill()
                 terminal.process.wait()
+        self._held.close()
 
     def follow(self, page: list[Block]) -> None:
         """Do what each block says, and compare what it shows."""
@@ -228,15 +234,10 @@ def _copy(source: Path, target: Path) -> None:
         shutil.copy(source, target)
 
 
-def free_ports(count: int) -> list[int]:
-    """Return UDP ports that nobody has at the moment."""
-    sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
-    for sock in sockets:
-        sock.bind(("127.0.0.1", 0))
-    ports = [int(sock.getsockname()[1]) for sock in sockets]
-    for sock in sockets:
-        sock.close()
-    return ports
+def ports_of(domain: int) -> tuple[int, int, int]:
+    """UDP ports of a claimed DDS domain that no participant takes: they belong to whoever claimed it."""
+    first = 7400 + 250 * domain
+    return first + 246, first + 247, first + 248
 
 
 def _side(hunk: str, marks: str) -> str:

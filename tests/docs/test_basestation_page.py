@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from needs import NO_ROS
-from page import ROOT, blocks, free_ports
+from page import ROOT, blocks, ports_of
 from polling import wait_until
 
 from generated.pb2.components.basestation.detected_object_pb2 import OBJECT_ROCK, BasestationDetectedObject
@@ -63,11 +63,11 @@ def _follow(command: list[str], port: int, bridge: BridgeThread) -> None:
     assert output[1] in ("image 1: OBJECT_ROCK\n", "payload 17\n")
 
 
-def test_the_basestation_in_python_runs(tmp_path: Path) -> None:
+def test_the_basestation_in_python_runs(tmp_path: Path, domain: int) -> None:
     """Its 30 lines receive, reassemble and command."""
     text = _program("python")
     assert len(text.splitlines()) <= 30
-    with BridgeThread(REGISTRY, {"dst_a_port": (port := free_ports(1)[0])}, "error") as bridge:
+    with BridgeThread(REGISTRY, {"dst_a_port": (port := ports_of(domain)[0])}, "error") as bridge:
         script = tmp_path / "basestation.py"
         script.write_text(text.replace("host=host", f"host=host, port={bridge.port}, local_port={port}"))
         _follow([sys.executable, "-u", str(script), "127.0.0.1"], port, bridge)
@@ -75,9 +75,9 @@ def test_the_basestation_in_python_runs(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(bool(_MISSING), reason=NO_ROS)
-def test_the_basestation_in_cpp_compiles_and_runs(tmp_path: Path) -> None:
+def test_the_basestation_in_cpp_compiles_and_runs(tmp_path: Path, domain: int) -> None:
     """With the same .proto files, and every warning of the compiler as an error."""
-    port = free_ports(1)[0]
+    port = ports_of(domain)[0]
     (tmp_path / "basestation.cpp").write_text(_program("cpp").replace("6000", str(port)))
     proto, made = ROOT / "proto", tmp_path / "gen"
     made.mkdir()

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import doctest
-import math
-import re
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -12,8 +10,6 @@ import pytest
 from needs import NO_OPENCV
 from page import ROOT, blocks
 
-from roverlink.driving.arcs import PlanarPose
-from roverlink.driving.drive_control import DriveControl, DriveSettings, Localization
 from roverlink.generator.pipeline import compile_table
 
 _DOCS = ROOT / "docs"
@@ -84,37 +80,3 @@ def test_the_files_of_the_page_about_cameras_are_read(tmp_path: Path) -> None:
     assert set(read_landmarks(tmp_path / "landmarks.yaml").places) == {7, "gate"}
     assert [board.name for board in read_boards(tmp_path / "boards.yaml")] == ["gate"]
     assert [camera.name for camera in read_cameras(tmp_path / "cameras.yaml")] == ["front", "left"]
-
-
-def _mean_speed(velocity: float, *, measured: bool) -> float:
-    """The mean speed of a board that drives as fast as it can still stop at the end, with 0.5 m/s^2."""
-    settings = DriveSettings()
-    control = DriveControl(lambda: settings, lambda _: None)
-    step, speed, left, now, driven = 0.01, 0.0, 0.0, 10**12, 0.0
-    for tick in range(200):
-        now += 100_000_000
-        control.set_mode(True, now)
-        control.drive(velocity, 0.0, now)
-        if measured:
-            control.localize(Localization(PlanarPose(), "odom", now, 0.0, speed), now)
-        command = control.step(now)
-        assert command is not None
-        left = command.distance_to_go
-        for _ in range(10):
-            speed += min(max(min(0.5, math.sqrt(2 * 0.5 * left)) - speed, -2 * step), 0.5 * step)
-            left = max(left - speed * step, 0.0)
-            driven += speed * step if tick >= 100 else 0.0
-    return driven / (100 * 0.1)
-
-
-def test_the_speeds_of_a_simulated_board_are_those_of_the_page() -> None:
-    """In the table of docs/driving.md, the measured speed makes the difference."""
-    rows = re.findall(
-        r"^\| (velocity|without the measured speed|with it) \| (.*) \|$",
-        (_DOCS / "driving.md").read_text(encoding="utf-8"),
-        re.MULTILINE,
-    )
-    speeds = {name: [float(cell.split()[0]) for cell in cells.split("|")] for name, cells in rows}
-    for name, measured in (("without the measured speed", False), ("with it", True)):
-        simulated = [_mean_speed(velocity, measured=measured) for velocity in speeds["velocity"]]
-        assert simulated == pytest.approx(speeds[name], abs=0.003)

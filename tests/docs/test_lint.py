@@ -154,11 +154,3 @@ def test_the_workflow_to_copy_lints_a_pull_request(tmp_path: Path) -> None:
     assert said.returncode == 1
     assert "::error file=protos/components/common/envelope.proto,line=" in said.stdout
     assert "HIS101" in said.stdout
-
-
-def test_a_workflow_without_a_source_of_roverlink_says_so(tmp_path: Path) -> None:
-    """The empty ROVERLINK fails in the step that installs, before pip could be asked for anything."""
-    said = _run(_step("Install")["run"], tmp_path, {**_WORKFLOW["env"], "HOME": str(tmp_path)})
-    assert said.returncode != 0
-    assert "ROVERLINK: is empty" in said.stderr
-    assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,4 @@
-"""The pictures of docs/calibration.md and docs/vision.md, made anew."""
+"""The pictures of docs/vision.md, made anew."""
 
 from __future__ import annotations
 
@@ -18,21 +18,6 @@ def _differ(made: Path, shown: Path, tolerance: float) -> list[str]:
         new, old = (cv2.imread(str(one)).astype(int) for one in (path, shown / path.name))
         differ += [path.name] if new.shape != old.shape or abs(new - old).mean() >= tolerance else []
     return differ
-
-
-@pytest.mark.slow
-def test_the_pictures_of_calibration_are_what_a_browser_shows(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """All of them, and no others."""
-    pytest.importorskip("cv2", reason=NO_OPENCV)
-    from bench.vision.page_pictures import main
-
-    if main(["--out", str(tmp_path)]) != 0:
-        pytest.skip(capsys.readouterr().err)
-    shown = ROOT / "docs" / "calibration"
-    assert sorted(path.name for path in tmp_path.glob("*.png")) == sorted(path.name for path in shown.glob("*.png"))
-    assert _differ(tmp_path, shown, 12) == []
 
 
 @pytest.mark.slow

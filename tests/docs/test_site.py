@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -61,35 +60,4 @@ def test_the_site_loads_nothing_from_other_hosts(pages: dict[str, str]) -> None:
     )
     assert [path for path, text in pages.items() if loaded.search(text)] == []
     assert [path for path, text in pages.items() if 'class="mermaid"' in text] == []  # its script comes from elsewhere
-
-
-def _copy_with_page(folder: Path, text: str) -> Path:
-    """Copy what the site is made of, with a short page."""
-    for name in ("mkdocs.yml", "README.md", "CHANGELOG.md", "LICENSE"):
-        shutil.copy(ROOT / name, folder)
-    shutil.copytree(ROOT / "docs", folder / "docs")
-    page = folder / "docs" / "messages.md"
-    page.write_text(f"# Messages\n\n{text}\n", encoding="utf-8")
-    return folder
-
-
-def test_dead_links_fail_the_build(tmp_path: Path) -> None:
-    """A link to a missing page and a link to a missing section are errors that name the links."""
-    project = _copy_with_page(tmp_path, "[a](nowhere.md) [b](lint.md#nowhere)")
-
-    done = _build(project, tmp_path / "site")
-
-    assert done.returncode == 1
-    assert "nowhere.md" in done.stderr
-    assert "lint.md#nowhere" in done.stderr
-
-
-def test_a_diagram_is_drawn_when_the_site_is_built(tmp_path: Path) -> None:
-    """A Mermaid block becomes a picture, so a reader needs no script from another host."""
-    project = _copy_with_page(tmp_path, "```mermaid\nflowchart LR\n  board --> rover\n```")
-
-    done = _build(project, tmp_path / "site")
-
-    assert done.returncode == 0, done.stderr
-    assert "board" in (tmp_path / "site" / "messages-1.svg").read_text(encoding="utf-8")
-    assert 'src="messages-1.svg"' in (tmp_path / "site" / "messages.html").read_text(encoding="utf-8")
+    assert 'src="messages-1.svg"' in pages["messages.html"]

@@ -1,5 +1,6 @@
-"""Does the generated code of a project do what the table says? A script; each line that it reads names a project.
+"""Does the generated code of a project do what the table says? A script.
 
+Each line that it reads says how many examples to make up for each handler, and of which project.
 For each it prints how the check ended: 0, or 1 with what is wrong in ``crosscheck.log`` in the project's folder. It
 generates, loads the generated code, and checks each handler with random payloads against two others that know nothing
 of that code: the IR, walked field by field by `walker`, says which value belongs where, and the `rosbags` package, fed
@@ -35,7 +36,6 @@ from roverlink.runtime import ConversionError, load_registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import fields_of
 
-_EXAMPLES = settings(max_examples=15, database=None, deadline=None, suppress_health_check=list(HealthCheck))
 _PLACEHOLDER = "structure_needs_at_least_one_member"  # what ROS 2 puts into a message without fields
 
 # --- rosbags ----------------------------------------------------------------------------------------------------
@@ -86,7 +86,6 @@ def check(table: Path) -> None:
 def _check_handler(handler: Any, conversion: Conversion, walker: Walker, store: Typestore, random: Payloads) -> None:
     type_name = handler.message_type.__msgtype__
 
-    @_EXAMPLES
     @given(random.of(handler.payload_type.DESCRIPTOR))
     def both_ways(payload: Any) -> None:
         try:
@@ -130,7 +129,6 @@ def _check_any_number(handler: Any) -> None:
     Of a closed enum, protobuf sets it aside; the field is absent then, and no other number takes its place.
     """
 
-    @_EXAMPLES
     @given(st.integers(-(2**31), 2**31 - 1))
     def any_number(number: int) -> None:
         fields = handler.payload_type.DESCRIPTOR.fields
@@ -196,10 +194,13 @@ def _check_refusals(handler: Any, conversion: Conversion) -> None:
 def serve() -> None:
     """Check each project that is named, until there is no more."""
     for line in sys.stdin:
-        project = Path(line.rstrip("\n"))
+        examples, _, project = line.rstrip("\n").partition(" ")
         child = os.fork()
         if not child:
-            _check_and_exit(project)
+            suppressed = {"database": None, "deadline": None, "suppress_health_check": list(HealthCheck)}
+            settings.register_profile("asked", max_examples=int(examples), **suppressed)
+            settings.load_profile("asked")
+            _check_and_exit(Path(project))
         print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import standard_values
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from random_payloads import Payloads
 from rosbags.typesys import Stores, get_typestore
@@ -20,7 +20,6 @@ from roverlink.runtime.interfaces import Time
 
 Plain = Callable[[Any, Typestore], Any]
 
-_EXAMPLES = settings(max_examples=15, database=None, deadline=None, suppress_health_check=list(HealthCheck))
 _REFUSALS = ("is not among the values", "out of range", "infinity", "is too large for float32")
 """Why a number that float64 holds, or an enum's default, may not come back."""
 
@@ -37,7 +36,6 @@ def check_standard_topics(registry: Registry, bridge: Bridge, plain: Plain, *, j
 
 
 def _check_standard_topic(handler: Any, standard: StandardTopic, store: Typestore, plain: Plain) -> None:
-    @_EXAMPLES
     @given(Payloads([]).of(handler.payload_type.DESCRIPTOR), st.integers(0, 2**31 - 1), st.integers(0, 10**9 - 1))
     def both_ways(payload: Any, sec: int, nanosec: int) -> None:
         stamp = Time(sec, nanosec)

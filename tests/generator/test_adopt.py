@@ -13,7 +13,6 @@ import pytest
 from trees import COLLIDING, FLAT, PACKAGES, PACKAGES_BEFORE, commit, plant
 
 from roverlink.generator.adopt import Adoption, AdoptionRequest, adopt
-from roverlink.generator.adopt.role_words import words
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import compare, write
 from roverlink.generator.lint.project import Question, lint_project
@@ -226,9 +225,3 @@ def test_a_tree_that_is_a_repository_of_its_own_is_only_checked(tmp_path: Path) 
     assert adoption.draft.owner == "proto"
     assert [row.number for row in adoption.draft.retired] == [2]
     assert not [change.path for change in adoption.changes if change.path.startswith("protos/")]
-
-
-def test_words() -> None:
-    """A name falls apart where a reader sees words."""
-    assert words("SensorBoardPHInfo") == ["sensor", "board", "ph", "info"]
-    assert words("gps_fix2") == ["gps", "fix", "2"]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from pathlib import Path
 
 import pytest
@@ -11,18 +9,13 @@ from case_file import CaseFile
 from golden import (
     CASES,
     DIGESTS,
-    ROOT,
     digests,
     exit_code,
     generate,
     in_brief,
     passing_cases,
-    printed_by_cases,
     snapshot,
 )
-
-from roverlink import generator
-from roverlink.generator.diagnostics import Rule
 
 _DIGESTS = dict(line.split(": ", 1) for line in DIGESTS.read_text(encoding="utf-8").splitlines())
 
@@ -67,30 +60,6 @@ def _found(case: CaseFile, printed: str, files: dict[str, bytes]) -> dict[str, s
             rest = iter(files[path].decode().splitlines(keepends=True))
             found[name] = "".join(line for line in text.splitlines(keepends=True) if line in rest)
     return found
-
-
-def test_every_rule_has_a_case() -> None:
-    """Each rule is seen to report at its place by a failing case here, or by a case or a test of the lint."""
-    seen = [*(ROOT / "tests").glob("lint/test_*.py"), *(ROOT / "tests").glob("cli/test_*.py")]
-    seen += (ROOT / "tests" / "generator").glob("test_*.py")
-    said = printed_by_cases() + "".join(file.read_text(encoding="utf-8") for file in seen)
-    assert [rule for rule in sorted(_rules()) if rule not in said] == []
-
-
-def test_rules_are_told_apart() -> None:
-    """No two rules share an id or a name: `explain` finds them by both."""
-    rules = {id(rule): rule for rules in _rules().values() for rule in rules}.values()
-    assert len(rules) == len({rule.id for rule in rules}) == len({rule.name for rule in rules})
-
-
-def _rules() -> dict[str, list[Rule]]:
-    """The rules that the generator's modules declare, by id."""
-    rules: dict[str, list[Rule]] = {}
-    for module in pkgutil.walk_packages(generator.__path__, "roverlink.generator."):
-        for value in vars(importlib.import_module(module.name)).values():
-            if isinstance(value, Rule):
-                rules.setdefault(value.id, []).append(value)
-    return rules
 
 
 def test_there_are_passing_cases() -> None:

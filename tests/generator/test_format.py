@@ -94,15 +94,6 @@ def test_schema_and_reader_agree(change: Callable[[dict[str, Any]], None], tmp_p
     assert findings
 
 
-def test_a_malformed_direction_is_one_to_schema_and_lint(tmp_path: Path) -> None:
-    """A direction without ROS is no valid value to an editor; the lint reports it, because it knows the peers."""
-    table = deepcopy(_OWN)
-    _change(direction="hardware_to_basestation")(table)
-    assert not _is_valid(table)
-    findings = lint(Context(reader.read(_written(tmp_path, table), []), None, Ledger()))
-    assert [finding.rule.id for finding in findings] == ["TAB103"]
-
-
 def test_no_peer_takes_a_parameter_of_the_node(tmp_path: Path) -> None:
     """Every parameter that the node has for itself is refused as a peer's."""
     ports = {peer.port_parameter for peer in REGISTRY.peers}

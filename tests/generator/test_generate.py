@@ -112,18 +112,6 @@ def test_an_unchanged_run_writes_nothing(project: Path) -> None:
     assert [path for path, data in snapshot(project).items() if str(project.parent).encode() in data] == []
 
 
-def test_a_changed_row_rewrites_what_it_changes(project: Path) -> None:
-    """What was written is listed, and files that need no change are not among them."""
-    said = generate(_changed(project)).stdout.splitlines()
-    assert said[:-1] == [
-        " changed docs/messages.md",
-        " changed generated/handlers/arm.py",
-        " changed generated/registry.py",
-        " changed mapping.lock",
-    ]
-    assert said[-1].startswith("4 ")
-
-
 @pytest.mark.parametrize(
     ("old", "new"),
     [("number: 1", "number: 1.0"), ("direction: board_to_ros", "direction: sideways"), ("proto: ", "proto: Not")],
@@ -278,14 +266,6 @@ def test_a_pipe_in_the_place_of_a_file_is_a_finding(project: Path) -> None:
 
 
 # --- the check --------------------------------------------------------------------------------------------------
-
-
-def test_check_before_the_first_run(tmp_path: Path) -> None:
-    """In a project that was never generated everything is drift, and stays so."""
-    project = case("nested").write_inputs(tmp_path / "project")
-    before = snapshot(project)
-    assert generate(project, "--check").code == 1
-    assert snapshot(project) == before
 
 
 @pytest.mark.skipif(shutil.which("git") is None, reason="need git (apt-get install git)")

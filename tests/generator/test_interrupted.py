@@ -7,12 +7,9 @@ import hashlib
 import io
 import json
 import os
-import random
 import shutil
 import signal
-import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -23,7 +20,6 @@ from trees import edit
 from roverlink.__main__ import main
 
 _UNFINISHED = ".roverlink-unfinished"
-_KILLS = 500
 Hook = Callable[[str], None]
 
 
@@ -79,24 +75,6 @@ def _killed_before(project: Path, event: str, count: int, *arguments: str) -> No
     assert os.WIFSIGNALED(status)
 
 
-def _killed_within(project: Path, after_s: float, *arguments: str) -> bool:
-    """Run a command, and kill it this long after it begins to write. Return False if it was faster."""
-    reader, writer = os.pipe()
-
-    def hook(name: str) -> None:
-        if name == "fcntl.flock":  # the writer locks the project first
-            os.write(writer, b"x")
-
-    pid = _started(project, arguments, hook)
-    os.close(writer)
-    os.read(reader, 1)  # also returns when the process ends
-    os.close(reader)
-    time.sleep(after_s)
-    os.kill(pid, signal.SIGKILL)
-    _, status = os.waitpid(pid, 0)
-    return os.WIFSIGNALED(status)
-
-
 _NEXT = [("generate", "--check"), ("lint",), ("explain", "arm")]
 
 
@@ -122,17 +100,6 @@ def test_the_next_command_completes_the_switch(
     assert "completed what an interrupted command had begun to write" in outcome.stderr
     assert outcome.code == 0
     assert snapshot(project) == finished
-
-
-def test_a_command_that_imports_generated_code_finds_all_of_it(project: Path, finished: dict[str, bytes]) -> None:
-    """`send`, which like `run` imports the generated code, completes the switch before it does so."""
-    _killed_before(project, "os.rename", 5, "generate")
-    done = subprocess.run(
-        [sys.executable, "-m", "roverlink", "send", "arm"], cwd=project, capture_output=True, text=True
-    )
-    assert "completed what an interrupted command had begun to write" in done.stderr
-    assert done.returncode == 0, done.stderr
-    assert {path: data for path, data in snapshot(project).items() if "__pycache__" not in path} == finished
 
 
 def test_a_project_that_was_never_finished_is_found(tmp_path: Path) -> None:
@@ -200,27 +167,3 @@ def test_what_is_not_our_journal_changes_nothing(project: Path, files: dict[str,
     assert "Traceback" not in outcome.stderr
     after = snapshot(project.parent)
     assert {path.replace("roll-back.json", "complete.json"): data for path, data in after.items()} == before
-
-
-@pytest.mark.slow
-def test_random_kills(project: Path, finished: dict[str, bytes], tmp_path: Path) -> None:
-    """Killed at any moment, also while completing an earlier switch, generate leaves the old tree or the new one."""
-    start = shutil.copytree(project, tmp_path / "start")
-    before = snapshot(start)
-    begun = time.monotonic()
-    _killed_within(project, 0, "lint")
-    assert generate(project).code == 0
-    longest_s = min(time.monotonic() - begun, 0.1)
-    chance, ended = random.Random(18), {"old": 0, "new": 0}  # noqa: S311  # moments of kills, no secrets
-    for _ in range(_KILLS):
-        shutil.rmtree(project)
-        shutil.copytree(start, project)
-        _killed_within(project, chance.uniform(0, longest_s), "generate")
-        if chance.random() < 0.3:
-            _killed_within(project, chance.uniform(0, longest_s / 2), "explain", "arm")
-        _roverlink(project, "explain", "arm")
-        after = snapshot(project)
-        assert after in (before, finished)
-        assert not (project / _UNFINISHED).exists()
-        ended["old" if after == before else "new"] += 1
-    assert min(ended.values()) > _KILLS / 20, ended

@@ -99,21 +99,6 @@ def test_a_deleted_ledger_is_noticed(project: Path) -> None:
     assert generate(project).code == 0
 
 
-def test_what_is_written_is_read_back() -> None:
-    """Of this repository's ledger, every message and enum says what the file's lines say."""
-    read, findings = _read(ROOT / "mapping.lock")
-    assert findings == []
-    assert [entry.number for entry in read.entries] == list(range(1, 22))
-    schema = read.schema
-    imu = schema.messages["SensorBoardIMUInfo"]
-    assert [(field.number, field.name, field.type) for field in imu.fields][:2] == [
-        (1, "accel_x", "float"),
-        (2, "accel_y", "float"),
-    ]
-    assert imu.reserved == ((10, 12),)
-    assert schema.messages["PBEnvelope"].fields[0].oneof == "payload"
-
-
 _ROWS = """\
   - {number: 2, name: arm, proto: Arm, topic: arm, direction: ros_to_board, deadman: {after: 1s, send: {SENT}}}
   - {number: 3, name: sensor, proto: Sensor, topic: sensor, direction: board_to_ros}

@@ -22,7 +22,7 @@ from grpc_tools import protoc
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.generator.diagnostics import Diagnostic
 from roverlink.generator.nanopb import Bounds, Unbounded, field_sizes, largest_size, read_bounds
 from roverlink.generator.nanopb.vocabulary import vocabulary
 from roverlink.generator.protos.descriptors import schema_of
@@ -185,16 +185,6 @@ def everything(tmp_path_factory: pytest.TempPathFactory) -> _Both:
 def test_every_option_counts_as_it_does_for_nanopb(everything: _Both, file: str) -> None:
     """Scalars, strings, maps, oneofs, recursion, and options at every level have the sizes that nanopb says."""
     assert everything.compare([file])
-
-
-def test_what_is_said_of_other_files_is_for_nothing(everything: _Both) -> None:
-    """A line of a .options file holds for its own .proto file, and those here say nothing else that is wrong."""
-    assert [finding.render() for finding in everything.findings] == [
-        "proto/importing.options:1:1: warning[NPB102] "
-        "no name in importing.proto matches 'lengths.Free.a'\n"
-        "  help: write the full name, with the package: pkg.Message.field"
-    ]
-    assert "lengths.Free.a" in everything.headers.complaints
 
 
 _MANGLED = "message A { string a = 1; message B { A a = 1; string b = 2; } }"
@@ -409,19 +399,6 @@ def test_what_a_message_consists_of_is_told_by_field(everything: _Both) -> None:
     assert field_sizes(everything.schema, everything.bounds, "lengths.FreeBytes") == [("first", 11)]
 
 
-def test_the_place_where_a_bound_was_given_is_known(everything: _Both) -> None:
-    """Every option of a field knows the line that it comes from, of the .options file or of the .proto file."""
-    of_field = everything.bounds.of_field("levels.LinesInTurn", "bb")
-    assert (of_field.max_size, of_field.max_length, of_field.max_count) == (46, 47, 2)
-    assert of_field.places == {
-        "max_size": Span("proto/levels.options", 9, 1),
-        "max_length": Span("proto/levels.options", 10, 1),
-        "max_count": Span("proto/levels.proto"),
-    }
-    here = everything.bounds.of_field("levels.OfField", "a").places["max_size"]
-    assert (here.file, here.line) == ("proto/levels.proto", 17)
-
-
 def test_a_long_chain_of_messages_is_no_trouble(tmp_path: Path) -> None:
     """Sizes come from the innermost message on, so no number of messages in messages is too many."""
     chain = "".join(f"message M{i} {{ M{i + 1} a = 1; }}" for i in range(2000)) + "message M2000 { TYPE a = 1; }"
@@ -585,11 +562,3 @@ def test_options_inside_are_read_or_found_fault_with(
     place = host.messages["p.q.M"].fields[0].span
     assert bounds.of_field("p.q.M", "s").max_size == max_size
     assert findings == ([f"NPB101 {place} {said}"] if said else [])
-
-
-@_EXAMPLES
-@given(st.binary(max_size=20), st.booleans())
-def test_any_bytes_for_options_do_no_harm(host: Schema, garbage: bytes, wrapped: bool) -> None:
-    """Bytes that nobody would write give bounds or findings, and no accident."""
-    _, findings = _with_options(host, b"\x92\x3f" + bytes([len(garbage)]) + garbage if wrapped else garbage)
-    assert all(finding.startswith("NPB101 a.proto:1:") for finding in findings)

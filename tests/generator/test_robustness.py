@@ -7,7 +7,6 @@ import importlib
 import pkgutil
 import re
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar
 
 import pytest
@@ -18,7 +17,6 @@ from hypothesis import strategies as st
 from roverlink import generator
 from roverlink.generator import lock
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
-from roverlink.generator.pipeline import compile_table
 from roverlink.generator.table import reader
 
 T = TypeVar("T")
@@ -101,33 +99,3 @@ def test_any_ledger_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPat
 def test_examples_in_docstrings_are_true(name: str) -> None:
     """What a docstring shows is what happens."""
     assert doctest.testmod(importlib.import_module(name)).failed == 0
-
-
-_SETTINGS = """\
-version: 1
-proto: {root: proto}
-envelope: {file: envelope.proto, message: Envelope, oneof: payload}
-ros: {package: rover}
-peers: {board: {}}
-messages:
-"""
-_ROW = "  - {{number: {0}, name: big_{0}, proto: Big{0}, topic: big_{0}, direction: board_to_ros}}\n"
-_PROTO = 'syntax = "proto3";\nmessage Big{0} {{\n  message Part {{\n    int32 x = 1;\n  }}\n{1}  Part part = 20;\n}}\n'
-
-
-def test_a_large_table_compiles(tmp_path: Path) -> None:
-    """Twenty messages of twenty fields, each with a message in it, give a handler, a class and a .msg each."""
-    fields = "".join(f"  double field_{number} = {number};\n" for number in range(1, 20))
-    numbers = range(1, 21)
-    (tmp_path / "mapping.yaml").write_text(_SETTINGS + "".join(map(_ROW.format, numbers)), encoding="utf-8")
-    (tmp_path / "proto").mkdir()
-    for number in numbers:
-        (tmp_path / "proto" / f"big_{number}.proto").write_text(_PROTO.format(number, fields), encoding="utf-8")
-    compiled = compile_table(tmp_path / "mapping.yaml")
-    assert [route.number for route in compiled.bridge.routes] == list(numbers)
-    for number in numbers:
-        handler = compiled.files[f"generated/handlers/big_{number}.py"]
-        assert handler.count("payload.field_") == 19
-        assert compiled.files[f"generated/serializers/big_{number}.py"].count("payload.field_") == 19
-        assert f"generated/messages/big{number}_part.py" in compiled.files
-        assert compiled.files[f"generated/ros/rover/msg/Big{number}.msg"].count("float64 ") == 19

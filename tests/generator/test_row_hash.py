@@ -119,12 +119,6 @@ def test_nothing_else_changes_the_hash(tmp_path: Path) -> None:
     assert _hash(tmp_path, _SAME) == _hash(tmp_path, _FILES)
 
 
-def test_two_payloads_that_contain_each_other_have_different_hashes(tmp_path: Path) -> None:
-    """The hash is that of one payload, also where two payloads reach the same messages."""
-    text = 'syntax = "proto3";\npackage p;\nmessage Payload { Other x = 1; }\nmessage Other { Payload x = 1; }\n'
-    assert _hash(tmp_path, {"a.proto": text}) != _hash(tmp_path, {"a.proto": text}, "p.Other")
-
-
 def test_the_hash_is_that_of_the_documented_text(tmp_path: Path) -> None:
     """A program without roverlink can compute the hash from the text that the module documents."""
     file = """\

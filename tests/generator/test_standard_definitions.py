@@ -36,22 +36,6 @@ def test_the_file_is_what_rosbags_says() -> None:
     assert extract.text() == committed, "run python -m roverlink.generator.resolve.interfaces.extract"
 
 
-def test_every_message_can_be_read() -> None:
-    """Each has its fields in each distribution that has it, and messages in it are known as well."""
-    for name in map(definitions.full_name, definitions.names()):
-        found = 0
-        for distribution in definitions.DISTRIBUTIONS:
-            try:
-                interface = definitions.interface(name, distribution)
-            except DistributionsDisagreeError:
-                continue
-            assert interface is not None
-            found += 1
-            for field in interface.fields:
-                assert not field.type.is_message or definitions.interface(field.type.name, distribution)
-        assert found
-
-
 def test_what_differs_needs_a_choice() -> None:
     """A message with a field of one distribution is an error, until that one is chosen; a constant is left out."""
     with pytest.raises(DistributionsDisagreeError, match="the field `float32 variance` of sensor_msgs/msg/Range"):
@@ -75,15 +59,6 @@ def test_what_is_known_is_about_fields() -> None:
             assert type
             assert type.is_message or type.name.startswith("float"), path
             units.parse(unit)
-
-
-def test_the_outermost_message_knows_the_unit() -> None:
-    """A vector is in the unit of the message that holds it; a message in another keeps its own."""
-    vector = ("sensor_msgs/msg/Imu", "geometry_msgs/msg/Vector3")
-    assert meanings.unit_of(vector, ("linear_acceleration", "x")) == "m/s^2"
-    odometry = ("nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistWithCovariance", "geometry_msgs/msg/Twist")
-    assert meanings.unit_of((*odometry, "geometry_msgs/msg/Vector3"), ("twist", "twist", "linear", "x")) == "m/s"
-    assert meanings.unit_of(("geometry_msgs/msg/Vector3",), ("x",)) == ""
 
 
 def _of_the_runtime() -> dict[str, type[Message]]:

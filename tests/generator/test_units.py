@@ -105,9 +105,3 @@ def test_what_is_no_unit_says_why(text: str, why: str) -> None:
     with pytest.raises(units.UnitError) as caught:
         units.parse(text)
     assert why in str(caught.value)
-
-
-def test_a_conversion_is_exact() -> None:
-    """From Fahrenheit to Celsius is a fraction, and no float."""
-    scaling = units.conversion(units.parse("degF"), units.parse("degC"))
-    assert (str(scaling.factor), str(scaling.offset), scaling.pi) == ("5/9", "-160/9", 0)
