@@ -113,6 +113,7 @@ def test_ros_2_hears_the_stamp_and_frame_of_the_image(film: Film, words: list[st
         assert (header.stamp.sec * 10**9 + header.stamp.nanosec - _BEGAN) % _PERIOD == 0
 
 
+@pytest.mark.slow
 def test_a_camera_is_calibrated_over_a_topic(start: Start, tmp_path: Path) -> None:
     """Views of the board are taken from the topic."""
     picture = board_frames.frame((0, 0), (0.5, 0.5), 0.36)

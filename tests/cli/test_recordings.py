@@ -81,7 +81,7 @@ def test_a_bridge_is_recorded(bridge: Bridge, peer: socket.socket, tmp_path: Pat
             for datagram in sent
         ],
     }
-    assert "/diagnostics" not in {message.channel.topic for message in RosReplay(Recording(path), REGISTRY).messages()}
+    assert "/diagnostics" not in RosReplay(Recording(path), REGISTRY).endpoints
     replay = RosReplay(Recording(path), REGISTRY, {"/diagnostics"})
     array: Any = cdr.decode(replay.endpoints["/diagnostics"].message_type, next(replay.messages()).data)
     assert array.status[0].name == "udp_forwarder"

@@ -114,7 +114,8 @@ def test_a_bridge_in_memory_adds_up(called: Called) -> None:
     account = json.loads(output)
     assert account["faults"] == []
     assert sum(account["sent"].values()) == account["bridge"]["received"] + account["bridge"]["kernel_drops"]
-    assert account["bridge"]["dropped"].keys() >= {"malformed", "oversized", "unknown_payload"}
+    assert account["bridge"]["received"] > 0
+    assert account["bridge"]["dropped"].items() <= account["sent"].items()
     assert account["commands"] > 0
 
 
