@@ -5,27 +5,21 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import shutil
-import signal
 from pathlib import Path
 
 import pytest
-from needs import NO_OPENCV
-from programs import Start
+from needs import NO_OPENCV, NO_PYPDFIUM2
 
 from roverlink.__main__ import main
 
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
-pypdfium2 = pytest.importorskip("pypdfium2", reason="need pypdfium2 (pip install pypdfium2)")
+pypdfium2 = pytest.importorskip("pypdfium2", reason=NO_PYPDFIUM2)
 
 from roverlink.aruco.board_options import add_board, board_of  # noqa: E402  # they need OpenCV
 from roverlink.vision.calibration import (  # noqa: E402
-    AprilGrid,
     BoardDetector,
-    CalibrationBoard,
     CharucoBoard,
-    Chessboard,
 )
 from roverlink.vision.camera.parameters_file import read_parameters  # noqa: E402
 from tests.vision.board_frames import BOARD, MATRIX, SIZE, frames  # noqa: E402
@@ -58,10 +52,7 @@ def filmed(folder: Path, count: int, still: int) -> Path:
 
 
 def test_images_become_a_file_of_parameters(images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The camera is found to a thousandth; the file says how sure that is, and the image that is of no use is named.
-
-    Scripts get one object with all that the words say. The same images give the same bytes.
-    """
+    """The camera is found to a thousandth; the file says how sure that is, and the image that is of no use is named."""
     out = tmp_path / "camera.yml"
     assert main(["aruco", "calibrate", str(images), "--out", str(out)]) == 0
     said = capsys.readouterr().out
@@ -91,43 +82,6 @@ def test_images_become_a_file_of_parameters(images: Path, tmp_path: Path, capsys
     assert [view["name"] for view in found["views"] if view["dropped"]] == ["wall.png"]
     assert found["judgement"]["verdict"] in ("good", "usable")
     assert all(doubt["text"] for doubt in found["judgement"]["doubts"])
-
-
-@pytest.mark.slow
-def test_an_image_that_cannot_be_read_is_skipped(
-    images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """It is named once and counted, and the others are used, each with its own name."""
-    folder = tmp_path / "images"
-    shutil.copytree(images, folder)
-    (folder / "view0.png").write_bytes(b"no image")
-    out = tmp_path / "camera.yml"
-    assert main(["aruco", "calibrate", str(folder), "--out", str(out)]) == 0
-    said = capsys.readouterr()
-    assert said.err.count("view0.png: cannot read the file as an image; it is skipped") == 1
-    assert f"skipped 1 of {IMAGES + 1} images" in said.err
-    named = [name for line in said.out.splitlines() if (name := line.split(" ")[0]).endswith(".png")]
-    assert named == [*(f"view{index}.png" for index in range(1, IMAGES)), "wall.png"]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("board", "options"),
-    [
-        (Chessboard(6, 5, 0.015), ["chessboard", "--squares", "6x5", "--square", "0.015"]),
-        (AprilGrid(6, 4, 0.03), ["aprilgrid", "--squares", "6x4", "--marker", "0.03"]),
-    ],
-    ids=["chessboard", "aprilgrid"],
-)
-def test_other_boards_calibrate_too(board: CalibrationBoard, options: list[str], tmp_path: Path) -> None:
-    """A chessboard that is in the image as a whole, and an AprilGrid of Kalibr."""
-    folder = tmp_path / "images"
-    folder.mkdir()
-    for index, image in enumerate(frames(24, board)):
-        cv2.imwrite(str(folder / f"view{index}.png"), image)
-    out = tmp_path / "camera.yml"
-    assert main(["aruco", "calibrate", str(folder), "--out", str(out), "--board", *options]) == 0
-    assert read_parameters(out).focal == pytest.approx(MATRIX.diagonal()[:2], rel=2e-3)
 
 
 @pytest.mark.slow
@@ -194,17 +148,6 @@ def test_a_video_in_words_says_what_is_missing(tmp_path: Path, capsys: pytest.Ca
     assert "distances: " in said
     assert "tilts: " in said
     assert "3 of 3 views are usable, but 10 are needed" in said
-
-
-@pytest.mark.slow
-def test_whoever_has_enough_presses_ctrl_c(start: Start, tmp_path: Path) -> None:
-    """What was collected until then is calibrated."""
-    film = filmed(tmp_path, 16, 12)
-    program = start("aruco", "calibrate", film, "--views", "1000", "--out", tmp_path / "camera.yml")
-    program.wait_for("view 13 ")
-    program.send_signal(signal.SIGINT)
-    assert program.end() == 0
-    assert read_parameters(tmp_path / "camera.yml").matrix == pytest.approx(MATRIX, abs=5.0)
 
 
 def test_a_board_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -77,15 +77,9 @@ def test_frames_of_two_cameras_give_one_pose(field: Field, capsys: pytest.Captur
         assert both["rover"]["covariance"][0] < 0.8 * one["rover"]["covariance"][0]
 
 
-@pytest.mark.parametrize("offset", [0.3, 1])
-def test_cameras_that_contradict_each_other_give_no_pose(
-    field: Field, offset: float, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """If a mount is wrong, it is unknown which one: this is told once, and no position is given.
-
-    With a small error, a compromise fits no landmark at all.
-    """
-    _with_a_second_camera(field, f"[0, {offset}, 0.6]")
+def test_cameras_that_contradict_each_other_give_no_pose(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """If a mount is wrong, it is unknown which one: this is told once, and no position is given."""
+    _with_a_second_camera(field, "[0, 0.3, 0.6]")
     views, told = lines(capsys, _words(field, "--json"))
     assert all("position" not in view["rover"] for view in views[1::2])
     assert told.count("contradict each other; there is no pose until most of them agree") == 1
@@ -108,9 +102,6 @@ def test_each_camera_has_its_film(field: Field) -> None:
     for name in ("front", "left"):
         capture = cv2.VideoCapture(str(field.folder / f"seen_{name}.avi"))
         assert sum(capture.grab() for _ in range(_FRAMES + 1)) == _FRAMES
-
-
-# --- ROS 2 --------------------------------------------------------------------------------------------------------
 
 
 @contextmanager
@@ -138,10 +129,7 @@ def _driver(node: Middleware, camera: RenderedD435i) -> Iterator[None]:
 
 @needs_dds
 def test_a_d435i_says_where_base_link_is(field: Field) -> None:
-    """The pose comes from images over DDS and the transforms on /tf_static, and the basestation gets the same position.
-
-    The true pose is inside the 95 % ellipsoid as often as it should be.
-    """
+    """The pose comes from images over DDS and the transforms on /tf_static; the basestation gets the same."""
     camera = RenderedD435i(8)
     with open_middleware("dds", NodeIdentity("driver")) as node, _driver(node, camera):
         poses = hear(node, "/aruco/pose", geometry_msgs.PoseWithCovarianceStamped, Qos(depth=100))
@@ -161,13 +149,3 @@ def test_a_d435i_says_where_base_link_is(field: Field) -> None:
     assert any(np.hypot(*(np.subtract((place.x, place.y), one))) < 1e-5 for place in positions for one in found)
     assert colour.stamp == depth.stamp
     assert depth.pixels.min() < 3500 < depth.pixels.max()
-
-
-@needs_dds
-@pytest.mark.slow
-def test_a_mount_that_nobody_publishes_is_told(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
-    """The poses of the camera come all the same; the message names the frames and both remedies."""
-    assert main(field.words("--middleware", "dds", "--loop", "--count", 45)) == 0
-    told = capsys.readouterr().err
-    assert told.count("the pose of 'base_link' is not known: no transforms connect 'camera_frame'") == 1
-    assert "publish the camera's mount on /tf_static, or write it into cameras.yaml" in told

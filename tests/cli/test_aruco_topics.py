@@ -113,39 +113,7 @@ def test_ros_2_hears_the_stamp_and_frame_of_the_image(film: Film, words: list[st
         assert (header.stamp.sec * 10**9 + header.stamp.nanosec - _BEGAN) % _PERIOD == 0
 
 
-def test_parameters_from_a_file_need_no_camera_info(
-    film: Film, words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The file overrides the CameraInfo of the driver, which is not calibrated."""
-    given = ("--json", "--count", "1", "--parameters", str(tmp_path / "camera.yml"))
-    with _driving(film, info=sensor_msgs.CameraInfo(width=640, height=480)):
-        assert main([*words, *given]) == 0
-        assert _off(film, json.loads(capsys.readouterr().out)) < 0.01
-        assert main([*words, *given[:3]]) == 2
-    assert f"{_INFO}: the camera is not calibrated" in capsys.readouterr().err
-
-
-def test_a_film_has_the_stamp_and_frame_of_its_images(film: Film, words: list[str], tmp_path: Path) -> None:
-    """They are written into the upper left corner, and the landmarks in colour, also if the camera is grey."""
-    with _driving(film, grey=True):
-        assert main([*words, "--save", str(tmp_path / "seen.avi"), "--count", "1"]) == 0
-    _, picture = cv2.VideoCapture(str(tmp_path / "seen.avi")).read()
-    corner = picture[:18, :300].astype(int)
-    assert (corner.min(axis=2) > 200).sum() > 200  # light letters
-    assert (corner.max(axis=2) < 60).sum() > 1000  # in a dark box
-    assert (np.ptp(picture.astype(int), axis=2) > 80).sum() > 300
-
-
 @pytest.mark.slow
-def test_a_topic_without_a_publisher_is_waited_for(film: Film, words: list[str], start: Start) -> None:
-    """The program says what it waits for, and Ctrl-C ends the wait; a camera that starts later is tracked."""
-    tracker = start(*words, "--json", "--middleware", "none")
-    tracker.wait_for(f"waiting: nothing publishes on {_IMAGES} yet")
-    with _driving(film):
-        tracker.wait_for('"markers"', tracker.output)
-    assert tracker.interrupt() == 0
-
-
 def test_a_camera_is_calibrated_over_a_topic(start: Start, tmp_path: Path) -> None:
     """Views of the board are taken from the topic."""
     picture = board_frames.frame((0, 0), (0.5, 0.5), 0.36)

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
-import os
-import socket
 import sys
-import threading
 import time
 from pathlib import Path
 
 import pytest
 from needs import NO_OPENCV, needs_dds
 from node_in_memory import hear
-from polling import PATIENCE_S, wait_until
-from programs import Start
-from running import Bridge
+from polling import wait_until
 
-from generated.registry import REGISTRY
 from roverlink.__main__ import main
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
@@ -27,7 +20,6 @@ np = pytest.importorskip("numpy", reason=NO_OPENCV)
 
 from driven_film import Field, lines  # noqa: E402  # they need OpenCV
 
-from bench.vision.circling_film import rover_position  # noqa: E402
 from roverlink.demo.field import landmarks  # noqa: E402
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs  # noqa: E402
 
@@ -41,10 +33,7 @@ def field(tmp_path_factory: pytest.TempPathFactory) -> Field:
 
 
 def test_json_says_what_is_where(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A line a frame: stamps of the recording, each landmark to 2 % of its distance, the camera at its true place.
-
-    The film has every frame, and what was seen drawn into it; the sums are told.
-    """
+    """A line a frame: stamps of the recording, each landmark to 2 % of its distance, the camera at its true place."""
     film = tmp_path / "seen.avi"
     views, told = lines(capsys, field.words("--json", "--save", film))
     assert [(view["stamp"], view["frame"]) for view in views] == [(index * 10**8, index) for index in range(_FRAMES)]
@@ -122,10 +111,7 @@ def test_new_markers_are_searched_for_as_often_as_asked(
 def test_another_image_size_is_refused_or_scaled(
     field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Parameters of another size are refused; `--rescale` takes them, says so, and distances are still true.
-
-    Where width and height have another ratio, no scale is right.
-    """
+    """Parameters of another size are refused; `--rescale` takes them, says so, and distances are still true."""
     image = field.film.frames[0]
     words = _of_images(field, tmp_path, cv2.resize(image, (480, 360), interpolation=cv2.INTER_AREA))
     assert main(words) == 2
@@ -201,24 +187,6 @@ def test_the_options_of_the_covariance_are_used(field: Field, capsys: pytest.Cap
             assert after["covariance"][14] > 2 * before["covariance"][14]
 
 
-def test_a_board_is_one_landmark(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Two markers of the field, taken as one board, have one pose, which is more exact than a marker's."""
-    boards, gate = tmp_path / "boards.yaml", tmp_path / "gate.yaml"
-    # the board's axes are the field's turned like every print here, about landmark 7: right is -y, up is z, out is -x
-    dx, dy, dz = landmarks().places[8].pose.translation - landmarks().places[7].pose.translation
-    boards.write_text(
-        "boards: {gate: {side: 0.15, markers: {7: {position: [0, 0, 0], rpy: [0, 0, 0]}, "
-        f"8: {{position: [{-dy}, {dz}, {-dx}], rpy: [0, 0, 0]}}}}}}}}"
-    )
-    gate.write_text("landmarks: {gate: {position: [3.0, 0.9, 0.9], rpy: [90, 0, -90]}}")
-    (view,), _ = lines(capsys, field.words("--json", "--boards", boards, "--landmarks", gate, "--count", 1))
-    assert {one["id"] for one in view["markers"]} == {"gate", 9, 10}
-    assert field.off(0, view["camera"]["position"]) < 0.02
-
-
-# --- ROS 2 ------------------------------------------------------------------------------------------------------
-
-
 @needs_dds
 def test_ros_2_hears_what_is_seen(field: Field) -> None:
     """Over DDS each topic has its message, under the names that were asked for, stamped with the time of the frame."""
@@ -250,71 +218,22 @@ def test_ros_2_hears_what_is_seen(field: Field) -> None:
     assert image.shape == (480, 640, 3)
 
 
-@needs_dds
-@pytest.mark.slow
-def test_the_basestation_hears_where_the_rover_is(
-    field: Field, start: Start, bridge: Bridge, peer: socket.socket
-) -> None:
-    """From the camera's frames over ROS 2 and the bridge to the basestation's UDP port, as programs of their own."""
-    program, _ = bridge(parameters=[f"dst_a_port:={peer.getsockname()[1]}"], middleware="dds")
-    tracker = start(*field.words("--middleware", "dds", "--loop", source=field.folder / "cameras.yaml"))
-    for _ in range(20):
-        place = REGISTRY.envelope.FromString(peer.recv(2000)).rover_localization
-        off = [rover_position(pose) - (place.x, place.y, place.z) for pose in field.film.truth]
-        assert np.linalg.norm(off, axis=1).min() < 0.01
-    assert tracker.interrupt() == 0
-    assert "of them with landmarks (10, 7, 8, 9)" in str(tracker)
-    assert program.interrupt() == 0
-
-
-# --- which source -----------------------------------------------------------------------------------------------
-
-
-def _typed(answer: str, monkeypatch: pytest.MonkeyPatch, words: list[str]) -> tuple[int, str]:
-    """Run a command at a terminal at which somebody types a line; its exit code, and what the terminal showed."""
-    ours, theirs = os.openpty()
-    shown: list[bytes] = []
-
-    def read() -> None:
-        with contextlib.suppress(OSError):  # nobody writes any more
-            while text := os.read(ours, 1000):
-                shown.append(text)
-
-    reader = threading.Thread(target=read)
-    reader.start()
-    with open(theirs, closefd=False) as stdin, open(theirs, "w", buffering=1, closefd=False) as stderr:
-        monkeypatch.setattr(sys, "stdin", stdin)
-        monkeypatch.setattr(sys, "stderr", stderr)
-        os.write(ours, f"{answer}\n".encode())
-        code = main(words)
-    os.close(theirs)
-    reader.join(PATIENCE_S)
-    os.close(ours)
-    return code, b"".join(shown).decode()
-
-
 @pytest.mark.parametrize(
-    ("answer", "expected"), [("", "cannot open camera 0"), ("97", "cannot open camera 97"), ("{}", "640x480")]
+    ("answer", "expected"),
+    [("", "cannot open camera 0"), ("97", "cannot open camera 97"), ("{}", "640x480"), (None, "")],
 )
 def test_it_asks_for_the_source(
-    field: Field, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], answer: str, expected: str
+    field: Field, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], answer: str | None, expected: str
 ) -> None:
-    """ENTER is camera 0, a number another; anything else that is a source will do."""
+    """ENTER is camera 0, a number another; any other source will do. Without a terminal, nobody is asked."""
     frames = str(field.folder / "frames")
-    code, shown = _typed(answer.format(frames), monkeypatch, [one for one in field.words("--json") if one != frames])
-    assert "Camera number, URL, topic:NAME, video file or folder (ENTER for camera 0): " in shown
+    monkeypatch.setattr(sys, "stdin", io.StringIO("" if answer is None else f"{answer}\n".format(frames)))
+    for stream in (sys.stdin, sys.stderr):
+        monkeypatch.setattr(stream, "isatty", lambda: answer is not None)
+    code = main([one for one in field.words("--json") if one != frames])
+    output, shown = capsys.readouterr()
+    question = "Camera number, URL, topic:NAME, video file or folder (ENTER for camera 0): "
+    assert (question if answer is not None else "no source given; using camera 0") in shown
     assert expected in shown
     assert code == (0 if answer == "{}" else 2)
-    assert len(capsys.readouterr().out.splitlines()) == (_FRAMES if answer == "{}" else 0)
-
-
-def test_without_a_terminal_it_is_camera_0(
-    field: Field, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Nobody can be asked, so it says what it takes."""
-    monkeypatch.setattr(sys, "stdin", io.StringIO())
-    frames = str(field.folder / "frames")
-    assert main([one for one in field.words("--json") if one != frames]) == 2
-    told = capsys.readouterr().err
-    assert "no source given; using camera 0" in told
-    assert "cannot open camera 0" in told
+    assert len(output.splitlines()) == (_FRAMES if answer == "{}" else 0)

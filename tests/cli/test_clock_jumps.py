@@ -6,7 +6,6 @@ import csv
 import itertools
 import json
 import logging
-import os
 import re
 import socket
 import time
@@ -15,12 +14,10 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-from mcap.writer import Writer
 from needs import needs_dds
 from polling import PATIENCE_S, wait_until
 from programs import Start
 from rosbags.highlevel import AnyReader
-from running import Bridge
 from terminals import Terminal
 
 from generated.registry import REGISTRY
@@ -31,7 +28,6 @@ from roverlink.runtime.recording.message_definitions import definition_of
 from roverlink.runtime.recording.queued_file import Settings
 from roverlink.runtime.recording.reader import Recording
 from roverlink.runtime.recording.recorder import Recorder
-from roverlink.runtime.recording.schemas import descriptor_set_of
 
 _SECOND = 1_000_000_000
 _COUNT = 100
@@ -100,9 +96,6 @@ def _numbers(peer: socket.socket, count: int) -> list[int]:
     return [_number(peer.recv(65_536)) for _ in range(count)]
 
 
-# --- recording --------------------------------------------------------------------------------------------------
-
-
 def test_a_recording_carries_steady_and_wall_time(run: Path, jump: int) -> None:
     """Other readers, too, find the messages in order and a second apart, beside what the clock showed."""
     with run.with_suffix(".datagrams.mcap").open("rb") as file:
@@ -134,35 +127,6 @@ def test_every_part_of_a_recording_knows_the_jump(tmp_path: Path, caplog: pytest
     assert [jump.by for jump in Recording(alone).jumps] == [-_HOUR]
 
 
-@pytest.mark.slow
-def test_a_bridge_whose_clock_is_set_records_in_order(
-    bridge: Bridge, peer: socket.socket, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A day ahead while it records: the program says so, and the recording has neither a gap nor another order."""
-    flag, path = tmp_path / "set", tmp_path / "run.mcap"
-    (tmp_path / "sitecustomize.py").write_text(
-        "import os, time\n"
-        "real = time.time_ns\n"
-        f"time.time_ns = lambda: real() + {24 * _HOUR} * os.path.exists({str(flag)!r})\n"
-    )
-    python_path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
-    program, port = bridge(path, "--no-diagnostics", command="record", PYTHONPATH=python_path)
-    peer.sendto(_datagram(0), ("127.0.0.1", port))
-    wait_until(lambda: path.exists() and "/imu_data" in Recording(path).channels(), "the first message on disk")
-    flag.touch()
-    program.wait_for("the computer's clock jumped by +1 day, 0:00:00, from ")
-    peer.sendto(_datagram(1), ("127.0.0.1", port))
-    assert program.interrupt() == 0
-    first, second = (message for message in Recording(path).messages() if message.channel.topic == "/imu_data")
-    assert 0 < second.time - first.time < PATIENCE_S * _SECOND
-    assert 24 * _HOUR <= second.wall - first.wall < 25 * _HOUR
-    assert main(["info", str(path)]) == 0
-    assert "clock     jumped by +1 day, 0:00:00, from " in capsys.readouterr().out
-
-
-# --- info and export --------------------------------------------------------------------------------------------
-
-
 def _said(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
     """What a command prints that ends well."""
     assert main([*map(str, arguments)]) == 0
@@ -192,9 +156,6 @@ def test_an_export_has_both_times_and_says_where_they_part(
     assert int(rows[-1]["wall_ns"]) - int(rows[-1]["time_ns"]) == jump
 
 
-# --- replay -----------------------------------------------------------------------------------------------------
-
-
 def test_a_replay_keeps_order_and_pace(run: Path, capsys: pytest.CaptureFixture[str], peer: socket.socket) -> None:
     """A hundred seconds, a thousand times as fast, are a tenth of a second; a decade would be days."""
     output = _said(capsys, "replay", run, "--speed", 1000, *_to(peer))
@@ -210,26 +171,6 @@ def test_a_replay_begins_where_it_is_told(run: Path, capsys: pytest.CaptureFixtu
     assert _numbers(peer, 10) == list(range(90, _COUNT))
     assert main(["replay", str(run), "--start", "1000", *_to(peer)]) == 2
     assert capsys.readouterr().err == "roverlink: --start 1000: the recording has only 99.0 s\n"
-
-
-def test_a_recording_of_another_program_is_replayed(
-    capsys: pytest.CaptureFixture[str], peer: socket.socket, tmp_path: Path
-) -> None:
-    """Recordings with one time, as roverlink made them before, are replayed as ever, from the middle, too."""
-    path = tmp_path / "old.datagrams.mcap"
-    with path.open("wb") as file:
-        writer = Writer(file, chunk_size=100)  # channels are declared in the first chunks
-        writer.start()
-        name = REGISTRY.envelope.DESCRIPTOR.full_name
-        schema = writer.register_schema(name, "protobuf", descriptor_set_of(REGISTRY.envelope))
-        channel = writer.register_channel("/datagrams/received", "protobuf", schema)
-        for number in range(_COUNT):
-            at = _BEGIN + number * _SECOND
-            writer.add_message(channel, at, _datagram(number), at)
-        writer.finish()
-    assert "clock " not in _said(capsys, "info", path)
-    _said(capsys, "replay", path, "--speed", 1000, "--start", 40, *_to(peer))
-    assert _numbers(peer, 60) == list(range(40, _COUNT))
 
 
 @needs_dds
@@ -283,28 +224,3 @@ def test_a_replay_shows_its_progress_and_obeys_keys(run: Path, peer: socket.sock
         assert terminal.end() == 0
         terminal.wait_for(r"replayed \d+ datagrams in ")
         assert terminal.left_as_it_was()
-
-
-@pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
-@pytest.mark.slow
-def test_ctrl_c_ends_a_paused_replay(run: Path, peer: socket.socket) -> None:
-    """Cleanly, and the terminal echoes again."""
-    with Terminal("replay", run, *_to(peer)) as terminal:
-        _numbers(peer, 1)
-        terminal.wait_for("space pauses")
-        terminal.type(" ")
-        terminal.wait_for("paused")
-        assert not terminal.left_as_it_was()
-        terminal.type("\x03")
-        assert terminal.end() == 0
-        assert terminal.left_as_it_was()
-
-
-@pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
-@pytest.mark.slow
-def test_a_replay_on_the_terminal_of_another_session_takes_no_keys(run: Path, peer: socket.socket) -> None:
-    """It shows its progress, promises no keys, and replays to the end."""
-    with Terminal("replay", run, "--speed", 50, *_to(peer), own=False) as terminal:
-        terminal.wait_for(r"of 99\.0 s \(\d+%\)[\x1b\r]")
-        assert _numbers(peer, _COUNT) == list(range(_COUNT))
-        assert terminal.end() == 0

@@ -6,7 +6,6 @@ import logging
 import os
 import re
 import shlex
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -75,10 +74,7 @@ def test_an_option_may_be_shortened_and_what_follows_two_dashes_is_a_value() -> 
     ("shell", "line", "expected"),
     [
         ("bash", "roverlink re", {"retire", "record", "replay"}),
-        ("bash", "roverlink lint --format ", {"text", "json", "github", "sarif", "junit"}),
-        ("bash", "roverlink frobnicate --x", set()),
-        ("zsh", "roverlink aruco bo", {"board"}),
-        ("fish", "roverlink lint --ag", {"--against"}),
+        ("zsh", "roverlink lint --format ", {"text", "json", "github", "sarif", "junit"}),
     ],
 )
 def test_shells_complete_commands_options_and_choices(
@@ -96,34 +92,14 @@ def test_shells_complete_commands_options_and_choices(
     assert {re.split(r"[:\t]", word)[0].strip() for word in words} - {""} == expected
 
 
-@pytest.mark.parametrize(
-    ("shell", "script"),
-    [
-        (
-            "fish",
-            """
-            register-python-argcomplete --shell fish roverlink | source
-            complete --do-complete 'roverlink gene'
-            """,
-        ),
-        (
-            "bash",
-            """
-            eval "$(register-python-argcomplete roverlink)"
-            COMP_LINE='roverlink gene' COMP_POINT=14 COMP_TYPE=9 COMP_KEY=9 COMP_WORDS=(roverlink gene) COMP_CWORD=1
-            "$(complete -p roverlink | sed 's/.*-F \\([^ ]*\\).*/\\1/')" roverlink gene roverlink
-            echo "${COMPREPLY[@]}"
-            """,
-        ),
-    ],
-    ids=["fish", "bash"],
-)
-def test_a_shell_completes_after_the_line_of_the_readme(
-    shell: str, script: str, tmp_path: Path, environment: dict[str, str]
-) -> None:
+def test_bash_completes_after_the_line_of_the_readme(tmp_path: Path, environment: dict[str, str]) -> None:
     """In a real shell, the registration makes the tab key complete a command."""
-    if not shutil.which(shell):
-        pytest.skip(f"{shell} is not installed")
+    script = """
+        eval "$(register-python-argcomplete roverlink)"
+        COMP_LINE='roverlink gene' COMP_POINT=14 COMP_TYPE=9 COMP_KEY=9 COMP_WORDS=(roverlink gene) COMP_CWORD=1
+        "$(complete -p roverlink | sed 's/.*-F \\([^ ]*\\).*/\\1/')" roverlink gene roverlink
+        echo "${COMPREPLY[@]}"
+    """
     for name, module in (
         ("roverlink", "roverlink"),
         ("register-python-argcomplete", "argcomplete.scripts.register_python_argcomplete"),
@@ -131,33 +107,26 @@ def test_a_shell_completes_after_the_line_of_the_readme(
         (tmp_path / name).write_text(f'#!/bin/sh\nexec {sys.executable} -m {module} "$@"\n')
         (tmp_path / name).chmod(0o755)
     path = {"PATH": f"{tmp_path}:{environment['PATH']}", "HOME": str(tmp_path)}
-    done = subprocess.run([shell, "-c", script], env={**environment, **path}, capture_output=True, text=True)
+    done = subprocess.run(["bash", "-c", script], env={**environment, **path}, capture_output=True, text=True)
     assert (done.stderr, done.stdout.split()) == ("", ["generate"])
 
 
 def test_the_version_and_an_unknown_command_import_no_command(environment: dict[str, str]) -> None:
     """Both end without the commands, the generator and the bridge, whose imports take most of a start."""
-    for arguments in (["--version"], ["--hlp"]):
-        script = f"""
-import sys
+    script = """
+import contextlib, sys
 from roverlink.__main__ import main
-try:
-    main({arguments})
-finally:
-    slow = ("roverlink.commands", "roverlink.generator", "roverlink.runtime.bridge", "yaml", "rich")
-    print([name for name in sys.modules if name.startswith(slow)], file=sys.stderr)
+for word in ("--version", "--hlp"):
+    with contextlib.suppress(SystemExit):
+        main([word])
+slow = ("roverlink.commands", "roverlink.generator", "roverlink.runtime.bridge", "yaml", "rich")
+print([name for name in sys.modules if name.startswith(slow)])
 """
-        done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True)
-        assert "\n[]\n" in f"\n{done.stderr}", arguments
+    done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True)
+    assert done.stdout.splitlines()[1:] == ["[]"]
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        *("run", "record a.mcap", "replay a.mcap", "send imu_info", "listen --port 0", "echo a", "pub a", "simulate"),
-        "demo",
-    ],
-)
+@pytest.mark.parametrize("line", ["run", "replay a.mcap", "send imu_info", "listen --port 0", "simulate", "demo"])
 def test_outside_of_a_project_the_way_to_start_one_is_told(
     line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -172,7 +141,6 @@ def test_outside_of_a_project_the_way_to_start_one_is_told(
 @pytest.mark.parametrize(
     ("package", "line", "install"),
     [
-        ("mcap", "info run.mcap", "install it with `pip install 'mcap>=1.3'`"),
         ("pyarrow", "export {run} --topic imu_data --to parquet", "install it with `pip install 'pyarrow>=17'`"),
         (
             "prometheus_client",
@@ -180,7 +148,6 @@ def test_outside_of_a_project_the_way_to_start_one_is_told(
             "install it with `pip install 'prometheus-client>=0.21'`",
         ),
         ("cyclonedds", "simulate --bridge dds --seconds 1", "cannot be imported (hidden)"),
-        ("rclpy", "simulate --bridge rclpy --seconds 1", "cannot be imported (hidden)"),
     ],
 )
 def test_a_missing_package_is_told(package: str, line: str, install: str, done: Start, tmp_path: Path) -> None:
@@ -192,9 +159,6 @@ def test_a_missing_package_is_told(package: str, line: str, install: str, done: 
     assert (code, output, len(errors.splitlines())) == (2, "", 1)
     assert install in errors
     assert "install" in errors
-
-
-# --- what they share --------------------------------------------------------------------------------------------
 
 
 def test_the_project_is_the_nearest_folder_that_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -212,22 +176,14 @@ def test_the_project_is_the_nearest_folder_that_is_one(tmp_path: Path, monkeypat
     assert project_folder(tmp_path) == tmp_path
 
 
-@pytest.mark.parametrize(
-    ("level", "shown"),
-    [
-        ("debug", ["DEBUG", "INFO", "WARN", "ERROR", "FATAL"]),
-        ("info", ["INFO", "WARN", "ERROR", "FATAL"]),
-        ("warn", ["WARN", "ERROR", "FATAL"]),
-        ("error", ["ERROR", "FATAL"]),
-        ("fatal", ["FATAL"]),
-    ],
-)
-def test_the_logger_has_ros_2s_levels(level: str, shown: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("first", range(5))
+def test_the_logger_has_ros_2s_levels(first: int, capsys: pytest.CaptureFixture[str]) -> None:
     """Each level shows itself and what is graver, once, by ROS 2's names."""
+    names = ["DEBUG", "INFO", "WARN", "ERROR", "FATAL"]
     for _ in range(2):  # a second logger of the same name does not double the lines
-        logger = node_logger("test_levels", level)
+        logger = node_logger("test_levels", names[first].lower())
     for number in (logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR, logging.CRITICAL):
         logger.log(number, "text")
     lines = capsys.readouterr().err.splitlines()
-    assert [line.partition("]")[0].lstrip("[") for line in lines] == shown
+    assert [line.partition("]")[0].lstrip("[") for line in lines] == names[first:]
     assert all(line.endswith("[test_levels]: text") for line in lines)

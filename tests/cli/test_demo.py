@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from needs import NO_AV, NO_OPENCV, needs_dds
+from needs import NO_AV, needs_dds
 from rich.console import Console
 
 from generated.registry import REGISTRY
@@ -23,13 +23,12 @@ from roverlink.__main__ import main
 from roverlink.console import isolate_ros
 from roverlink.demo.demo_rover import DemoRover
 from roverlink.demo.shuttle import START, Shuttle
-from roverlink.driving.arcs import PlanarPose
 from roverlink.driving.rover_model import RoverModel
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import SetupError
 from roverlink.runtime.client import Received
 from roverlink.simulation import crossings
-from roverlink.simulation.bridge_host import BridgeProcess, BridgeThread
+from roverlink.simulation.bridge_host import BridgeProcess
 from roverlink.simulation.crossings import Crossing
 
 Start = Callable[..., Any]
@@ -41,13 +40,8 @@ def _own_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
 
-@pytest.mark.parametrize(
-    "middleware",
-    [
-        pytest.param("memory", marks=pytest.mark.slow),
-        pytest.param("dds", marks=[needs_dds, pytest.mark.slow]),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("middleware", ["memory", pytest.param("dds", marks=needs_dds)])
 def test_every_message_crosses(done: Start, middleware: str) -> None:
     """In three seconds all messages cross, it ends by itself with exit code 0, and says what the bridge counted."""
     code, output, errors = done("demo", "--seconds", 3, "--middleware", middleware)
@@ -69,23 +63,12 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
     driven, off = numbers(r"the rover drove ([\d.]+) m .*; its wheel odometry is (\d+) mm beside the truth")
     assert driven > 0
     assert off < 100
-    installed = {name for name in ("cv2", "onnxruntime", "scipy", "av") if importlib.util.find_spec(name)}
-    if "cv2" not in installed:
-        assert "pip install 'opencv-contrib-python-headless>=4.8'" in output
-    else:
+    if importlib.util.find_spec("cv2"):
         frames, error = numbers(r"located the rover in (\d+) frames with 4 landmarks; largest error (\d+) mm")
         assert frames > 0
         assert error <= 30
-        if installed >= {"onnxruntime", "scipy"}:
-            frames, share = numbers(r"searched (\d+) frames for objects; it found (\d+)% of them")
-            assert frames > 3
-            assert share >= 70
-        else:
-            assert "pip install 'onnxruntime>=1.17'" in output
-        if "av" in installed:
-            numbers(r"the video of the simulated camera arrived with ([1-9]\d*) images/s, \d+ ms after")
-        else:
-            assert "pip install 'av>=12'" in output
+    else:
+        assert "pip install 'opencv-contrib-python-headless>=4.8'" in output
     for handler in REGISTRY.handlers:
         assert re.search(rf"{handler.route.number} . {handler.route.name} ", output)
 
@@ -93,10 +76,7 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(not importlib.util.find_spec("av"), reason=NO_AV)
 def test_the_page_shows_the_video_of_the_camera_and_the_paths_of_the_rover(start: Start) -> None:
-    """The video as it arrives, marked as old when the demo has ended; the true path and both estimated ones, landmarks.
-
-    The path of the camera stays at the true one, and the path of the odometry leaves it.
-    """
+    """The video as it arrives; the true path and both estimated ones, landmarks; the end of the demo is told."""
     from tests.vision.browsing import visiting  # it needs OpenCV
 
     demo = start("demo", "--seconds", 120, "--middleware", "memory")
@@ -112,15 +92,6 @@ def test_the_page_shows_the_video_of_the_camera_and_the_paths_of_the_rover(start
             box = f"return document.querySelector('#map .{path}').getBBox()"
             visitor.until(lambda box=box: 1.5 < visitor.run(box)["width"] < 3)
             assert visitor.run(box)["height"] < 1
-        told = re.compile(r"(\d+) mm beside the truth; wheel odometry (\d+) mm beside the truth")
-
-        def odometry_is_worse() -> bool:
-            errors = told.search(visitor.text("#map-note"))
-            assert errors
-            assert int(errors[1]) <= 30
-            return int(errors[2]) > 2 * int(errors[1])
-
-        visitor.until(odometry_is_worse)
         assert visitor.count("#map .landmark") == 4
         assert visitor.complaints() == []
         demo.interrupt()
@@ -142,27 +113,6 @@ def test_messages_that_do_not_cross_are_exit_code_1(capsys: pytest.CaptureFixtur
     assert "0 of 21 messages were bridged" in output
     missing = output.partition("not bridged: ")[2].replace("\n", " ")
     assert [name.strip() for name in missing.split(",")] == [handler.route.name for handler in REGISTRY.handlers]
-
-
-@pytest.mark.slow
-def test_a_single_message_that_does_not_cross_is_exit_code_1(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """One message of all is enough to fail, and it alone is named."""
-    real = Crossing.add
-
-    def all_but_one(crossing: Crossing, last: Any) -> None:
-        if crossing.handler.route.name != "gps_info":
-            real(crossing, last)
-
-    monkeypatch.setattr(Crossing, "add", all_but_one)
-    assert main(["demo", "--seconds", "1", "--middleware", "memory"]) == 1
-    output = capsys.readouterr().out
-    assert "20 of 21 messages were bridged" in output
-    assert "not bridged: gps_info" in output
-
-
-# --- its rover --------------------------------------------------------------------------------------------------
 
 
 class _NoBoards:
@@ -192,32 +142,16 @@ def test_the_rover_moves_by_messages_on_drive_motor_alone() -> None:
     assert "the rover drove 0.5 m" in rover.stop()
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
-def test_slip_does_not_carry_the_rover_away(seed: int) -> None:
-    """For five minutes, which are 120 m, it drives to and fro within its limits, and looks to the landmarks."""
-    rover, driver = RoverModel(seed, start=START), Shuttle()
-    for _ in range(3000):
+def test_slip_does_not_carry_the_rover_away() -> None:
+    """For a minute, which is 24 m, it drives to and fro within its limits, and looks to the landmarks."""
+    rover, driver = RoverModel(0, start=START), Shuttle()
+    for _ in range(600):
         rover.command(driver.command(rover.pose))
         rover.advance(0.1)
         assert abs(rover.pose.yaw) < math.radians(28)  # half of what the camera sees
         assert abs(rover.pose.y) < 0.4
         assert -1.4 < rover.pose.x < 1.2
-    assert rover.rolled > 100
-
-
-def test_images_belong_to_poses_also_after_a_lost_connection() -> None:
-    """A program that connects again goes on counting from the images that it got."""
-    pytest.importorskip("cv2", reason=NO_OPENCV)
-    from roverlink.demo.rover_images import SentImages
-
-    sent = SentImages()
-    sent.connect().extend(PlanarPose(x) for x in range(3))
-    assert [sent.pose(number, time.time_ns()).x for number in (0, 1)] == [0, 1]  # the last image was lost
-    sent.connect().extend(PlanarPose(x) for x in range(3, 9))
-    assert [sent.pose(number, time.time_ns()).x for number in (2, 4)] == [3, 5]
-
-
-# --- its parts --------------------------------------------------------------------------------------------------
+    assert rover.rolled > 20
 
 
 def test_a_rate_is_that_of_the_last_two_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -249,18 +183,11 @@ def test_the_table_shows_each_message_with_its_last_value() -> None:
     assert "|9|drive_motor|ros→hardware|0.0/s|0||" in lines
 
 
-@pytest.mark.parametrize(
-    ("values", "text"),
-    [
-        ({}, ""),
-        ({"a": 1, "b": True, "c": "x"}, "a 1, b True, c x"),
-        ({"a": 1, "b": 2, "c": 3, "d": 4, "e": 5}, "a 1, b 2, c 3, d 4, …"),
-        ({"a": {"x": 1.0, "y": 0.12345, "z": 3}, "b": [1, 2, 3]}, "a {1, 0.123…}, b [3]"),
-    ],
-)
-def test_a_message_in_brief(values: dict[str, Any], text: str) -> None:
+def test_a_message_in_brief() -> None:
     """The first fields on one line, numbers short, nested messages and lists hinted at."""
-    assert crossings.brief(values) == text
+    assert crossings.brief({"a": 1, "b": True, "c": "x"}) == "a 1, b True, c x"
+    nested = {"x": 1.0, "y": 0.12345, "z": 3}
+    assert crossings.brief({"a": nested, "b": [1, 2, 3], "c": 3, "d": 4, "e": 5}) == "a {1, 0.123…}, b [3], c 3, d 4, …"
 
 
 def test_simulated_payloads_fit_and_change() -> None:
@@ -277,33 +204,18 @@ def test_a_bridge_that_does_not_start_is_told(tmp_path: Path, capsys: pytest.Cap
     assert f"no generated code in {tmp_path}" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("answer", "expected"),
-    [
-        ("sys.exit(3)", "the bridge ended with exit code 3"),
-        pytest.param("None", "the bridge did not stop within 20", marks=pytest.mark.slow),
-    ],
-)
-def test_a_bridge_that_does_not_end_well_is_told(
-    answer: str, expected: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A bridge that fails or hangs when it is stopped is an error of the demo's, not a traceback."""
+def test_a_bridge_that_does_not_end_well_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bridge that fails when it is stopped is an error of the demo's, not a traceback."""
     script = tmp_path / "python"
     script.write_text(
-        f"#!{sys.executable}\nimport signal, sys, time\nsignal.signal(signal.SIGINT, lambda *_: {answer})\n"
+        f"#!{sys.executable}\nimport signal, sys, time\nsignal.signal(signal.SIGINT, lambda *_: sys.exit(3))\n"
         "print('{\"port\": 1}', flush=True)\nwhile True:\n    time.sleep(1)\n"
     )
     script.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(script))
+    expected = "the bridge ended with exit code 3"
     with BridgeProcess(Path.cwd(), "dds", {}) as process, pytest.raises(SetupError, match=expected):
         process.stop()
-
-
-def test_a_bridge_in_a_thread_counts() -> None:
-    """Over memory the bridge is a thread of this process; its account is the same."""
-    with BridgeThread(REGISTRY, {"dst_a_port": 1, "dst_b_port": 2}) as host:
-        assert host.port
-        assert host.stop()["received"] == 0
 
 
 def test_the_demo_keeps_to_itself(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -65,23 +64,16 @@ class _Terminal(io.StringIO):
 
 
 @pytest.mark.parametrize(
-    ("stream", "environment", "coloured"),
-    [
-        (_Terminal, {"TERM": "xterm"}, True),
-        (_Terminal, {"TERM": "xterm", "NO_COLOR": "1"}, False),
-        (io.StringIO, {"TERM": "xterm"}, False),
-    ],
+    ("stream", "no_colour", "coloured"), [(_Terminal, "", True), (_Terminal, "1", False), (io.StringIO, "", False)]
 )
 def test_colour_is_for_terminals(
-    stream: type[io.StringIO], environment: Mapping[str, str], coloured: bool, monkeypatch: pytest.MonkeyPatch
+    stream: type[io.StringIO], no_colour: str, coloured: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A file, a pipe and NO_COLOR get plain text."""
-    for name in ("NO_COLOR", "FORCE_COLOR", "TTY_COMPATIBLE"):
+    for name in ("FORCE_COLOR", "TTY_COMPATIBLE"):
         monkeypatch.delenv(name, raising=False)
-    for name, value in environment.items():
-        monkeypatch.setenv(name, value)
-    file = stream()
-    show(
-        [Rule("XYZ101", "example", "An example.").at(Span("nowhere.yaml", 1, 1), "it is wrong")], Sources(Path()), file
-    )
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("NO_COLOR", no_colour)
+    file, rule = stream(), Rule("XYZ101", "example", "An example.")
+    show([rule.at(Span("nowhere.yaml", 1, 1), "it is wrong")], Sources(Path()), file)
     assert ("\x1b[31m" in file.getvalue() or "\x1b[1;31m" in file.getvalue()) == coloured

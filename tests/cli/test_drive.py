@@ -48,9 +48,6 @@ def _path(length: float = 5.0, frame: str = "map", stamp: int = 0) -> Path:
     return Path(header, [PoseStamped(header, Pose(Point(x))) for x in (0.0, length)])
 
 
-# --- the program, with a bridge, a board and a basestation --------------------------------------------------------
-
-
 @needs_dds
 def test_velocities_reach_the_board_while_the_basestation_says_so(
     bridge: Bridge, start: Start, peer: socket.socket
@@ -108,9 +105,6 @@ def test_velocities_reach_the_board_while_the_basestation_says_so(
     assert [one["reason"] for one in entries[-2:]] == ["control_mode is MANUAL", "this program ends"]
     assert entries[-3]["distance_to_go"] == 0
     assert [one["distance_to_go"] for one in entries if "distance_to_go" in one][-2] > 0
-
-
-# --- in memory, in the time of a simulation -----------------------------------------------------------------------
 
 
 class _Drive(NodeInMemory):
@@ -198,18 +192,6 @@ def test_simulated_time_that_stands_still_ends_nothing(drive: _Drive) -> None:
     drive.driving.tick()
     assert drive.sent[-1] == DrivingBoardMotorMessage()
     assert drive.states[-1] == "manual: the time has jumped back; waiting for control_mode"
-
-
-def test_the_basestation_must_repeat_the_mode(drive: _Drive) -> None:
-    """A link that is cut stops the rover within the time of the parameter, although velocities go on."""
-    drive.drive(_twist(0.3), 4)
-    for _ in range(30):
-        drive.publish("/cmd_vel", _twist(0.3))
-        drive.tick(automatic=False)
-    assert drive.states[-1] == "manual: no control_mode for 1.1 s; is the basestation's link cut?"
-    moving = [one for one in drive.sent if one.distance_to_go]
-    assert drive.sent[-1] == DrivingBoardMotorMessage()
-    assert len(drive.sent) == len(moving) + 1
 
 
 _STAMPED = TwistStamped(Header(Time(1), "base_link"), _twist(0.3))

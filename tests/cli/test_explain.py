@@ -5,11 +5,9 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pytest
 from google.protobuf import wrappers_pb2
-from programs import Start
 from running import Called
 
 from generated.registry import REGISTRY
@@ -30,16 +28,7 @@ def project(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize(
-    "word",
-    [
-        "imu_info",
-        *(
-            pytest.param(w, marks=pytest.mark.slow)
-            for w in ("13", "imu_data", "SensorBoardIMUInfo", "ImuSensorInformation")
-        ),
-    ],
-)
+@pytest.mark.parametrize("word", ["13", "imu_data", "ImuSensorInformation"])
 def test_a_row_is_found_by_whatever_it_is_called(word: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Name, number, topic, proto and ROS message all lead to the row, told with sizes, fields and bytes."""
     assert main(["explain", word]) == 0
@@ -52,12 +41,9 @@ def test_a_row_is_found_by_whatever_it_is_called(word: str, capsys: pytest.Captu
     assert "    68 01           is_calibrated = 13: true" in said
 
 
-@pytest.mark.slow
-def test_the_json_is_the_same_whatever_the_hash_seed(done: Start) -> None:
-    """For scripts: one object, equal in every run, whose example is what the registry makes of it."""
-    first, second = (done("explain", "imu_info", "--json", PYTHONHASHSEED=seed) for seed in ("1", "2"))
-    assert first == second
-    said = json.loads(first[1])
+def test_the_json_is_one_object(called: Called) -> None:
+    """For scripts: its example is what the registry makes of it."""
+    said = json.loads(called("explain", "imu_info", "--json")[1])
     assert said["size"] == {"payload": 51, "envelope": 53, "unbounded": None}
     assert [field["ros"] for field in said["fields"]][:2] == ["accel_x", "accel_y"]
     envelope = REGISTRY.envelope.FromString(bytes.fromhex(said["example"]["bytes"]))
@@ -107,48 +93,16 @@ def test_the_lines_are_all_of_the_bytes() -> None:
         assert bytes.fromhex("".join(line.bytes for line in wire_lines(data, envelope.DESCRIPTOR))) == data
 
 
-@pytest.mark.slow
-def test_a_group_is_told_by_its_two_ends(project: Path, done: Start) -> None:
-    """Fields of a group stand deeper, between a line where it begins and one where it ends; groups may be in groups."""
-    (project / "proto/legacy.proto").write_text(
-        'syntax = "proto2";\nmessage Legacy {\n  repeated group Leg = 1 {\n    required int32 x = 1;\n'
-        "    optional group Foot = 2 { optional float z = 3; }\n  }\n}\n",
-        encoding="utf-8",
-    )
-    table = project / "mapping.yaml"
-    row = "  - {number: 40, name: legacy, proto: Legacy, topic: legacy, direction: hardware_to_ros}\n"
-    text = table.read_text(encoding="utf-8")
-    table.write_text(text.replace("messages:\n", f"messages:\n{row}", 1), encoding="utf-8")
-    assert done("generate", folder=project)[0] == 0
-    code, said, errors = done("explain", "legacy", "--json", folder=project)
-    assert (code, errors) == (0, "")
-    lines = json.loads(said)["example"]["lines"]
-    first = [(line["depth"], line["meaning"].partition(":")[0]) for line in lines[:6]]
-    assert first == [
-        (0, "legacy = 40, Legacy of 33 bytes"),
-        (1, "leg = 1, Leg as a group"),
-        (2, "x = 1"),
-        (2, "foot = 2, Foot as a group"),
-        (3, "z = 3"),
-        (2, "end of foot"),
-    ]
-    assert lines[6]["meaning"] == "end of leg"
-
-
-@pytest.mark.parametrize(
-    ("message", "expected"),
-    [
-        (wrappers_pb2.Int64Value(value=-1), "value = 1: -1"),
-        (wrappers_pb2.UInt64Value(value=2**64 - 1), "value = 1: 18446744073709551615"),
-        (wrappers_pb2.DoubleValue(value=0.1), "value = 1: 0.1"),
-        (wrappers_pb2.FloatValue(value=0.1), "value = 1: 0.1"),
-        (wrappers_pb2.StringValue(value="ü"), "value = 1: 'ü'"),
-        (wrappers_pb2.BytesValue(value=b"ab"), "value = 1: 2 bytes"),
-        (wrappers_pb2.BoolValue(value=True), "value = 1: true"),
-    ],
-    ids=lambda value: type(value).__name__,
-)
-def test_values_as_people_read_them(message: Any, expected: str) -> None:
+def test_values_as_people_read_them() -> None:
     """Each kind of value is told as a .proto file's author would write it."""
-    (line,) = wire_lines(message.SerializeToString(), message.DESCRIPTOR)
-    assert line.meaning == expected
+    for message, expected in (
+        (wrappers_pb2.Int64Value(value=-1), "-1"),
+        (wrappers_pb2.UInt64Value(value=2**64 - 1), "18446744073709551615"),
+        (wrappers_pb2.DoubleValue(value=0.1), "0.1"),
+        (wrappers_pb2.FloatValue(value=0.1), "0.1"),
+        (wrappers_pb2.StringValue(value="ü"), "'ü'"),
+        (wrappers_pb2.BytesValue(value=b"ab"), "2 bytes"),
+        (wrappers_pb2.BoolValue(value=True), "true"),
+    ):
+        (line,) = wire_lines(message.SerializeToString(), message.DESCRIPTOR)
+        assert line.meaning == f"value = 1: {expected}"

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-import yaml
 from needs import NO_DDS
 from programs import Start
 from running import Bridge, Called
@@ -58,8 +56,6 @@ def test_from_protos_to_a_bridge_that_carries_a_message(
     assert program.interrupt() == 0
 
 
-# --- a new project ----------------------------------------------------------------------------------------------
-
 _FLAT = {f"protos/{name}": text for name, text in FLAT.items()}
 _STARTED = {
     *(".github", ".gitignore", ".pre-commit-config.yaml", "docs", "generated", "mapping.lock", "mapping.yaml"),
@@ -68,16 +64,11 @@ _STARTED = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("within_a_repository", [False, True])
-def test_an_empty_folder_becomes_a_project_that_runs(
-    within_a_repository: bool, tmp_path: Path, done: Start, bridge: Bridge
-) -> None:
+def test_an_empty_folder_becomes_a_project_that_runs(tmp_path: Path, done: Start, bridge: Bridge) -> None:
     """One command, and `generate --check` and `lint` are clean, and the bridge takes what the board sends."""
-    if within_a_repository:
-        subprocess.run(["git", "init", "--quiet", "-b", "main", tmp_path], check=True)
     code, said, errors = done("init", folder=tmp_path)
     assert (code, errors) == (0, "")
-    assert {path.name for path in tmp_path.iterdir()} - {".git"} == _STARTED
+    assert {path.name for path in tmp_path.iterdir()} == _STARTED
     steps = [line.split("  ")[1] for line in said.partition("next:\n")[2].splitlines()]
     assert steps == ["roverlink run", "roverlink echo board_status", "roverlink send board_status battery_voltage=11.7"]
     assert done("generate", "--check", folder=tmp_path)[0] == 0
@@ -94,10 +85,7 @@ _BOARD = 'syntax = "proto3";\n\nmessage BoardStatus {\n  float voltage = 1;\n}\n
 
 
 def test_files_that_are_there_stay_as_they_are(tmp_path: Path, called: Called) -> None:
-    """What a user wrote is named and left alone; below the top of a repository the way of two files is told.
-
-    GitHub and pre-commit read their files in the top folder only.
-    """
+    """What a user wrote is named and left alone; below the top of a repository the way of two files is told."""
     subprocess.run(["git", "init", "--quiet", tmp_path], check=True)
     folder = tmp_path / "software" / "rover"
     plant(folder, {".gitignore": "*.bag\n", "proto/board.proto": _BOARD})
@@ -143,68 +131,3 @@ def test_nothing_is_written_where_something_is_in_the_way(
     assert ended == code
     assert all(text in (errors if code else output) for text in expected)
     assert {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()} == {*there}
-
-
-@pytest.mark.slow
-def test_what_the_workflow_runs_compares_with_the_base_branch(tmp_path: Path, done: Start) -> None:
-    """The lint of the workflow passes where the base branch has no project yet, and finds what breaks one."""
-    plant(tmp_path, {"README.md": "A rover.\n"})
-    commit(tmp_path, "First")
-    assert done("init", folder=tmp_path)[0] == 0
-    assert _lint_of_the_workflow(tmp_path) == (0, "")
-    commit(tmp_path, "Start a project")
-    proto = tmp_path / "proto" / "board.proto"
-    proto.write_text(proto.read_text().replace("uint32 uptime_ms", "string uptime_ms"))
-    code, said = _lint_of_the_workflow(tmp_path)
-    assert code == 1
-    assert said.startswith("::error file=proto/board.proto")
-
-
-def _lint_of_the_workflow(folder: Path) -> tuple[int, str]:
-    """Run the last step of the workflow as GitHub does, with the last commit as the base branch."""
-    subprocess.run(["git", "update-ref", "refs/remotes/origin/main", "HEAD"], cwd=folder, check=True)
-    workflow = yaml.safe_load((folder / ".github" / "workflows" / "roverlink.yml").read_text())
-    step = workflow["jobs"]["lint"]["steps"][-1]
-    assert step["env"] == {"BASE": "origin/${{ github.base_ref || github.ref_name }}"}
-    home = folder.parent / f"home of {folder.name}"
-    if not home.exists():
-        (home / "roverlink").mkdir(parents=True)
-        (home / "roverlink" / "bin").symlink_to(Path(sys.executable).parent)
-    done = subprocess.run(
-        ["bash", "-e", "-c", step["run"]],
-        cwd=folder,
-        env={**os.environ, "BASE": "origin/main", "HOME": str(home)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    return done.returncode, done.stdout
-
-
-@pytest.mark.parametrize(
-    ("url", "source"),
-    [
-        ("https://example.com/rover.git", "git+https://example.com/rover.git@4c1f09ab"),
-        ("file:///somewhere/rover", ""),  # GitHub cannot reach it
-    ],
-)
-@pytest.mark.slow
-def test_the_workflow_installs_from_the_repository_that_roverlink_came_from(
-    url: str, source: str, tmp_path: Path, done: Start
-) -> None:
-    """What pip wrote about the installation is put into the workflow; what only this computer has is asked for."""
-    installed = tmp_path / "site" / "roverlink-0.1.0.dist-info"
-    plant(
-        installed,
-        {
-            "METADATA": "Metadata-Version: 2.1\nName: roverlink\nVersion: 0.1.0\n",
-            "direct_url.json": json.dumps({"url": url, "vcs_info": {"vcs": "git", "commit_id": "4c1f09ab"}}),
-        },
-    )
-    (tmp_path / "rover").mkdir()
-    path = os.pathsep.join([str(installed.parent), os.environ.get("PYTHONPATH", "")])
-    code, said, _ = done("init", folder=tmp_path / "rover", PYTHONPATH=path)
-    assert code == 0
-    workflow = yaml.safe_load((tmp_path / "rover" / ".github" / "workflows" / "roverlink.yml").read_text())
-    assert workflow["env"] == {"ROVERLINK": source}
-    assert ("set ROVERLINK in .github/workflows/roverlink.yml" in said) == (not source)

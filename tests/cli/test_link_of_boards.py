@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import json
-import re
-import shutil
 import socket
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from linked import PROTO, TABLE, linked_registry, write_project
+from linked import linked_registry, write_project
 from programs import Start
 from repeating import repeated
 
 from roverlink.runtime.core.link_message import LinkWriter
-
-_BOARDS = "boards: {Arm: {host: 10.0.0.21, port: 6001}, Drive: {host: learn, port: 6001}}"
 
 
 @contextlib.contextmanager
@@ -68,46 +63,3 @@ def test_doctor_names_the_board_with_another_schema(done: Start, tmp_path: Path)
         "schema of Arm of hardware": ("ok", "not known: no link message came within 2.5 s"),
         "schema of base": ("ok", "not known: no link message came within 2.5 s"),
     }
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("fields", "verdict", "text"),
-    [
-        ("float speed = 1; float turn = 2;", "warning", "compatible, each side reads what the other one sends"),
-        ("string speed = 1;", "error", "misread: number 1 of 'linked.DriveCommand' is `string speed = 1;` there"),
-    ],
-)
-def test_doctor_tells_a_compatible_schema_from_a_misread_one(
-    done: Start, tmp_path: Path, fields: str, verdict: str, text: str
-) -> None:
-    """The commit that another project uses has the board's schema, so the lint's judgement says what it means."""
-    other = PROTO.replace("DriveCommand { float speed = 1; }", f"DriveCommand {{ {fields} }}")
-    project = write_project(tmp_path / "rover", proto=other)
-    (hash,) = re.findall(r"3: 0x([0-9A-F]{8})", (project / "linked_rover" / "registry.py").read_text())
-    git = ["git", "-C", str(project), "-c", "user.name=A", "-c", "user.email=a@example.com"]
-    for command in (["init", "--quiet"], ["add", "proto"], ["commit", "--quiet", "--message", "Begin"], ["tag", "v1"]):
-        subprocess.run([*git, *command], check=True)
-    shutil.rmtree(project / "proto")
-    (project / "mapping.lock").unlink()  # it would refuse the change, which another team has made in spite of it
-    write_project(project)
-    (tmp_path / "boards.txt").write_text("drive v1\n")
-    _, found = _schemas(done, project, {3: int(hash, 16)}, "--pins", tmp_path / "boards.txt")
-    told, says = found["schema of Drive of hardware"]
-    assert told == verdict
-    assert "another schema of drive_command, that of 'drive' (" in says
-    assert text in says
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("hardware", ["port: 6001", f"{_BOARDS}, sign: required"])
-def test_the_demo_passes_over_link_messages(done: Start, tmp_path: Path, hardware: str) -> None:
-    """The simulated peers of the demo count the rows; the bridge's link messages are none of them.
-
-    Boards that must sign do so, also if the bridge learns the address of one.
-    """
-    table = TABLE.replace("port: 6001", hardware).replace("link:", "signing: {number: 21}\nlink:")
-    project = write_project(tmp_path / "rover", table)
-    code, output, errors = done("demo", "--middleware", "memory", "--seconds", 2.5, "--project", project)
-    assert code == 0, errors
-    assert "5 of 5 messages were bridged" in output

@@ -93,9 +93,6 @@ def _point(message: Any) -> list[float]:
     return [position.x, position.y, position.z]
 
 
-# --- the program --------------------------------------------------------------------------------------------------
-
-
 @needs_dds
 def test_a_selected_object_is_located_held_and_lost(start: Start) -> None:
     """In the frames of the rover and of the field; a behaviour node that comes later learns the state."""
@@ -126,9 +123,6 @@ def test_a_selected_object_is_located_held_and_lost(start: Start) -> None:
         {"state": "held", "id": 7},
         {"state": "lost", "id": 7},
     ]
-
-
-# --- in memory ----------------------------------------------------------------------------------------------------
 
 
 class _Selecting(NodeInMemory):

@@ -81,9 +81,6 @@ def test_objects_are_printed_as_json(
     assert np.abs(frames[-1][220:224, 300:340].astype(int) - 160).max() > 60  # the upper edge of a box
 
 
-# --- the row ------------------------------------------------------------------------------------------------------
-
-
 def _sent(row: DetectedObjectRow, *boxes: Box) -> list[BasestationDetectedObject]:
     objects = [(TrackedObject(number, box, "rock", 0.5), 1) for number, box in enumerate(boxes, 5)]
     return [cdr.decode(BasestationDetectedObject, data) for data in row.messages(objects, (640, 480))]
@@ -117,9 +114,6 @@ def test_boxes_are_whole_pixels_inside_the_image(box: Box, expected: tuple[int, 
     (message,) = _sent(DetectedObjectRow(REGISTRY), box)
     found = message.bbox
     assert (found.x, found.y, found.width, found.height) == expected
-
-
-# --- the whole loop -----------------------------------------------------------------------------------------------
 
 
 @contextmanager

@@ -45,9 +45,6 @@ def _yaw(odometry: Odometry) -> float:
     return angles(odometry.pose.pose.orientation)[2]
 
 
-# --- the program, with a bridge and a simulated rover -------------------------------------------------------------
-
-
 @needs_dds
 def test_odometry_follows_a_simulated_rover(bridge: Bridge, start: Start, peer: socket.socket) -> None:
     """Commands go to the rover over UDP, its reports come back, and the pose on both topics is near the true one."""
@@ -91,9 +88,6 @@ def test_odometry_follows_a_simulated_rover(bridge: Bridge, start: Start, peer: 
     assert math.hypot(pose.x, pose.y) > 0.6
     assert transforms[-1].transforms[0].child_frame_id == "base_link"
     assert {*json.loads(odometry.output[-1])} >= {"stamp", "x", "y", "yaw", "speed", "yaw_rate", "covariance"}
-
-
-# --- in memory, in the time of a simulation -----------------------------------------------------------------------
 
 
 class _Node(NodeInMemory):

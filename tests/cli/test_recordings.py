@@ -10,9 +10,8 @@ import socket
 from pathlib import Path
 from typing import Any
 
-import pyarrow.parquet
 import pytest
-from needs import needs_dds
+from needs import NO_PYARROW
 from polling import wait_until
 from programs import Start
 from running import Bridge
@@ -48,12 +47,19 @@ def run(tmp_path: Path) -> Path:
     return recorder.path
 
 
+def _recorded_messages(path: Path, topic: str) -> int:
+    with contextlib.suppress(SetupError):  # the file has no beginning yet
+        return Recording(path).channels().get(topic, (None, 0))[1]
+    return 0
+
+
 def test_a_bridge_is_recorded(bridge: Bridge, peer: socket.socket, tmp_path: Path) -> None:
-    """The bridge works as ever, and every datagram and every message is on disk, in order."""
+    """Every datagram and every message is on disk, in order; diagnostics are replayed only where they are asked for."""
     path = tmp_path / "run.mcap"
-    program, port = bridge(path, "--no-diagnostics", command="record")
+    program, port = bridge(path, command="record")
     for number in range(_COUNT):
         peer.sendto(_datagram(number), ("127.0.0.1", port))
+    wait_until(lambda: _recorded_messages(path, "/diagnostics"), "a message of diagnostics on disk")
     assert program.interrupt() == 0
     assert f"recording to {path}" in str(program)
     assert f"received {_COUNT}, published {_COUNT}" in str(program)
@@ -63,7 +69,8 @@ def test_a_bridge_is_recorded(bridge: Bridge, peer: socket.socket, tmp_path: Pat
     stops = found.pop("/datagrams/sent/hardware")  # nobody commands the rover
     fed = [f"/{handler.route.topic}" for handler in REGISTRY.extra_topics if handler.route.name == "imu_info"]
     assert {topic: len(found.pop(topic)) for topic in fed} == dict.fromkeys(fed, _COUNT)
-    of_topics, datagrams = _COUNT * (1 + len(fed)), _COUNT + len(stops)
+    diagnostics = found.pop("/diagnostics")
+    of_topics, datagrams = _COUNT * (1 + len(fed)) + len(diagnostics), _COUNT + len(stops)
     assert f"recorded {of_topics} messages of topics and {datagrams} datagrams to {path}" in str(program)
     handler = REGISTRY.by_name["imu_info"]
     sent = [_datagram(number) for number in range(_COUNT)]
@@ -74,40 +81,9 @@ def test_a_bridge_is_recorded(bridge: Bridge, peer: socket.socket, tmp_path: Pat
             for datagram in sent
         ],
     }
-
-
-@needs_dds
-@pytest.mark.slow
-def test_what_goes_to_the_boards_is_recorded(bridge: Bridge, tmp_path: Path) -> None:
-    """A command on a topic is in the recording as it was heard, and as the datagram that it became."""
-    path = tmp_path / "run.mcap"
-    program, _ = bridge("--record", path, "--no-diagnostics", middleware="dds")
-    assert main(["pub", "drive_motor", "{distance_to_go: 1.5}", "--once", "--wait", "60", "--middleware", "dds"]) == 0
-    assert program.interrupt() == 0
-    messages = [(message.channel.topic, message.data) for message in Recording(path).messages()]
-    assert {topic for topic, _ in messages} == {"/drive_motor", "/datagrams/sent/hardware"}
-    command = REGISTRY.envelope(drive_motor={"distance_to_go": 1.5}).SerializeToString()
-    assert messages.count(("/datagrams/sent/hardware", command)) == 1  # among those that stop it, before and after
-
-
-def _recorded_messages(path: Path, topic: str) -> int:
-    with contextlib.suppress(SetupError):  # the file has no beginning yet
-        return Recording(path).channels().get(topic, (None, 0))[1]
-    return 0
-
-
-def test_diagnostics_are_recorded_and_replayed_only_where_they_are_asked_for(bridge: Bridge, tmp_path: Path) -> None:
-    """What was wrong in a run is in its recording, with the definition of the messages."""
-    path = tmp_path / "run.mcap"
-    program, _ = bridge(path, command="record")
-    wait_until(lambda: _recorded_messages(path, "/diagnostics"), "a message of diagnostics on disk")
-    assert program.interrupt() == 0
-    recording = Recording(path)
-    assert recording.channels()["/diagnostics"][1] >= 1
-    assert list(RosReplay(recording, REGISTRY).messages()) == []
-    replay = RosReplay(recording, REGISTRY, {"/diagnostics"})
-    message = next(replay.messages())
-    array: Any = cdr.decode(replay.endpoints["/diagnostics"].message_type, message.data)
+    assert "/diagnostics" not in RosReplay(Recording(path), REGISTRY).endpoints
+    replay = RosReplay(Recording(path), REGISTRY, {"/diagnostics"})
+    array: Any = cdr.decode(replay.endpoints["/diagnostics"].message_type, next(replay.messages()).data)
     assert array.status[0].name == "udp_forwarder"
 
 
@@ -130,19 +106,6 @@ def test_a_replay_begins_again_until_it_is_interrupted(run: Path, start: Start, 
     assert program.interrupt() == 0
 
 
-@needs_dds
-@pytest.mark.slow
-def test_topics_are_replayed_over_dds(run: Path, start: Start, done: Start) -> None:
-    """As ros, nodes hear the topics of the run."""
-    listener = start("echo", "imu_data", "--json", "--count", _COUNT, "--middleware", "dds")
-    code, output, _ = done("replay", run, "--as", "ros", "--wait", 60, "--middleware", "dds")
-    assert (code, output.split(" in ")[0]) == (0, f"replayed {_COUNT} messages")
-    assert listener.end() == 0
-    accelerations = [json.loads(line)["accel_x"] for line in listener.output]
-    payloads = [payload_at(REGISTRY.by_name["imu_info"].payload_type, number * 0.1) for number in range(_COUNT)]
-    assert accelerations == pytest.approx([payload.accel_x for payload in payloads])
-
-
 def test_what_is_in_a_recording(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """For people, and as JSON; with the table's fingerprint, and whether the run was ended."""
     assert main(["info", str(run)]) == 0
@@ -159,22 +122,21 @@ def test_what_is_in_a_recording(run: Path, capsys: pytest.CaptureFixture[str]) -
     }
 
 
-def test_a_topic_as_csv_and_parquet(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("format", ["csv", "parquet"])
+def test_a_topic_as_csv_and_parquet(run: Path, capsys: pytest.CaptureFixture[str], format: str) -> None:
     """A row a message, a column a field, nested ones by their dotted names, and the time."""
-    for format in ("csv", "parquet"):
-        assert main(["export", str(run), "--topic", "imu_data", "--to", format]) == 0
-    assert capsys.readouterr().out.startswith(
-        f"wrote {_COUNT} messages of imu_data to {run.with_suffix('.imu_data.csv')}"
-    )
-    with run.with_suffix(".imu_data.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    table = pyarrow.parquet.read_table(run.with_suffix(".imu_data.parquet")).to_pylist()
+    file = run.with_suffix(f".imu_data.{format}")
+    if format == "parquet":
+        parquet = pytest.importorskip("pyarrow.parquet", reason=NO_PYARROW)
+    assert main(["export", str(run), "--topic", "imu_data", "--to", format]) == 0
+    assert capsys.readouterr().out.startswith(f"wrote {_COUNT} messages of imu_data to {file}")
+    rows = [*csv.DictReader(file.open())] if format == "csv" else parquet.read_table(file).to_pylist()
     payload = payload_at(REGISTRY.by_name["imu_info"].payload_type, 0.1 * (_COUNT - 1))
-    assert len(rows) == len(table) == _COUNT
+    assert len(rows) == _COUNT
     assert list(rows[0])[:3] == ["time_ns", "wall_ns", "accel_x"]
-    assert float(rows[-1]["accel_x"]) == table[-1]["accel_x"] == payload.accel_x
-    assert int(rows[-1]["state.state"]) == table[-1]["state.state"] == payload.state
-    assert int(rows[-1]["time_ns"]) == table[-1]["time_ns"]
+    assert float(rows[-1]["accel_x"]) == payload.accel_x
+    assert int(rows[-1]["state.state"]) == payload.state
+    assert int(rows[-1]["time_ns"]) > 0
 
 
 def test_an_export_that_fails_leaves_what_was_there(run: Path, tmp_path: Path) -> None:

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import socket
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
 import pytest
-from needs import NO_OPENCV, needs_dds
+from needs import NO_OPENCV
 from node_in_memory import NodeInMemory
 from polling import wait_until
-from programs import Start
 from repeating import repeated
-from running import Bridge
 
 from generated.messages import BasestationRockMeasureRequest, BasestationRockMeasureResult
 from generated.registry import REGISTRY
 from roverlink.runtime.core import cdr
-from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
+from roverlink.runtime.middleware import Middleware
 
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
@@ -32,7 +28,7 @@ from roverlink import depth_camera  # noqa: E402
 from roverlink.depth_camera import DepthCamera  # noqa: E402
 from roverlink.rocks.camera_parameters import CameraTopicParameters  # noqa: E402
 from roverlink.rocks.measuring import Answering  # noqa: E402
-from roverlink.rocks.rock_rows import RESULT, RockRows  # noqa: E402
+from roverlink.rocks.rock_rows import RockRows  # noqa: E402
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo  # noqa: E402
 from tests.vision.ros_images import Camera, camera_info, image  # noqa: E402
 
@@ -70,52 +66,6 @@ def _is_size(scene: RockScene, result: BasestationRockMeasureResult) -> bool:
     return result.length_cm == pytest.approx(100 * scene.length, rel=0.04) and result.width_cm == pytest.approx(
         100 * scene.width, rel=0.08
     )
-
-
-# --- the whole loop -----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@needs_dds
-def test_a_line_of_the_basestation_gives_a_size(
-    bridge: Bridge, start: Start, scene: RockScene, peer: socket.socket
-) -> None:
-    """The true size comes back over UDP; what cannot be measured comes back as NaN, and the log says why."""
-    x1, y1, x2, y2 = scene.line
-    with ExitStack() as held:
-        node = held.enter_context(open_middleware("dds", NodeIdentity("driver")))
-        held.enter_context(_driver(node, scene))
-        peer.settimeout(0.5)
-        _, port = bridge(parameters=[f"dst_a_port:={peer.getsockname()[1]}"], middleware="dds")
-        measuring = start("rocks", "measure", _COLOUR, "--middleware", "dds", "--json")
-        measuring.wait_for("requests on /rock_measure_request")
-
-        def answer(line: tuple[int, int, int, int], is_right: Callable[[Any], bool]) -> Any:
-            """Send a line until the answer is right: the first ones come before there is an image."""
-            request = REGISTRY.envelope(rock_measure_request=dict(zip(("x1", "y1", "x2", "y2"), line)))
-            peer.sendto(request.SerializeToString(), ("127.0.0.1", port))
-            try:
-                result = REGISTRY.envelope.FromString(peer.recv(2000))
-            except TimeoutError:
-                return None
-            right = result.WhichOneof("payload") == RESULT and is_right(result.rock_measure_result)
-            return result.rock_measure_result if right else None
-
-        size = wait_until(lambda: answer(scene.line, lambda one: not math.isnan(one.length_cm)), "a size")
-        assert _is_size(scene, size)
-        failed = wait_until(lambda: answer((10, 10, 12, 12), lambda one: math.isnan(one.length_cm)), "a failure")
-        assert math.isnan(failed.width_cm)
-        measuring.wait_for("no size of the rock (short_line): the line from (10, 10) to (12, 12) is 2.8 px long")
-        assert measuring.interrupt() == 0
-    entries = [json.loads(line) for line in measuring.output]
-    sizes = [one for one in entries if "length" in one]
-    assert 100 * sizes[0]["length"] == pytest.approx(size.length_cm, rel=1e-5)
-    assert sizes[0]["line"] == [x1, y1, x2, y2]
-    assert (sizes[0]["stamp"] - _BEGAN) % _PERIOD == 0
-    assert entries[-1]["reason"] == "short_line"
-
-
-# --- in memory ----------------------------------------------------------------------------------------------------
 
 
 class _Measuring(NodeInMemory):
@@ -203,13 +153,3 @@ def test_a_damaged_request_is_told() -> None:
         measuring = _Measuring(held)
         assert measuring.ignores(b"\0\1\0\0\1")
         assert measuring.log[-1].startswith("ignoring a request that cannot be read: ")
-
-
-def test_nan_crosses_the_bridge() -> None:
-    """From the topic to the peer, also in JSON, where it is a text."""
-    handler = REGISTRY.by_name[RESULT]
-    payload = handler.from_cdr(RockRows(REGISTRY).answer(None))
-    sent = handler.payload_type.FromString(payload.SerializeToString())
-    assert math.isnan(sent.length_cm)
-    assert math.isnan(sent.width_cm)
-    assert math.isnan(cdr.decode(BasestationRockMeasureResult, handler.to_cdr(sent)).width_cm)

@@ -22,7 +22,7 @@ from roverlink.runtime import Registry, Translator
 from roverlink.runtime.core.envelope import restore
 from roverlink.runtime.keys.key_file import make_key_file
 from roverlink.simulation.run_account import PUBLISHED, RunTotals, predict
-from roverlink.simulation.scenarios import SCENARIOS, Emission, World, emissions, steady
+from roverlink.simulation.scenarios import SCENARIOS, Emission, World, emissions
 
 _LONGEST = 1472
 _TRANSLATOR = Translator(REGISTRY)
@@ -58,19 +58,6 @@ def test_in_good_days_every_row_speaks_and_everything_is_published() -> None:
     assert _fates(stream) == {PUBLISHED: 300}
 
 
-@pytest.mark.slow
-def test_lossy_loses_repeats_and_reorders() -> None:
-    """Nothing is invented: every datagram is one of the stream's."""
-    plain = [emission.datagram for emission in _first(15_000, rate=15_000) if emission.name == "imu_info"]
-    lossy = [emission.datagram for emission in _first(13_000, "lossy", rate=15_000) if emission.name == "imu_info"]
-    order = {datagram: index for index, datagram in enumerate(plain)}
-    counts = Counter(order[datagram] for datagram in lossy)
-    assert 750 < len(counts) < 950
-    assert 20 < sum(count > 1 for count in counts.values()) < 80
-    positions = [order[datagram] for datagram in lossy]
-    assert sum(later < earlier for earlier, later in itertools.pairwise(positions)) > 10
-
-
 def test_stale_repeats_values_for_seconds() -> None:
     """The stream goes on at its rate; what it says does not."""
     by_name = defaultdict(list)
@@ -80,21 +67,14 @@ def test_stale_repeats_values_for_seconds() -> None:
     assert sum(map(len, by_name.values())) == 1500
 
 
-@pytest.mark.parametrize(
-    ("scenario", "drops", "published"),
-    [
-        ("old-schema", {"unknown_payload"}, (850, 950)),
-        ("malformed", {"empty", "malformed", "oversized", "unknown_payload", "wrong_direction"}, (800, 920)),
-    ],
-)
-def test_datagrams_with_faults_are_dropped_for_their_reasons(
-    scenario: str, drops: set[str], published: tuple[int, int]
-) -> None:
+def test_datagrams_with_faults_are_dropped_for_their_reasons() -> None:
     """With old-schema, payloads of no row; with malformed, every reason that lies in a datagram. The rest stays."""
-    fates = _fates(_first(1000, scenario))
-    assert set(fates) >= drops | {PUBLISHED}
-    assert published[0] < fates[PUBLISHED] < published[1]
-    assert scenario == "malformed" or set(fates) == drops | {PUBLISHED}
+    old, malformed = (_fates(_first(1000, name)) for name in ("old-schema", "malformed"))
+    assert 850 < old[PUBLISHED] < 950
+    assert set(old) == {"unknown_payload", PUBLISHED}
+    assert 800 < malformed[PUBLISHED] < 920
+    reasons = {"empty", "malformed", "oversized", "unknown_payload", "wrong_direction"}
+    assert set(malformed) >= reasons | {PUBLISHED}
 
 
 def test_padded_means_what_the_stream_means() -> None:
@@ -124,12 +104,6 @@ def test_reboot_is_a_silence_and_a_start_at_zero() -> None:
     assert said.accel_x == pytest.approx(newborn.accel_x, abs=1.0)
 
 
-def test_numbers_of_no_row_are_retired_ones_where_there_are_any() -> None:
-    """A board that was not flashed for years sends what the table has retired."""
-    assert _world().unused_number() == 22
-    assert next(steady(_world(), 10.0)).at == 0.0
-
-
 def test_a_bridge_in_memory_adds_up(called: Called) -> None:
     """Every scenario at once; each datagram is found, as published or with the reason of its drop."""
     scenarios = itertools.chain.from_iterable(("--scenario", name) for name in _FAULTS)
@@ -140,7 +114,8 @@ def test_a_bridge_in_memory_adds_up(called: Called) -> None:
     account = json.loads(output)
     assert account["faults"] == []
     assert sum(account["sent"].values()) == account["bridge"]["received"] + account["bridge"]["kernel_drops"]
-    assert account["bridge"]["dropped"].keys() >= {"malformed", "oversized", "unknown_payload"}
+    assert account["bridge"]["received"] > 0
+    assert account["bridge"]["dropped"].items() <= account["sent"].items()
     assert account["commands"] > 0
 
 
@@ -194,9 +169,6 @@ def test_memory_that_grows_is_told() -> None:
     assert totals.faults() == ["the bridge's memory grew from 60.0 MiB to 70.0 MiB"]
 
 
-# --- a table with the link message ------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("names", [[], ["old-schema"], ["lossy", "padded", "reboot", "stale", "flood"]], ids=str)
 def test_peers_of_a_table_with_the_link_message_send_it(names: list[str]) -> None:
     """Each board and the basestation tell their rows once a second; with old-schema, other hashes of what they send."""
@@ -247,8 +219,6 @@ def test_a_simulated_board_with_old_protos_is_named(done: Start, tmp_path: Path)
     assert output.splitlines()[-1] == "No problems found: all counts add up."
 
 
-# --- peers that must sign ---------------------------------------------------------------------------------------
-
 _SIGNED = TABLE.replace("link:", "signing: {number: 21}\nlink:").replace("port: 6001", "port: 6001, sign: required")
 
 
@@ -260,26 +230,18 @@ def signed_project(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("scenarios", "rate", "drops"),
+    ("scenarios", "drops"),
     [
-        (
-            ["reboot", "old-schema", "stale", "flood", "padded", "hostile"],
-            500,
-            {"malformed_signature", "outdated", "replayed", "unsigned", "wrong_signature"},
-        ),
-        (["lossy", "padded"], 1000, {"outdated", "replayed"}),
+        ("flood padded hostile", {"malformed_signature", "outdated", "replayed", "unsigned", "wrong_signature"}),
+        ("lossy padded", {"outdated", "replayed"}),
     ],
-    ids=["attacks", "radio"],
 )
 def test_attacks_are_refused_each_for_its_reason(
-    done: Start, signed_project: Path, scenarios: list[str], rate: int, drops: set[str]
+    done: Start, signed_project: Path, scenarios: str, drops: set[str]
 ) -> None:
-    """The bridge and the peers have keys of this run alone, and all counts are those that the attacks should give.
-
-    A signed datagram that comes twice is a replay, and one that comes late is outdated.
-    """
-    options = ["--bridge", "memory", "--seconds", 2, "--json", "--rate", rate]
-    options += itertools.chain.from_iterable(("--scenario", name) for name in scenarios)
+    """The bridge and the peers have keys of this run alone, and all counts are those that the attacks should give."""
+    options = ["--bridge", "memory", "--seconds", 2, "--json", "--rate", 1000]
+    options += itertools.chain.from_iterable(("--scenario", name) for name in scenarios.split())
     code, output, errors = done("simulate", "--project", signed_project, *options)
     assert code == 0, output + errors
     account = json.loads(output)
@@ -289,35 +251,9 @@ def test_attacks_are_refused_each_for_its_reason(
     assert account["bridge"]["links_received"] == account["sent"]["link message"]
 
 
-@pytest.mark.slow
-def test_each_board_signs_with_its_own_key(done: Start, signed_project: Path, tmp_path: Path) -> None:
-    """The keys in the files are used, and both ends store their timestamps beside them."""
-    files = [tmp_path / f"{name}.keys" for name in ("Arm", "Drive", "hardware")]
-    for file in files:
-        make_key_file(file, file.stem, datetime.now(timezone.utc))
-    options = ["--bridge", "memory", "--seconds", 0.5, "--scenario", "hostile"]
-    options += itertools.chain.from_iterable(("--key-file", file) for file in files)
-    code, output, errors = done("simulate", "--project", signed_project, *options)
-    assert code == 0, output + errors
-    stored = {path.name for path in tmp_path.glob("*.timestamps")}
-    assert stored == {f"{file.name}.ros.timestamps" for file in files} | {
-        f"{name}.keys.{name}.timestamps" for name in ("Arm", "Drive")
-    }
-
-
-@pytest.mark.parametrize(
-    ("options", "expected"),
-    [
-        ((), "the peer 'hardware' must sign (table key `sign`), but there is no key; give a copy of the bridge's key"),
-        (("--key-file", "none.keys"), "none.keys: no such key file"),
-        (("--key-file", "base.keys"), "'hardware' must sign (table key `sign`), but no key file has a key of it"),
-    ],
-)
-def test_a_missing_key_is_told(
-    done: Start, signed_project: Path, tmp_path: Path, options: tuple[str, ...], expected: str
-) -> None:
+def test_a_missing_key_is_told(done: Start, signed_project: Path, tmp_path: Path) -> None:
     """Exit code 2, and one line that names the option."""
     make_key_file(tmp_path / "base.keys", "base", datetime.now(timezone.utc))
-    code, output, errors = done("simulate", "--project", signed_project, *options, folder=tmp_path)
+    code, output, errors = done("simulate", "--project", signed_project, "--key-file", "base.keys", folder=tmp_path)
     assert (code, output, len(errors.splitlines())) == (2, "", 1)
-    assert expected in errors
+    assert "'hardware' must sign (table key `sign`), but no key file has a key of it" in errors

@@ -47,10 +47,7 @@ _DOWN = _row("Lamp", 0.1, "ros_to_hardware")
     ],
 )
 def test_states_of_peers_and_boards(rows: list[dict[str, Any]], state: str, boards: dict[str, str]) -> None:
-    """Silent is after three seconds, or three periods of a row that is expected more rarely; each board has its limit.
-
-    The peer is alive if a board is, or a row that belongs to no board.
-    """
+    """Silent is after three seconds, or three periods of a row that is expected more rarely; boards have their own."""
     (peer,) = peers_of({}, rows)
     assert (peer["state"], {board["name"]: board["state"] for board in peer["boards"]}) == (state, boards)
 
@@ -70,10 +67,7 @@ _AT_REST = {"deadman_after": 0.5, "stops": 3, "stopping": 1}
     ],
 )
 def test_which_silence_is_an_alarm(rows: list[dict[str, Any]], subjects: list[str]) -> None:
-    """That of a board while the rest speaks; boards that fall silent together are one alarm, that of the peer.
-
-    Until its first command, a row with a deadman is at rest: its stop goes out, but nobody has to be woken.
-    """
+    """That of a board while the rest speaks; boards that fall silent together are one alarm, that of the peer."""
     state = {"quiet": False, "node": _NODE, "peers": peers_of(_NODE, rows), "rows": rows}
     assert list(conditions_of(state)) == subjects
 

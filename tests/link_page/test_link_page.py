@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import logging
 import re
@@ -24,12 +23,9 @@ from roverlink.link_page.event_clients import CLIENTS
 from roverlink.link_page.last_values import LastValues, flat
 from roverlink.link_page.link_server import LinkServer
 from roverlink.link_page.live_page import LivePage
-from roverlink.observers import BridgeObservers
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.middleware.tapping import TappedMiddleware
-from roverlink.runtime.ros_arguments import parameters, ros_args
-from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
 
 @pytest.fixture(scope="module")
@@ -43,10 +39,7 @@ def _row(state: dict[str, Any], name: str) -> dict[str, Any]:
 
 
 def test_the_events_show_rows_values_and_log(link: WatchedLink) -> None:
-    """A message of a board is counted in its row, its values are those that were sent, and a bad datagram is logged.
-
-    The message makes its own board alive, and no other; commands to a board do not.
-    """
+    """A message of a board is counted in its row, its values are those that were sent, and a bad datagram is logged."""
     with Events(link.url) as events:
         link.command()
         link.send_payload("imu_info", accel_x=1.5)
@@ -72,23 +65,6 @@ def test_the_events_show_rows_values_and_log(link: WatchedLink) -> None:
     assert ages
     assert min(ages) >= 0
     assert history("no_row", "x") == []
-
-
-@pytest.mark.slow
-def test_a_command_that_falls_silent_is_an_alarm(link: WatchedLink) -> None:
-    """While commands come, nothing is stopping; when they end, the row stops and a latched alarm says so."""
-    with Events(link.url) as events:
-        link.driver_speaks = True
-        events.until("state", lambda state: not _row(state, "drive_motor")["stopping"])
-        link.driver_speaks = False
-        state = events.until("state", lambda state: _row(state, "drive_motor")["stopping"])
-        alarm = events.alarm("stop drive_motor", lambda now: now["ended"] is None)
-        assert alarm["level"] == "ERROR"
-        assert _row(state, "drive_motor")["stops"] > 0
-        link.driver_speaks = True
-        ended = events.alarm("stop drive_motor", lambda now: now["ended"] is not None)
-        link.driver_speaks = False
-    assert ended["number"] == alarm["number"]
 
 
 def test_the_page_names_no_other_site(link: WatchedLink) -> None:
@@ -205,17 +181,3 @@ def test_run_serves_the_page(start: Start) -> None:
     with Events(program.wait_for("page: ").rpartition(" ")[2]) as events:
         assert events.next("state")["node"]["name"] == "udp_forwarder"
         assert program.interrupt() == 0
-
-
-def test_a_bridge_without_page_has_no_listener() -> None:
-    """Without the option, the bridge gets the middleware that was opened, and no observer."""
-    given = {"no_diagnostics": True, "metrics": None, "foxglove": None, "record": None}
-    arguments = argparse.Namespace(**given, page=None, page_token=None)
-    settings = parameters.read(REGISTRY, {})
-    with ExitStack() as stack:
-        logger = logging.getLogger("no_page")
-        live = LiveParameters(REGISTRY, settings, logger)
-        attached = BridgeObservers(arguments, REGISTRY, ros_args.parse([], "bridge"), settings, live, logger, stack)
-        middleware = MemoryMiddleware(Graph())
-        assert attached.wrap(middleware) is middleware
-        assert attached.observers == []

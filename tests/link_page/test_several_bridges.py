@@ -33,10 +33,7 @@ def _bridges(events: Events, count: int) -> list[dict[str, Any]]:
 
 
 def test_each_browser_selects_its_bridge(page: FollowedPage) -> None:
-    """A browser gets the state of the bridge that it asks for, or of the first, and the list and the alarms of all.
-
-    A bridge that appears later comes into the list, and a browser that waited for it gets its state.
-    """
+    """A browser gets the state of the bridge that it asks for, or of the first, and the list and the alarms of all."""
     page.hear("one")
     with Events(page.url, "/two") as waiting:
         assert _ids(waiting, 1) == ["/one"]
