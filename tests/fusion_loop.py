@@ -35,6 +35,8 @@ def fuse_a_drive(
 
     ``poses`` returns what has come on that topic. ``send`` waits until the program hears the topic.
     """
+    landmarks, cameras = write_field(folder, _CAMERA)
+    program = start("fuse", "--landmarks", landmarks, "--cameras", cameras, "--middleware", middleware)
     sent: list[tuple[str, bytes]] = []
     with ExitStack() as stack:
         rover = FieldDrive(1, stack)
@@ -45,8 +47,6 @@ def fuse_a_drive(
         rover.stand(2)
         rover.drive(_METRES)
         truth, last = rover.model.pose, rover.fused[-1].header.stamp
-    landmarks, cameras = write_field(folder, _CAMERA)
-    program = start("fuse", "--landmarks", landmarks, "--cameras", cameras, "--middleware", middleware)
     program.wait_for(f"waiting for /{ODOMETRY}")
     for topic, data in sent:
         send(topic, data)

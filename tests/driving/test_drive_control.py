@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 import math
-import random
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -48,12 +47,10 @@ class _Rover:
         return [self.tick() for _ in range(count)]
 
     def drive(self, linear: float, angular: float = 0.0) -> BoardCommand | None:
-        """What is sent at once for a velocity."""
         self.control.drive(linear, angular, self.now)
         return self.control.step(self.now)
 
     def drive_on(self, linear: float, angular: float, ticks: int) -> list[BoardCommand | None]:
-        """What is sent while a velocity comes again and again."""
         sent = []
         for _ in range(ticks):
             self.control.drive(linear, angular, self.now)
@@ -61,12 +58,10 @@ class _Rover:
         return sent
 
     def follow(self, *points: tuple[float, float]) -> BoardCommand | None:
-        """What is sent after a path."""
         self.control.follow(points, "map", self.now)
         return self.tick()
 
     def state(self) -> State:
-        """What the control does."""
         return self.control.status.state
 
 
@@ -77,9 +72,6 @@ _HERE = PlanarPose(), "map", 0.1
 
 def _distances(sent: Iterable[BoardCommand | None]) -> list[float]:
     return [command.distance_to_go for command in sent if command is not None]
-
-
-# --- the way of the rover -----------------------------------------------------------------------------------------
 
 
 _twists = st.tuples(st.floats(-1, -0.02) | st.floats(0.02, 1), st.floats(-1, 1), st.integers(1, 8))
@@ -133,6 +125,8 @@ def test_the_rover_stands_before_it_drives_in_the_other_direction() -> None:
     assert distances[0] > 0.05
     assert distances[-1] == pytest.approx(-0.5 * rover.settings.horizon)
     assert [one.turning_radius for one in sent] == [1.0 if one.distance_to_go >= 0 else 0.0 for one in sent]
+    sent = rover.drive_on(0, 0, 40)
+    assert (_distances(sent)[-1], len(_distances(sent))) == (0, 40)  # so that a lost command does not matter
 
 
 def test_a_board_that_is_too_fast_gets_less() -> None:
@@ -150,9 +144,6 @@ def test_a_board_that_is_too_fast_gets_less() -> None:
         rover.speed = step / _TICK_S
     assert sum(driven[100:]) / len(driven[100:]) / _TICK_S == pytest.approx(0.2, rel=0.05)
     assert all(0 <= one <= 2 * 0.2 * rover.settings.horizon + 1e-9 for one in _distances([rover.tick()]))
-
-
-# --- the mode -----------------------------------------------------------------------------------------------------
 
 
 def test_the_mode_is_manual_until_it_is_said() -> None:
@@ -198,25 +189,6 @@ def test_a_silent_basestation_is_manual() -> None:
     assert (rover.tick(), rover.state()) == (None, State.IDLE)
 
 
-def test_lost_datagrams_stop_nothing_but_a_cut_link_does() -> None:
-    """With 5 % of the messages of mode and velocity lost, the rover drives on and on, and stops within a second."""
-    rover, rng = _Rover(), random.Random(1)  # noqa: S311  # repeatable, not secret
-    for _ in range(10_000):
-        rover.automatic = rng.random() > 0.05
-        if rng.random() > 0.05:
-            rover.control.drive(0.5, 0.0, rover.now)
-        command = rover.tick()
-        assert command is not None
-        assert command.distance_to_go > 0
-    rover.automatic, cut = False, rover.now
-    assert rover.drive_on(0.5, 0, 21)[-2:].count(STOP) == 1
-    assert rover.now - cut == 1.05e9
-    assert rover.state() is State.MANUAL
-
-
-# --- the deadman, and what cannot be driven -----------------------------------------------------------------------
-
-
 def test_velocities_that_end_stop_the_rover() -> None:
     """One stop, and then silence, in which the bridge's deadman takes over."""
     rover = _Rover()
@@ -225,18 +197,6 @@ def test_velocities_that_end_stop_the_rover() -> None:
     assert sent.index(STOP) in (9, 10)
     assert sent[11:] == [None] * 4
     assert rover.control.status == Status(State.IDLE, "no velocity for 0.5 s")
-
-
-def test_a_zero_velocity_brakes_on_the_arc() -> None:
-    """The commands go on, so that a lost one does not matter."""
-    rover = _Rover()
-    moving = rover.drive_on(0.5, 0.5, 40)[-1]
-    sent = rover.drive_on(0, 0, 40)
-    distances = _distances(sent)
-    assert distances == sorted(distances, reverse=True)
-    assert (distances[-1], len(distances)) == (0, 40)
-    assert moving is not None
-    assert all(one.turning_radius == moving.turning_radius for one in sent if one and one.distance_to_go)
 
 
 @pytest.mark.parametrize(
@@ -291,9 +251,6 @@ def test_limits_are_told_once_in_an_episode() -> None:
     assert len(rover.said) == 3
 
 
-# --- paths --------------------------------------------------------------------------------------------------------
-
-
 def test_a_path_waits_for_the_pose_and_goes_on() -> None:
     """Without a pose, with an old one, and with an uncertain one the rover stands."""
     rover = _Rover()
@@ -337,13 +294,9 @@ def test_a_path_ends_at_its_end() -> None:
     assert pose.x == pytest.approx(2, abs=0.11)
 
 
-@pytest.mark.parametrize("first", ["pose", "path"])
-def test_the_pose_must_be_in_the_frame_of_the_path(first: str) -> None:
-    """Whichever comes first; the message names both."""
+def test_the_pose_must_be_in_the_frame_of_the_path() -> None:
+    """The message names both."""
     rover = _Rover()
-    if first == "pose":
-        rover.localized = PlanarPose(), "odom", 0.1
-        rover.tick()
     rover.control.follow(_AHEAD, "map", rover.now)
     rover.localized = PlanarPose(), "odom", 0.1
     assert (rover.tick(), rover.state()) == (None, State.IDLE)
@@ -375,9 +328,6 @@ def test_what_is_no_path_is_refused_and_none_is_taken_in_manual_mode() -> None:
     ]
 
 
-# --- whatever happens ---------------------------------------------------------------------------------------------
-
-
 class _AnyCourse(RuleBasedStateMachine):
     """Events in any order: what the control promises holds all the time."""
 
@@ -397,7 +347,6 @@ class _AnyCourse(RuleBasedStateMachine):
 
     @rule(automatic=st.booleans())
     def tell_the_mode(self, automatic: bool) -> None:
-        """The basestation says who drives."""
         if automatic != self.automatic:
             self.path = False
         self.automatic, self.mode_at = automatic, self.now
@@ -406,27 +355,23 @@ class _AnyCourse(RuleBasedStateMachine):
 
     @rule(linear=st.floats(-2, 2) | st.just(math.nan), angular=st.floats(-9, 9))
     def drive(self, linear: float, angular: float) -> None:
-        """A velocity comes."""
         self.velocity_at, self.path = self.now, False
         self.control.drive(linear, angular, self.now)
         self._step()
 
     @rule(points=st.lists(st.tuples(st.floats(-5, 5), st.floats(-5, 5)), max_size=5))
     def follow(self, points: list[tuple[float, float]]) -> None:
-        """A path comes."""
         self.path = self.automatic and bool(points)
         self.control.follow(points, "map", self.now)
         self._step()
 
     @rule(x=st.floats(-5, 5), y=st.floats(-5, 5), yaw=st.floats(-3, 3), speed=st.none() | st.floats(-1, 1))
     def localize(self, x: float, y: float, yaw: float, speed: float | None) -> None:
-        """A pose comes."""
         self.pose_at = self.now
         self.control.localize(Localization(PlanarPose(x, y, yaw), "map", self.now, 0.1, speed), self.now)
 
     @rule(seconds=st.floats(0, 1.5))
     def wait(self, seconds: float) -> None:
-        """Time passes."""
         self.now += round(seconds * 1e9)
         if self.now - self.mode_at > 1e9:
             self.automatic = self.path = False

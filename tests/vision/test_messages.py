@@ -7,7 +7,6 @@ import math
 import pkgutil
 from typing import Any
 
-import cv2
 import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
@@ -19,7 +18,6 @@ from roverlink.runtime.core.messages import Array, Message, Primitive, Sequence,
 from roverlink.vision import CameraParameters, FieldPose, Pose, Sighting
 from roverlink.vision.poses.pose import quaternion_of, rotation_of
 from roverlink.vision.ros import sighting_messages
-from roverlink.vision.ros.image_messages import compressed_of
 from roverlink.vision.ros.sighting_messages import FrameNames
 from tests.vision.seen import FACING, sighting
 
@@ -163,12 +161,3 @@ def test_the_camera_info_is_of_images_that_nobody_rectified(distortion: tuple[fl
     assert info.k.tolist() == matrix.ravel().tolist()
     assert info.r.tolist() == np.eye(3).ravel().tolist()
     assert info.p.tolist() == [900, 0, 640, 0, 0, 910, 360, 0, 0, 0, 1, 0]
-
-
-def test_an_image_is_a_jpeg() -> None:
-    """Whoever decodes it sees what was compressed."""
-    image = cv2.GaussianBlur(np.random.default_rng(3).integers(0, 256, (90, 120, 3), np.uint8), (0, 0), 5)
-    message = _read(compressed_of(image, _STAMP, _NAMES.camera))
-    decoded = cv2.imdecode(message.data, cv2.IMREAD_COLOR)
-    assert message.format == "jpeg"
-    assert np.abs(decoded.astype(int) - image).mean() < 2

@@ -14,7 +14,7 @@ from polling import wait_until
 from bench.vision.contestants import camera_of
 from bench.vision.scenes import lens
 from generated.interfaces.nav_msgs import Odometry
-from generated.messages import BasestationRoverLocalization, DrivingBoardMotorMessage
+from generated.messages import BasestationRoverLocalization
 from generated.registry import REGISTRY
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
@@ -40,9 +40,6 @@ _MS = 1_000_000
 _S = 1_000_000_000
 _AHEAD = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])
 _MOUNT = Pose(_AHEAD, np.array([0.3, 0.1, 0.4]))
-
-
-# --- frames that belong together ---------------------------------------------------------------------------------
 
 
 class _Field:
@@ -88,9 +85,6 @@ def test_a_frame_without_landmarks_or_mount_is_no_obstacle() -> None:
     assert field.localizer.add("front", 33 * _MS, None) is None
     assert field.see("left", 38, 2) is None
     assert _found(field.see("left", 71, 1)) == (38, {2})
-
-
-# --- ROS 2 --------------------------------------------------------------------------------------------------------
 
 
 def _message(parent: str, child: str, pose: Pose, stamp: int = 0, turn: tuple[float, ...] = ()) -> bytes:
@@ -185,15 +179,9 @@ def test_markers_that_share_a_number_are_in_the_detections_alone(node: MemoryMid
     assert found == [("", "7", -0.5), ("", "7", 0.5), ("aruco_9", "9", 0)]
 
 
-# --- the position for the basestation -----------------------------------------------------------------------------
-
 _DETECTIONS = vision_msgs.Detection3DArray
 _POSITION = np.array([1.5, -2.0, 0.25])
 _ROUTE = REGISTRY.by_name[ROW].route
-
-
-class _MotorHandler(type(REGISTRY.by_name[ROW])):  # type: ignore[misc]  # a class of the registry's
-    message_type = DrivingBoardMotorMessage
 
 
 @pytest.mark.parametrize(
@@ -206,12 +194,8 @@ class _MotorHandler(type(REGISTRY.by_name[ROW])):  # type: ignore[misc]  # a cla
             ),
             f"the rover's position is not sent: the table has no row {ROW!r} ",
         ),
-        (
-            dataclasses.replace(REGISTRY, handlers=(_MotorHandler(),)),
-            "DrivingBoardMotorMessage, the message of row 'rover_localization', has no field x, y, z;",
-        ),
     ],
-    ids=["row", "no row", "other message"],
+    ids=["row", "no row"],
 )
 def test_the_message_type_comes_from_the_row(
     registry: Registry, warning: str, node: MemoryMiddleware, said: list[str]

@@ -102,11 +102,8 @@ def test_other_boards_are_found_from_all_sides(board: CalibrationBoard) -> None:
     ("make", "words"),
     [
         (lambda: Chessboard(3, 6), "too small; it needs at least 4x4"),
-        (lambda: Chessboard(square=0), "must be positive"),
-        (lambda: AprilGrid(1, 6), "at least 2x2"),
         (lambda: AprilGrid(30, 30), "only 587 tags"),
         (lambda: AprilGrid(spacing=1.5), "at most 1"),
-        (lambda: AprilGrid(tag=-1), "must be positive"),
     ],
 )
 def test_impossible_boards_are_refused(make: Callable[[], CalibrationBoard], words: str) -> None:
