@@ -18,8 +18,7 @@ from roverlink.driving.drive_control import DriveControl, DriveSettings, Localiz
 
 _TICK_S = 0.05
 _SETTINGS = DriveSettings(DrivingBoard(smallest_radius=0.5), speed=1.0, period=0.05)
-_AT_ONCE = replace(_SETTINGS, acceleration=1e9)
-"""Settings with which the rover has the wanted speed at once."""
+_AT_ONCE = replace(_SETTINGS, acceleration=1e9)  # Settings with which the rover has the wanted speed at once
 
 
 class _Rover:
@@ -65,8 +64,7 @@ class _Rover:
         return self.control.status.state
 
 
-_AHEAD = (0.0, 0.0), (9.0, 0.0)
-"""A path."""
+_AHEAD = (0.0, 0.0), (9.0, 0.0)  # A path
 _HERE = PlanarPose(), "map", 0.1
 
 

@@ -108,8 +108,7 @@ class FaultyLink:
             self.estimates.append(estimate)
 
 
-_REAL = RoverSettings(gps_period=10**12)
-"""A rover that slips, with a gyroscope that has noise and a bias."""
+_REAL = RoverSettings(gps_period=10**12)  # A rover that slips, with a gyroscope that has noise and a bias
 _seeds = st.integers(0, 2**32)
 _faults = st.builds(
     Faults,

@@ -18,8 +18,7 @@ from roverlink.vision import CameraParameters, MarkerSet, Tracker
 
 GOALS = {24: (95, 0.3, 1.5, 0.7, np.inf), 48: (99, 0.08, 0.25, 0.12, 0.6), 96: (99, 0.04, 0.10, 0.06, 0.25)}
 """By side in pixels: detected %, translation median and p95 in %, rotation median and p95 in degrees."""
-ROOM = Path(__file__).parents[3] / "shared" / "photos" / "room"
-"""Photographs that nobody of this project took."""
+ROOM = Path(__file__).parents[3] / "shared" / "photos" / "room"  # Photographs that nobody of this project took
 APRILTAG = "OpenCV APRILTAG"
 BY_NAME = {one.name: one for one in DEGRADATIONS}
 

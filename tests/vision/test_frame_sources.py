@@ -99,12 +99,9 @@ def test_what_is_no_recording_is_told(tmp_path: Path, name: str, contents: bytes
     ("text", "expected"),
     [
         ("film.mp4", "no file or folder 'film.mp4'"),
-        ("frames/run1", "no file or folder 'frames/run1'"),
         ("", "the number of a camera, a URL .*, topic:NAME, or gstreamer:PIPELINE"),
-        ("ftp://rover/film", "unknown scheme 'ftp'"),
         ("http://[::", "http://\\[::: not a valid URL: Invalid IPv6"),
         ("99", "cannot open camera 99"),
-        ("/dev/video98", "cannot open camera 98"),
         ("rtsp://127.0.0.1:1/live", "cannot open rtsp://127.0.0.1:1/live"),
         ("127.0.0.1:1", "cannot open http://127.0.0.1:1"),
     ],

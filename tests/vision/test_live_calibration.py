@@ -15,7 +15,7 @@ from polling import PATIENCE_S, wait_until
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision import Pose
-from roverlink.vision.calibration import Calibration, CharucoBoard, Collection, Fitted, Model, PoorViewsError, View
+from roverlink.vision.calibration import Calibration, CharucoBoard, Collection, Fitted, Model, View
 from roverlink.vision.calibration.page.live_calibration import LiveCalibration
 from tests.vision.board_frames import frame
 from tests.vision.boards import CAMERA
@@ -98,29 +98,6 @@ def test_views_that_add_something_are_taken() -> None:
     assert picture.shape == (180, 240, 3)
 
 
-def test_a_dropped_view_is_gone() -> None:
-    """With its picture and with what it covered; the others keep their numbers, and none has its number again."""
-    camera = _Camera(near(), left())
-    camera.live.act("drop", 1)
-    assert [view["number"] for view in camera.state()["views"]] == [2]
-    assert ("near 0/2", False) in goals(camera.state())["Distance"]
-    assert camera.live.thumbnail(1) is None
-    camera.refuses("drop", "view 1 does not exist", 1)
-    assert [view["number"] for view in camera.show(tilted())["views"]] == [2, 3]
-
-
-def test_a_refusal_is_shown_with_all_its_reasons() -> None:
-    """And collecting goes on."""
-
-    def refuse(_: object) -> Calibration:
-        raise PoorViewsError(("2 views are too few", "no tilts"))
-
-    camera = _Camera(near(), calibrate=refuse)
-    state = camera.calibrated("refused")
-    assert (state["refused"], state["can"]) == (["2 views are too few", "no tilts"], ["take", "calibrate"])
-    assert len(camera.show(left())["views"]) == 2
-
-
 def test_the_result_is_shown_and_the_report_is_there() -> None:
     """Numbers with intervals, errors of the views, the bad one named; and that it is of other views, once it is."""
     camera = _Camera(near(), left(), tilted())
@@ -173,11 +150,3 @@ def test_what_is_saved_is_the_result() -> None:
     assert [len(one.views) for one in saved] == [2]
     assert camera.state()["finished"]
     assert camera.state()["status"] == "Saved to a.yml. This page can be closed."
-
-
-def test_the_end_of_a_recording_is_told() -> None:
-    """There is nothing more to take, and what there is can be calibrated."""
-    camera = _Camera(near())
-    camera.live.ended()
-    assert camera.state()["note"] == "a camera has ended; no more frames."
-    assert camera.state()["can"] == ["calibrate"]

@@ -12,8 +12,7 @@ from roverlink.vision.field.localization import Shot, localize_rover
 from roverlink.vision.poses.pose import rotation_of
 from tests.vision.seen import camera_on_field, view, wall
 
-EXACT = (1e-4, 1e-4)
-"""Metres and radians to which the landmarks are known."""
+EXACT = (1e-4, 1e-4)  # Metres and radians to which the landmarks are known
 
 
 def landmarks(places: dict[TargetId, Pose], sigmas: tuple[float, float] = EXACT) -> Landmarks:

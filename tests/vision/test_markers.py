@@ -117,20 +117,12 @@ def test_it_measures_noise_contrast_and_blur(film: Sequence[Scene]) -> None:
     assert min(one.explained for one in found) > 0.98
 
 
-@pytest.mark.parametrize("off", [1.0, 2.0])
-def test_a_detector_s_error_does_not_matter(film: Sequence[Scene], off: float) -> None:
-    """From corners that are off by one or two pixels, each in a direction of its own, the fit arrives."""
+def test_a_detector_s_error_does_not_matter(film: Sequence[Scene]) -> None:
+    """From corners that are off by two pixels, each in a direction of its own, the fit arrives."""
     rng = np.random.default_rng(0)
     for scene in film:
         angles = rng.uniform(0, 2 * np.pi, 4)
-        assert miss(fit(scene, off * np.column_stack([np.cos(angles), np.sin(angles)])), scene) < 0.05
-
-
-def test_light_may_fall_off_across_the_marker(film: Sequence[Scene]) -> None:
-    """Brightness that changes linearly is part of the model."""
-    for scene in film[:4]:
-        shaded = np.rint(scene.frame * np.linspace(1, 0.5, 640)).astype(np.uint8)
-        assert miss(fit(changed(scene, shaded)), scene) < 0.04
+        assert miss(fit(scene, 2 * np.column_stack([np.cos(angles), np.sin(angles)])), scene) < 0.05
 
 
 def test_what_is_not_there_is_not_explained(film: Sequence[Scene]) -> None:

@@ -26,10 +26,8 @@ from roverlink.vision.objects.layouts import LAYOUTS  # noqa: E402
 from roverlink.vision.objects.preprocessing import Fit, Preprocessing  # noqa: E402
 from tests.vision.onnx_models import write  # noqa: E402
 
-_W, _H = 96, 64
-"""Size of the networks' input."""
-_IMAGE = (200, 100)
-"""Width and height of the image: of another shape than the input."""
+_W, _H = 96, 64  # Size of the networks' input
+_IMAGE = (200, 100)  # Width and height of the image: of another shape than the input
 _CELLS = [(stride, x, y) for stride in (8, 16, 32) for y in range(_H // stride) for x in range(_W // stride)]
 """Stride, column and row of the cells of the grids, in the order of YOLOX."""
 _NAMES = ("rock", "socket", "plate")

@@ -179,17 +179,3 @@ def test_the_file_gives_what_the_network_gives(training: Any, tmp_path: Path) ->
     assert np.where(kept > 0, scores, 0) == pytest.approx(kept, abs=1e-4)
     best = np.unravel_index(scores[..., 0].argmax(), scores[..., 0].shape)
     assert kept[(*best, 0)] > 0
-
-
-def test_only_own_files_are_replaced(training: Any, tmp_path: Path) -> None:
-    """Another program's model, or any other file, stays."""
-    path = tmp_path / "m.onnx"
-    training.onnx_file.check_replaceable(path)
-    training.onnx_file.write_model(path, *training.jax_network.new_weights(1, 2), _NAMES, _SIZE, "test")
-    training.onnx_file.check_replaceable(path)
-    for content in (b"somebody's", onnx.helper.make_model(onnx.helper.make_graph([], "g", [], [])).SerializeToString()):
-        path.write_bytes(content)
-        with pytest.raises(SetupError, match="has not written it; give --out another name"):
-            training.onnx_file.check_replaceable(path)
-    with pytest.raises(SetupError, match="the folder does not exist"):
-        training.onnx_file.check_replaceable(tmp_path / "none" / "m.onnx")

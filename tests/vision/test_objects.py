@@ -88,8 +88,6 @@ _A, _B, _C = Box(0, 0, 10, 10), Box(20, 0, 10, 10), Box(40, 0, 10, 10)
     ("seen", "truth", "expected"),
     [
         ([(_A, "rock", 0.9), (_B, "plate", 0.3)], [("rock", _A), ("plate", _B)], {"rock": 1, "plate": 1}),
-        # A wrong detection below all right ones costs nothing; above them it halves the precision.
-        ([(_A, "rock", 0.9), (_B, "rock", 0.1)], [("rock", _A)], {"rock": 1}),
         ([(_A, "rock", 0.5), (_B, "rock", 0.9)], [("rock", _A)], {"rock": 0.5}),
         # An object that is found twice counts once; half of the objects are found: 51 of 101 recalls.
         ([(_A, "rock", 0.9), (_A, "rock", 0.8)], [("rock", _A), ("rock", _B)], {"rock": 51 / 101}),
@@ -99,8 +97,6 @@ _A, _B, _C = Box(0, 0, 10, 10), Box(20, 0, 10, 10), Box(40, 0, 10, 10)
             [("rock", one) for one in (_A, _B, _C)],
             {"rock": (34 * 1 + 33 * 2 / 3) / 101},
         ),
-        ([(_A, "plate", 0.9)], [("rock", _A)], {"rock": 0}),
-        ([], [], {}),
     ],
 )
 def test_precision_is_interpolated_at_101_recalls(seen: list, truth: list, expected: dict[str, float]) -> None:
@@ -110,8 +106,7 @@ def test_precision_is_interpolated_at_101_recalls(seen: list, truth: list, expec
 
 
 _PERIOD_NS = 33_333_333
-Frame = Sequence[tuple[int, Detection]]
-"""Detections of one frame, each with the true number of its object."""
+Frame = Sequence[tuple[int, Detection]]  # Detections of one frame, each with the true number of its object
 
 
 def _seen(x: float, y: float, name: str = "rock", confidence: float = 0.8) -> Detection:
@@ -206,21 +201,6 @@ def test_an_object_is_what_most_detections_say_where_the_newest_one_is() -> None
     assert (one.id, one.class_name, one.box is moved.box) == (1, "socket", True)
 
 
-_BOXES = st.tuples(st.floats(0, 600), st.floats(0, 400), st.floats(1, 200), st.floats(1, 200))
-
-
-@settings(max_examples=40)
-@given(st.lists(st.lists(st.tuples(_BOXES, st.floats(0, 1)), max_size=6), max_size=12))
-def test_each_detection_has_at_most_one_number(frames: list[list[tuple[tuple[float, ...], float]]]) -> None:
-    """Whatever is detected, the numbers of a frame differ, and each box is one of those that were detected."""
-    tracked = _Tracked()
-    for frame in frames:
-        detections = [Detection(Box(*box), "rock", confidence) for box, confidence in frame]
-        shown = tracked.show(1, *detections)
-        assert len({one.id for one in shown}) == len({id(one.box) for one in shown}) == len(shown)
-        assert {id(one.box) for one in shown} <= {id(one.box) for one in detections}
-
-
 _BASE, _MAP = (Pose(np.eye(3), np.array([x, 0, 0])) for x in (0.5, 10.0))
 """From the camera to the rover, and to the field."""
 
@@ -236,20 +216,11 @@ def _selected(number: int, scene: Scene, hold_s: int = 5) -> Selection:
     return selection
 
 
-def test_a_visible_object_is_where_the_camera_sees_it() -> None:
-    """In the frame of the rover and in that of the field."""
-    selection = _selected(4, _scene(3, 4))
-    selection.see(_scene(3, 4), _S)
-    place = selection.place(_S, None)
-    assert (selection.object, selection.state) == (4, State.VISIBLE)
-    assert place.in_base.point == pytest.approx([4.5, 0, 1])
-    assert place.in_map.point == pytest.approx([14, 0, 1])
-    assert place.in_base.covariance == pytest.approx(np.eye(3) / 100)
-
-
 def test_a_hidden_object_stays_on_the_field() -> None:
     """The rover drives on, the covariance grows, and after the time to hold it is lost."""
     selection = _selected(3, _scene(3))
+    assert (selection.object, selection.state) == (3, State.VISIBLE)
+    assert selection.place(0, None).in_base.point == pytest.approx([3.5, 0, 1])
     selection.see(_scene(), 2 * _S)
     assert selection.state is State.HELD
     place = selection.place(2 * _S, Pose(np.eye(3), np.array([-11.0, 0, 0])))

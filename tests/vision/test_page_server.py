@@ -165,12 +165,6 @@ def test_connections_are_limited() -> None:
         wait_until(has_room, "room for another connection")
 
 
-def test_a_port_that_is_taken_is_named(port: int) -> None:
-    """It says which, and why."""
-    with pytest.raises(SetupError, match=f"TCP port {port} of 127.0.0.1"):
-        PageServer("127.0.0.1", port, _Desk())
-
-
 def test_a_server_for_everybody_has_an_address_that_others_can_open() -> None:
     """It is on all addresses, and its URL has one of them, or the computer's name; it ends though a browser waits."""
     with PageServer("0.0.0.0", 0, _Desk()) as server:  # noqa: S104  # what is tested

@@ -53,16 +53,6 @@ def test_composition_is_one_after_the_other(first: Pose, second: Pose, change: n
     assert first.change_to(first.moved(change)) == pytest.approx(change, abs=1e-9)
 
 
-@settings(max_examples=20)
-@given(poses())
-def test_the_prediction_s_derivative_is_its_derivative(pose: Pose) -> None:
-    """Numerical differences agree."""
-    _, derivative = predict(pose, square(0.05))
-    for axis, step in enumerate(np.eye(6) * 1e-6):
-        difference = (predict(pose.moved(step), square(0.05))[0] - predict(pose.moved(-step), square(0.05))[0]) / 2e-6
-        assert derivative[:, :, axis] == pytest.approx(difference, abs=1e-6)
-
-
 def test_landmarks_are_solved_together_as_each_alone() -> None:
     """Whatever their numbers of corners, beside one without a start, without a covariance, or behind the camera."""
     rng = np.random.default_rng(5)
@@ -174,24 +164,6 @@ def test_a_transform_is_known_for_a_moment_before_and_after() -> None:
         tree.look_up("odom", "base", _S)
     tree.add("base", "camera", 0, _STILL, static=True)
     assert _is_known(tree, "base", "camera", 99 * _S)
-
-
-@pytest.mark.parametrize(
-    ("edges", "words"),
-    [
-        ([], "no transforms connect 'camera' with 'base'; no transforms have come"),
-        ([("base_link", "camera")], "there is no frame 'base'; did you mean 'base_link'?"),
-        ([("base", "arm"), ("lens", "camera")], "no transforms connect 'camera' with 'base'; both are known"),
-    ],
-)
-def test_frames_that_are_not_connected_are_told(edges: list[tuple[str, str]], words: str) -> None:
-    """With the frame that is missing, and the one that was perhaps meant."""
-    tree = TransformTree()
-    for parent, child in edges:
-        tree.add(parent, child, 0, _STILL)
-    with pytest.raises(TransformError) as caught:
-        tree.look_up("base", "camera", 0)
-    assert words in str(caught.value)
 
 
 def test_what_is_old_is_forgotten_and_time_may_begin_again() -> None:

@@ -18,8 +18,7 @@ from roverlink.vision.printing import PAPERS, board_sheet, marker_sheets, to_pdf
 from roverlink.vision.printing.sheet import Label, Sheet
 from roverlink.vision.printing.sheet_layout import RULER
 
-SCALE = 8000
-"""Pixels a metre."""
+SCALE = 8000  # Pixels a metre
 BOARDS = {
     "default": CharucoBoard(),
     "odd": CharucoBoard(5, 7, 0.03, 0.022, "DICT_5X5_100"),
@@ -93,12 +92,8 @@ def test_pages_and_rulers_are_as_large_as_they_say(paper: str) -> None:
     ("make", "words"),
     [
         (
-            lambda: board_sheet(CharucoBoard(square=0.04, marker=0.03), "A4"),
-            r"440 mm x 320 mm\) is too large for A4 with its margins; use A2",
-        ),
-        (
             lambda: marker_sheets(MarkerSet(side=0.18), [3], "A4"),
-            r"a marker of 180 mm with its white border .* too large for A4 .*; use letter",
+            "a marker of 180 mm .* too large for A4 .*; use letter",
         ),
         (lambda: marker_sheets(MarkerSet(side=1.5), [3], "A0"), "use smaller sides"),
         (lambda: to_png(board_sheet(CharucoBoard(), "A0"), 1200), "write a PDF"),

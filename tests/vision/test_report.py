@@ -86,20 +86,6 @@ def test_it_needs_nothing_else() -> None:
     assert report(calibration(), BOARD, VERSIONS) == page()
 
 
-def test_what_was_calibrated_is_said() -> None:
-    """The images' size, when they were taken, the board, the model, the error, and the programs' versions."""
-    rows = dict(row for row in _Text(page()).rows if len(row) == 2)
-    assert rows.items() >= {
-        ("Images", "1280 x 720 pixels"),
-        ("Taken", "2023-11-14 22:13:20 to 22:13:39 UTC"),
-        ("Board", "11 x 8 squares of 24 mm, markers of 18 mm, DICT_4X4_50"),
-        ("Model", "plumb_bob"),
-        ("Views", "18 used, 2 dropped"),
-        ("Reprojection error (RMS)", f"{calibration().rms:.3f} px"),
-        ("Made with", "roverlink 1.2.3, OpenCV 5.0.0"),
-    }
-
-
 def test_every_number_has_its_interval() -> None:
     """With two digits of the interval, and as many decimals of the value."""
     rows = {row[0]: row[1:] for row in _Text(page()).rows if len(row) == 3}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -16,7 +15,6 @@ from bench.vision.scenes import lens
 from generated.interfaces.nav_msgs import Odometry
 from generated.messages import BasestationRoverLocalization
 from generated.registry import REGISTRY
-from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
@@ -184,30 +182,6 @@ _POSITION = np.array([1.5, -2.0, 0.25])
 _ROUTE = REGISTRY.by_name[ROW].route
 
 
-@pytest.mark.parametrize(
-    ("registry", "warning"),
-    [
-        (REGISTRY, ""),
-        (
-            dataclasses.replace(
-                REGISTRY, handlers=tuple(one for one in REGISTRY.handlers if one.route.name != ROW), extra_topics=()
-            ),
-            f"the rover's position is not sent: the table has no row {ROW!r} ",
-        ),
-    ],
-    ids=["row", "no row"],
-)
-def test_the_message_type_comes_from_the_row(
-    registry: Registry, warning: str, node: MemoryMiddleware, said: list[str]
-) -> None:
-    """Its fields x, y and z are set by name, on the row's topic; a warning says that the row or a field is missing."""
-    heard = _heard(node, f"/{_ROUTE.topic}", BasestationRoverLocalization, _ROUTE.qos)
-    position_publisher(node, registry, _topic, said.append)(_POSITION)
-    assert heard == ([] if warning else [BasestationRoverLocalization(x=1.5, y=-2.0, z=0.25)])
-    assert len(said) == bool(warning)
-    assert warning in "".join(said)
-
-
 def test_a_fused_position_holds_the_one_of_the_markers_back(node: MemoryMiddleware) -> None:
     """Nothing comes on the row's topic after a message on its extra topic, and after a time without one it does."""
     heard = _heard(node, f"/{_ROUTE.topic}", BasestationRoverLocalization, _ROUTE.qos)
@@ -219,3 +193,4 @@ def test_a_fused_position_holds_the_one_of_the_markers_back(node: MemoryMiddlewa
     assert heard == []
     wait_until(lambda: publish(_POSITION) or heard, "the position of the markers")
     assert time.monotonic() - start > FUSED_S
+    assert heard[0] == BasestationRoverLocalization(x=1.5, y=-2.0, z=0.25)

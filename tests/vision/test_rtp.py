@@ -82,17 +82,7 @@ def test_the_time_of_an_image_arrives(stamp: int) -> None:
 _LOST = st.integers(-(2**23) + 1, 2**23 - 1)
 _REPORTS = st.tuples(
     st.builds(rtcp.SenderReport, _WORD, st.integers(0, 2**64 - 1), _WORD, _WORD, _WORD),
-    st.builds(
-        rtcp.ReceiverReport,
-        _WORD,
-        _WORD,
-        st.integers(0, 255).map(lambda part: part / 256),
-        _LOST,
-        _WORD,
-        _WORD,
-        _WORD,
-        _WORD,
-    ),
+    st.builds(rtcp.ReceiverReport, _WORD, _WORD, st.integers(0, 255).map(lambda part: part / 256), _LOST, *[_WORD] * 4),
     st.builds(rtcp.PictureLoss, _WORD, _WORD),
 )
 

@@ -82,23 +82,14 @@ def test_the_corners_are_where_the_file_says(path: Path) -> None:
     assert markers.points(21) == pytest.approx(gate.corners[21])
 
 
-def test_each_number_may_have_its_own_side() -> None:
-    """The side of single numbers goes before the side of all."""
-    markers = MarkerSet(side=0.05, sides={7: 0.15})
-    assert np.ptp(markers.points(7), axis=0) == pytest.approx([0.15, 0.15, 0])
-    assert np.ptp(markers.points(8), axis=0) == pytest.approx([0.05, 0.05, 0])
-
-
 @pytest.mark.parametrize(
     ("make", "words"),
     [
         (lambda: MarkerSet(dictionary="DICT_5X5_205"), "DICT_5X5_250"),
-        (lambda: MarkerSet(side=0), "positive"),
         (lambda: MarkerSet(sides={250: 0.1}), "0 to 249"),
         (lambda: MarkerSet(sides={3: -1.0}), "positive"),
         (lambda: Board("gate", {}), "no markers"),
         (lambda: Board("gate", {1: square(0.1) * [1, 2, 1]}), "do not form a square"),
-        (lambda: Board("gate", {1: square(0.1)[:3]}), "do not form a square"),
         (lambda: MarkerSet(boards=(Board("a", {1: square(0.1)}), Board("b", {1: square(0.1)}))), "'a' and 'b'"),
         (lambda: MarkerSet(side=None).points(3), "marker 3"),
     ],

@@ -18,7 +18,7 @@ from roverlink.runtime import MiddlewareError, Qos, SetupError
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, CompressedImage, Image
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.vision import CameraParameters
-from roverlink.vision.frames import Frame, TopicSets, TopicSource
+from roverlink.vision.frames import TopicSets, TopicSource
 from roverlink.vision.frames.synchronization import RESTART_NS, Synchronizer
 from tests.vision.ros_images import FRAME, Camera, camera_info, header, image
 
@@ -94,15 +94,6 @@ def _publish_until(camera: Camera, done: Callable[[], Any], *messages: Any) -> N
     wait_until(try_it, "an effect of the messages")
 
 
-def test_a_frame_has_the_stamp_and_frame_of_its_image(read: _Reader, ros: MemoryMiddleware) -> None:
-    """A camera that starts later is found, and its frames say what its messages say."""
-    _publish_until(Camera(ros, _TOPIC), lambda: read.taken, image(_GREY, "mono8", stamp=7_000_000_008))
-    frame = read.taken[0]
-    assert isinstance(frame, Frame)
-    assert (frame.stamp, frame.frame_id, frame.size) == (7_000_000_008, FRAME, (6, 4))
-    assert np.array_equal(frame.image, _GREY)
-
-
 def test_a_compressed_topic_is_a_source(read: _Reader, ros: MemoryMiddleware) -> None:
     """The type of the publisher decides, not the name of the topic."""
     message = CompressedImage(header(5), "png", cv2.imencode(".png", _GREY)[1].tobytes())
@@ -167,13 +158,10 @@ def test_a_topic_of_another_type_is_refused(read: _Reader, ros: MemoryMiddleware
     assert text in str(read.error)
 
 
-@pytest.mark.parametrize("given", ["", "/elsewhere/info"])
-def test_the_parameters_come_from_the_topic_beside_the_images(
-    source: TopicSource, ros: MemoryMiddleware, given: str
-) -> None:
-    """Or from the one that is given. For a camera that is not calibrated, the error names the topic, and what to do."""
-    topic = given or source.camera_info_topic
-    camera = Camera(ros, given or "/camera/camera_info", CameraInfo)
+def test_the_parameters_come_from_the_topic_beside_the_images(source: TopicSource, ros: MemoryMiddleware) -> None:
+    """For a camera that is not calibrated, the error names the topic, and what to do."""
+    topic = source.camera_info_topic
+    camera = Camera(ros, "/camera/camera_info", CameraInfo)
     for message in (camera_info(_CAMERA), CameraInfo(width=6, height=4)):
         reader = _Reader(source.read_camera(topic) for _ in range(1))
         _publish_until(camera, lambda reader=reader: reader.taken or reader.error, message)
@@ -230,8 +218,7 @@ def test_a_set_with_a_bad_message_is_left_out(
     assert "unknown image encoding 'mono9'" in said[0]
 
 
-Arrival = tuple[int, int]
-"""A message that arrives: the index of its topic, and its stamp."""
+Arrival = tuple[int, int]  # A message that arrives: the index of its topic, and its stamp
 Sets = list[tuple[int, ...]]
 
 _END = 10_000

@@ -182,11 +182,11 @@ def test_saved_files_have_the_encoded_images(tmp_path: Path, suffix: str) -> Non
             assert frames[-1].time == pytest.approx((count - 1) / 30, abs=0.002)
 
 
-@pytest.mark.parametrize("bitrate", [200_000.0, 1_000_000.0])
-def test_the_bitrate_is_kept(bitrate: float) -> None:
+def test_the_bitrate_is_kept() -> None:
     """Also for images with noise, which need much more; a smaller one counts from the next image on."""
     noise = np.random.default_rng(1).normal(0, 10, (480, 640, 3))
     images = [np.clip(_image(one, (640, 480)) + np.roll(noise, one, 0), 0, 255).astype(np.uint8) for one in range(40)]
+    bitrate = 200_000.0
     encoder = Encoder((640, 480), 30, bitrate)
 
     def bits(start: int) -> float:
