@@ -86,10 +86,6 @@ def fit(scene: Scene, off: Floats | float = 0.3) -> Fit:
     return found
 
 
-def changed(scene: Scene, frame: np.ndarray) -> Scene:
-    return Scene(frame, scene.number, scene.pose, scene.corners)
-
-
 def miss(found: Fit, scene: Scene) -> float:
     """The root mean squared error of the corners in pixels."""
     return float(np.sqrt(((CAMERA.distort(found.rays) - scene.corners) ** 2).mean()))
