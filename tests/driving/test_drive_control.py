@@ -60,9 +60,6 @@ class _Rover:
         self.control.follow(points, "map", self.now)
         return self.tick()
 
-    def state(self) -> State:
-        return self.control.status.state
-
 
 _AHEAD = (0.0, 0.0), (9.0, 0.0)  # A path
 _HERE = PlanarPose(), "map", 0.1
@@ -166,9 +163,9 @@ def test_manual_is_one_stop_and_then_silence() -> None:
     rover.control.set_mode(False, rover.now)
     assert rover.control.step(rover.now) == STOP
     assert rover.drive_on(0.5, 0, 20) == [None] * 20
-    assert rover.state() is State.MANUAL
+    assert rover.control.status.state is State.MANUAL
     rover.automatic = True
-    assert (rover.tick(), rover.state()) == (None, State.IDLE)
+    assert (rover.tick(), rover.control.status.state) == (None, State.IDLE)
     assert rover.drive(0.5) is not None
 
 
@@ -184,7 +181,7 @@ def test_a_silent_basestation_is_manual() -> None:
     assert sent[21:] == [None] * 9
     assert rover.control.status.reason.startswith("no control_mode for 1.")
     rover.automatic = True
-    assert (rover.tick(), rover.state()) == (None, State.IDLE)
+    assert (rover.tick(), rover.control.status.state) == (None, State.IDLE)
 
 
 def test_velocities_that_end_stop_the_rover() -> None:
@@ -216,7 +213,7 @@ def test_a_velocity_that_cannot_be_driven_stops_the_rover(linear: float, angular
     assert rover.said == [f"the velocity is refused: {reason}"]
     assert rover.control.status == Status(State.REFUSED, reason)
     assert rover.drive(0.5) is not None
-    assert rover.state() is State.DRIVING
+    assert rover.control.status.state is State.DRIVING
 
 
 def test_what_was_good_may_become_impossible_in_mid_drive() -> None:
@@ -230,7 +227,7 @@ def test_what_was_good_may_become_impossible_in_mid_drive() -> None:
     rover.drive_on(0.5, 0, 3)
     rover.now = 10**9
     assert rover.control.step(rover.now) == STOP
-    assert rover.state() is State.MANUAL
+    assert rover.control.status.state is State.MANUAL
     rover.tick()
     assert rover.drive(0.5) is not None
 
@@ -256,7 +253,7 @@ def test_a_path_waits_for_the_pose_and_goes_on() -> None:
     assert rover.control.status == Status(State.WAITING, "no pose has come yet")
     rover.localized = _HERE
     assert rover.tick() is not None
-    assert rover.state() is State.FOLLOWING
+    assert rover.control.status.state is State.FOLLOWING
     rover.localized = PlanarPose(), "map", 0.6
     assert rover.tick() == STOP
     assert rover.control.status == Status(State.WAITING, "the position is uncertain by more than 0.5 m")
@@ -270,7 +267,7 @@ def test_a_path_waits_for_the_pose_and_goes_on() -> None:
 def test_velocities_need_the_pose_if_a_parameter_says_so() -> None:
     """The same loss stops them."""
     rover = _Rover(replace(_SETTINGS, velocity_needs_pose=True))
-    assert (rover.drive(0.5), rover.state()) == (None, State.WAITING)
+    assert (rover.drive(0.5), rover.control.status.state) == (None, State.WAITING)
     rover.localized = PlanarPose(), "odom", 0.1
     assert rover.tick() is not None
 
@@ -297,7 +294,7 @@ def test_the_pose_must_be_in_the_frame_of_the_path() -> None:
     rover = _Rover()
     rover.control.follow(_AHEAD, "map", rover.now)
     rover.localized = PlanarPose(), "odom", 0.1
-    assert (rover.tick(), rover.state()) == (None, State.IDLE)
+    assert (rover.tick(), rover.control.status.state) == (None, State.IDLE)
     assert rover.said == ["the path is refused: the path is in the frame 'map', but the pose is in 'odom'"]
 
 
@@ -307,11 +304,11 @@ def test_a_velocity_takes_over_from_a_path_and_a_path_from_velocities() -> None:
     rover.localized = _HERE
     rover.follow(*_AHEAD)
     assert rover.drive(0.3) is not None
-    assert rover.state() is State.DRIVING
+    assert rover.control.status.state is State.DRIVING
     assert rover.said == ["the path is abandoned, because a velocity came"]
     rover.follow(*_AHEAD)
-    assert rover.state() is State.FOLLOWING
-    assert (rover.follow(), rover.state()) == (STOP, State.IDLE)
+    assert rover.control.status.state is State.FOLLOWING
+    assert (rover.follow(), rover.control.status.state) == (STOP, State.IDLE)
 
 
 def test_what_is_no_path_is_refused_and_none_is_taken_in_manual_mode() -> None:
