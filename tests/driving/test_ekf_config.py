@@ -26,10 +26,7 @@ def _inputs(name: str) -> dict[str, str]:
 
 @pytest.mark.parametrize("name", _FILTERS)
 def test_each_input_has_a_matrix_and_the_numbers_have_no_gap(name: str) -> None:
-    """A filter ignores an input after a gap in the numbers, and one without a matrix.
-
-    The pose of wheels and images drifts, so none is fused; poses of markers and GPS are absolute, and tell no velocity.
-    """
+    """A filter ignores inputs after a gap and ones without a matrix; only poses of markers and GPS do not drift."""
     inputs, parameters = _inputs(name), _NODES[name]
     for kind in {key[:-1] for key in inputs}:
         numbers = sorted(int(key[-1]) for key in inputs if key[:-1] == kind)
