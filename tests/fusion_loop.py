@@ -52,7 +52,8 @@ def fuse_a_drive(
         send(topic, data)
 
     def end() -> Sequence[Mapping[str, Any]]:
-        return [one for one in list(poses())[-1:] if one["header"]["stamp"]["nanosec"] == last.nanosec]
+        stamps = [(one, one["header"]["stamp"]) for one in list(poses())[-1:]]
+        return [one for one, stamp in stamps if (stamp["sec"], stamp["nanosec"]) == (last.sec, last.nanosec)]
 
     (pose,) = wait_until(end, f"the last pose on /{FUSED}")
     place = pose["pose"]["pose"]["position"]
