@@ -35,6 +35,8 @@ def fuse_a_drive(
 
     ``poses`` returns what has come on that topic. ``send`` waits until the program hears the topic.
     """
+    landmarks, cameras = write_field(folder, _CAMERA)
+    program = start("fuse", "--landmarks", landmarks, "--cameras", cameras, "--middleware", middleware)
     sent: list[tuple[str, bytes]] = []
     with ExitStack() as stack:
         rover = FieldDrive(1, stack)
@@ -45,14 +47,13 @@ def fuse_a_drive(
         rover.stand(2)
         rover.drive(_METRES)
         truth, last = rover.model.pose, rover.fused[-1].header.stamp
-    landmarks, cameras = write_field(folder, _CAMERA)
-    program = start("fuse", "--landmarks", landmarks, "--cameras", cameras, "--middleware", middleware)
     program.wait_for(f"waiting for /{ODOMETRY}")
     for topic, data in sent:
         send(topic, data)
 
     def end() -> Sequence[Mapping[str, Any]]:
-        return [one for one in list(poses())[-1:] if one["header"]["stamp"]["nanosec"] == last.nanosec]
+        stamps = [(one, one["header"]["stamp"]) for one in list(poses())[-1:]]
+        return [one for one, stamp in stamps if (stamp["sec"], stamp["nanosec"]) == (last.sec, last.nanosec)]
 
     (pose,) = wait_until(end, f"the last pose on /{FUSED}")
     place = pose["pose"]["pose"]["position"]

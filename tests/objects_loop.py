@@ -91,12 +91,10 @@ def run_the_loop(start: Start, middleware: str, publish: Publish, hear: Hear) ->
         client.direct_to("127.0.0.1", int(bridge.wait_for("on UDP port ").rpartition(" ")[2]))
         on_field = hear("/selected_object/map/pose", "geometry_msgs/msg/PoseStamped")
         on_rover = hear("/selected_object/pose_with_covariance", "geometry_msgs/msg/PoseWithCovarianceStamped")
+        start("objects", "select", "--middleware", middleware).wait_for("waiting for selections")
+        start("rocks", "measure", COLOUR, "--middleware", middleware).wait_for("requests on")
         held.enter_context(publish(topics, camera.messages))
         start("objects", "track", f"topic:{COLOUR}", "--middleware", middleware)
-        select = start("objects", "select", "--middleware", middleware)
-        select.wait_for("waiting for selections")
-        measure = start("rocks", "measure", COLOUR, "--middleware", middleware)
-        measure.wait_for("requests on")
 
         truth, number = _seen_object(client, camera.scene.objects)
 

@@ -10,7 +10,6 @@ import logging
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from typing import Any
 
 import numpy as np
 
@@ -51,19 +50,16 @@ class FieldDrive:
         moved: Mapping[TargetId, tuple[float, float]] = {},  # never changed
         *,
         gps: bool = False,
-        tracker: Any = None,
         logger: logging.Logger | None = None,
     ) -> None:
         self.start = PlanarPose(1.5, -1.0, math.pi / 2)
         self.model = RoverModel(seed, start=self.start)
         self._odometry = WheelOdometry()
         landmarks = field()
-        self._tracker = tracker or SimulatedTracker(seed, standing(landmarks, seed, moved))
+        self._tracker = SimulatedTracker(seed, standing(landmarks, seed, moved))
         self._corner = self._steps = 0
-        self.sees = True
-        """False while somebody stands before the camera."""
-        self.stamp = 10**9
-        """Time in nanoseconds at which the model starts."""
+        self.sees = True  # False while somebody stands before the camera
+        self.stamp = 10**9  # at which the model starts
         self.middleware = middleware = MemoryMiddleware()
         self._wheel = middleware.publisher(f"/{ODOMETRY}", Odometry, Qos())
         self._detections = middleware.publisher(f"/{DETECTIONS}", vision_msgs.Detection3DArray, Qos())
@@ -103,7 +99,8 @@ class FieldDrive:
         pose = PlanarPose(place.position.x, place.position.y, angles(place.orientation)[2])
         turned = rotation(pose.yaw)
         covariance = turned.T @ np.reshape(message.pose.covariance, (6, 6))[_PLANAR] @ turned
-        return _apart(pose, self.model.pose), covariance
+        apart = pose.inverse() @ self.model.pose
+        return np.array([apart.x, apart.y, math.remainder(apart.yaw, 2 * math.pi)]), covariance
 
     @property
     def odometry_error(self) -> tuple[np.ndarray, np.ndarray]:
@@ -158,11 +155,6 @@ class FieldDrive:
     def is_current(self) -> bool:
         """True if the newest fused pose is of now."""
         return bool(self.fused) and stamp_of(self.fused[-1].header) == self.stamp + self.model.now
-
-
-def _apart(pose: PlanarPose, other: PlanarPose) -> np.ndarray:
-    apart = pose.inverse() @ other
-    return np.array([apart.x, apart.y, math.remainder(apart.yaw, 2 * math.pi)])
 
 
 def _fix(one: GpsFix, start: int) -> sensor_msgs.NavSatFix:

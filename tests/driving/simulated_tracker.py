@@ -28,13 +28,11 @@ FRAME = "front_optical_frame"
 _SIDE = 0.2
 _FOCAL = 600.0
 _SIZE = (640, 480)
-_CALIBRATED_PX = (1.0, 1.0, 0.5, 0.5)
-"""Standard deviations of fx, fy, cx and cy in pixels, after a calibration."""
+_CALIBRATED_PX = (1.0, 1.0, 0.5, 0.5)  # standard deviations of fx, fy, cx and cy
 _MATRIX = np.array([[_FOCAL, 0, 320], [0, _FOCAL, 240], [0, 0, 1]])
 _CAMERA = CameraParameters(_MATRIX, np.zeros(5), _SIZE, covariance=np.diag([*_CALIBRATED_PX, *[1e-6] * 5]) ** 2)
 _UNCERTAINTY = Uncertainty(side_sigma=0.002)
-_NOISE_PX = 0.05
-"""Standard deviation of each corner by the noise of the image, in pixels."""
+_NOISE_PX = 0.05  # of each corner, by the noise of the image
 _SMALLEST_PX = 20.0
 _STEEPEST = math.cos(math.radians(70))
 _INWARDS = np.array([[0.0, 0, -1], [-1, 0, 0], [0, 1, 0]])  # right is -y, up is z, towards the viewer is -x
@@ -50,22 +48,19 @@ def field(*, half: float = 3.0) -> Landmarks:
     return Landmarks("map", places)
 
 
-def write_landmarks(path: Path, poses: Mapping[TargetId, Pose]) -> None:
-    """Write a file of landmarks at these poses, with the survey of `field`."""
-    known, *_ = field().places.values()
-    places = {
-        number: {"position": one.translation.tolist(), "orientation": quaternion_of(one.rotation).tolist()}
-        for number, one in poses.items()
-    }
-    survey = {"position": known.position_sigma, "rotation": math.degrees(known.rotation_sigma)}
-    path.write_text(yaml.safe_dump({"frame": "map", "survey": survey, "landmarks": places}), encoding="utf-8")
-
-
 def write_field(folder: Path, camera: str) -> tuple[Path, Path]:
     """Write the landmarks and the camera with a name into files of a folder, and return their paths."""
     mount = {"position": MOUNT.translation.tolist(), "rpy": [0, 0, 0]}
     landmarks, cameras = folder / "landmarks.yaml", folder / "cameras.yaml"
-    write_landmarks(landmarks, {number: one.pose for number, one in field().places.items()})
+    places = {
+        number: {
+            "position": one.pose.translation.tolist(),
+            "orientation": quaternion_of(one.pose.rotation).tolist(),
+            "survey": {"position": one.position_sigma, "rotation": math.degrees(one.rotation_sigma)},
+        }
+        for number, one in field().places.items()
+    }
+    landmarks.write_text(yaml.safe_dump({"frame": "map", "landmarks": places}), encoding="utf-8")
     cameras.write_text(yaml.safe_dump({"cameras": {camera: {"source": "0", "mount": mount}}}), encoding="utf-8")
     return landmarks, cameras
 

@@ -26,10 +26,7 @@ def _inputs(name: str) -> dict[str, str]:
 
 @pytest.mark.parametrize("name", _FILTERS)
 def test_each_input_has_a_matrix_and_the_numbers_have_no_gap(name: str) -> None:
-    """A filter ignores an input after a gap in the numbers, and one without a matrix.
-
-    The pose of wheels and images drifts, so none is fused; poses of markers and GPS are absolute, and tell no velocity.
-    """
+    """A filter ignores inputs after a gap and ones without a matrix; only poses of markers and GPS do not drift."""
     inputs, parameters = _inputs(name), _NODES[name]
     for kind in {key[:-1] for key in inputs}:
         numbers = sorted(int(key[-1]) for key in inputs if key[:-1] == kind)
@@ -45,18 +42,11 @@ def test_each_input_has_a_matrix_and_the_numbers_have_no_gap(name: str) -> None:
         assert all(type(value) is float for value in parameters[key])
 
 
-def test_the_filters_share_their_frames_and_publish_different_transforms() -> None:
-    """REP 105: one publishes odom -> base_link, the other one map -> odom."""
-    odom, map_ = (_NODES[name] for name in _FILTERS)
-    frames = ("map_frame", "odom_frame", "base_link_frame")
-    assert [odom[one] for one in frames] == [map_[one] for one in frames] == ["map", "odom", "base_link"]
-    assert (odom["world_frame"], map_["world_frame"]) == ("odom", "map")
-    assert odom["publish_tf"]
-    assert map_["publish_tf"]
-
-
-def test_the_topics_are_those_of_this_project() -> None:
-    """The global inputs go to the filter in the frame map alone; both get the same velocities."""
+def test_the_topics_and_frames_are_those_of_this_project() -> None:
+    """The global inputs go to the filter of the frame map alone (REP 105); the datum is that of the simulated rover."""
+    for name, world in zip(_FILTERS, ("odom", "map"), strict=True):
+        frames = [_NODES[name][f"{one}_frame"] for one in ("map", "odom", "base_link", "world")]
+        assert (frames, _NODES[name]["publish_tf"]) == (["map", "odom", "base_link", world], True)
     odom, map_ = (_inputs(name) for name in _FILTERS)
     assert set(odom.values()) == {"odometry/wheel", "visual_odometry", "camera/imu/data"}
     assert set(map_.values()) - set(odom.values()) == {"aruco/pose", "odometry/gps"}
@@ -64,9 +54,6 @@ def test_the_topics_are_those_of_this_project() -> None:
     (extra,) = [one for one in REGISTRY.extra_topics if one.route.name == "rover_localization"]
     assert extra.route.topic == "odometry/global"
 
-
-def test_the_datum_is_that_of_the_simulated_rover() -> None:
-    """So the file works with `roverlink simulate --rover`."""
     datum = GpsSettings().datum
     assert _NODES["navsat_transform"]["datum"] == [datum.latitude, datum.longitude, 0.0]
     assert _NODES["navsat_transform"]["wait_for_datum"]

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import ExitStack
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,38 +15,9 @@ from needs import NO_GTSAM, NO_OPENCV
 pytest.importorskip("cv2", reason=NO_OPENCV)
 pytest.importorskip("gtsam", reason=NO_GTSAM)
 
-from roverlink.demo.field import AHEAD, HEIGHT_M, SIDE, parameters
 from roverlink.driving.arcs import PlanarPose
 from roverlink.runtime.convert.rotations import angles
-from roverlink.runtime.interfaces import vision_msgs
-from roverlink.simulation.rover_camera import FRAME, RoverCamera
-from roverlink.vision import MarkerSet, Pose, TargetId, Tracker
-from roverlink.vision.ros.sighting_messages import FrameNames, detections_of
 from tests.driving.field_drive import FieldDrive
-from tests.driving.simulated_tracker import field, standing, write_landmarks
-
-_HIGH = 9.348
-"""Chi squared with 3 degrees of freedom that is exceeded in 2.5 % of all cases."""
-_MEAN = (2.54, 3.50)
-"""Interval that holds its mean over a hundred cases with a probability of 95 %."""
-
-
-class RenderedTracker:
-    """The tracker of `roverlink aruco track`, with the rendered images of a camera that looks ahead."""
-
-    mount = Pose(AHEAD, np.array([0.0, 0.0, HEIGHT_M]))
-
-    def __init__(self, seed: int, folder: Path, places: Mapping[TargetId, Pose]) -> None:
-        """Stand the landmarks at their places, which are written to a file in the folder."""
-        path = folder / "standing.yaml"
-        write_landmarks(path, places)
-        self._camera = RoverCamera(path, seed)
-        self._tracker = Tracker(parameters(), MarkerSet(side=SIDE))
-
-    def see(self, rover: PlanarPose, stamp: int) -> vision_msgs.Detection3DArray:
-        """Return the message about an image that is taken at a pose of the rover."""
-        image = np.repeat(self._camera.image(rover)[:, :, None], 3, axis=2)
-        return detections_of(self._tracker.track(image, stamp), stamp, FrameNames(FRAME, "aruco_"))
 
 
 def _distance(known: tuple[np.ndarray, np.ndarray]) -> float:
@@ -55,15 +25,13 @@ def _distance(known: tuple[np.ndarray, np.ndarray]) -> float:
     return math.hypot(*known[0][:2])
 
 
-def _squared(known: tuple[np.ndarray, np.ndarray]) -> float:
+def _squared(error: np.ndarray, covariance: np.ndarray) -> float:
     """The normalized estimation error squared (NEES): chi squared with 3 degrees of freedom."""
-    error, covariance = known
     return float(error @ np.linalg.solve(covariance, error))
 
 
 @pytest.fixture
 def stack() -> Iterator[ExitStack]:
-    """Context of the nodes."""
     with ExitStack() as stack:
         yield stack
 
@@ -84,7 +52,7 @@ def test_the_fused_pose_is_better_than_the_odometry_and_knows_how_good_it_is(sta
         rover.drive(1)
         assert rover.is_current
         errors.append(_distance(rover.error))
-        squared.append(_squared(rover.error))
+        squared.append(_squared(*rover.error))
         alone.append(_distance(rover.odometry_error))
     assert np.sqrt(np.mean(np.square(errors))) < 0.05
     assert np.mean(alone[-5:]) > 2 * np.mean(errors[-5:])
@@ -116,7 +84,7 @@ def test_without_landmarks_the_covariance_grows_as_the_error_may(stack: ExitStac
     assert rover.is_current
     error, blind = rover.error
     assert blind[0, 0] > 4 * seeing[0, 0]
-    assert error @ np.linalg.solve(blind, error) < 16.3  # exceeded once in a thousand cases
+    assert _squared(error, blind) < 16.3  # exceeded once in a thousand cases
     rover.sees = True
     rover.drive(8)
     assert rover.error[1][0, 0] < blind[0, 0] / 2
@@ -146,7 +114,7 @@ def test_gps_limits_the_error_while_no_landmark_is_seen(stack: ExitStack) -> Non
         rover.drive(60)
         error, covariance = rover.error
         spread[gps] = float(np.trace(covariance[:2, :2]))
-        assert error @ np.linalg.solve(covariance, error) < 16.3
+        assert _squared(error, covariance) < 16.3
         stack.close()
     assert spread[True] < 0.8 * spread[False]
 
@@ -163,49 +131,3 @@ def test_a_simulation_that_begins_again_begins_the_fusion_again(stack: ExitStack
     rover.drive(10)
     assert rover.is_current
     assert _distance(rover.error) < 0.2
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_rendered_images_and_the_tracker_give_the_pose_too(seed: int, stack: ExitStack, tmp_path: Path) -> None:
-    """Landmarks in images, with one that was moved: the error stays small over 20 m, and fits the covariance."""
-    places = standing(field(), seed, {8: (0.6, 0.4)})
-    rover = FieldDrive(seed, stack, tracker=RenderedTracker(seed, tmp_path, places))
-    rover.stand(1)
-    rover.drive(15)
-    errors, squared = [], []
-    for _ in range(20):
-        rover.drive(0.5)
-        errors.append(_distance(rover.error) ** 2)
-        squared.append(_squared(rover.error))
-    print(f"RMSE {math.sqrt(np.mean(errors)):.3f} m, NEES {np.mean(squared):.2f}")
-    assert math.sqrt(np.mean(errors)) < 0.15
-    assert np.mean(squared) < 2 * _MEAN[1]  # the errors of one drive depend on each other
-
-
-@pytest.mark.slow
-def test_a_hundred_drives_of_a_hundred_metres() -> None:
-    """In each one, the RMSE is at most 5 cm and below that of the odometry, and its covariances fit the errors."""
-    figures: dict[str, list[float]] = {name: [] for name in ("rms", "alone", "mean", "final", "final_alone")}
-    for seed in range(100):
-        with ExitStack() as stack:
-            rover = FieldDrive(seed, stack)
-            rover.stand(2)
-            errors, squared, by_odometry = [], [], []
-            while rover.model.rolled < 100:
-                rover.drive(0.5)
-                if rover.fused:
-                    errors.append(_distance(rover.error) ** 2)
-                    squared.append(_squared(rover.error))
-                    by_odometry.append(_distance(rover.odometry_error) ** 2)
-        drive = math.sqrt(np.mean(errors)), math.sqrt(np.mean(by_odometry)), np.mean(squared), squared[-1]
-        for values, value in zip(figures.values(), (*drive, _squared(rover.odometry_error)), strict=True):
-            values.append(float(value))
-    told = ", ".join(f"{name}: mean {np.mean(one):.3f}, largest {max(one):.3f}" for name, one in figures.items())
-    print(told)
-    assert max(figures["rms"]) <= 0.05, told
-    assert np.less(figures["rms"], figures["alone"]).all(), told
-    for name in ("final", "mean", "final_alone"):
-        assert _MEAN[0] < np.mean(figures[name]) < _MEAN[1], told
-    # Of 100 cases, more than 7 are higher with a probability of 0.4 %.
-    assert sum(one > _HIGH for one in figures["final"]) <= 7, told

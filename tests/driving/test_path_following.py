@@ -117,13 +117,6 @@ def test_a_rover_that_slips_follows_a_path(seed: int) -> None:
     assert max(_beside(pose, points) for pose in poses) < 0.3
 
 
-@pytest.mark.parametrize("points", [[], [(0.0, math.nan)], [(0.0, 0.0), (math.inf, 0.0)]])
-def test_what_is_no_path_is_refused(points: list[Point]) -> None:
-    """The error is for the user."""
-    with pytest.raises(ValueError, match="the path"):
-        PathFollower(points)
-
-
 # --- stops in front of landmarks and at positions -----------------------------------------------------------------
 
 _metres = st.floats(-100, 100)

@@ -75,21 +75,6 @@ def test_successive_motions_are_one_motion(first: float, second: float, directio
     assert two @ before @ two.T + after == pytest.approx(whole, abs=5e-6)  # the least covariance is added twice
 
 
-@settings(max_examples=50)
-@given(_gaussians, _gaussians, _gaussians)
-def test_motions_add_up_in_any_order(one: PlanarGaussian, two: PlanarGaussian, three: PlanarGaussian) -> None:
-    """Poses with covariances are composed associatively."""
-    left, right = (one @ two) @ three, one @ (two @ three)
-    assert (left.pose.x, left.pose.y) == pytest.approx((right.pose.x, right.pose.y), abs=1e-9)
-    assert left.covariance == pytest.approx(right.covariance, rel=1e-6, abs=1e-6)
-
-
-def test_uncertainty_that_is_no_slip_stays() -> None:
-    """While the board is silent, nobody knows how far the rover has driven."""
-    motion = slipping_motion(PlanarPose(), np.diag([0.25, 0.25, 0.0]), 0.0)
-    assert motion.covariance[:2, :2] == pytest.approx(0.25 * np.eye(2), abs=1e-5)
-
-
 @given(_poses, _rotations, st.tuples(_metres, _metres, _metres), _rotations)
 @settings(max_examples=50)
 def test_a_sighting_leads_from_the_rover_to_the_surveyed_place(
@@ -129,13 +114,6 @@ def test_the_landmarks_that_agree_are_those_that_nobody_moved(
     joint = np.zeros((3, 3))
     found = agreeing(seen, lambda one, other: 1e-4 * np.eye(3) if one == other else joint, survey, ())
     assert found == set(range(6)) - moved
-
-
-def test_forty_landmarks_that_agree_are_compared_in_no_time() -> None:
-    """The number of sets of landmarks grows exponentially; all that agree are one set."""
-    places = {number: PlanarPose(number, number % 7) for number in range(40)}
-    survey = {number: PlanarGaussian(place, 1e-4 * np.eye(3)) for number, place in places.items()}
-    assert agreeing(places, lambda *_: 1e-4 * np.eye(3), survey, ()) == set(places)
 
 
 def test_odometry_that_was_started_again_begins_a_new_track() -> None:

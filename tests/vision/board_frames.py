@@ -13,10 +13,8 @@ from roverlink.vision.calibration import AprilGrid, CalibrationBoard, CharucoBoa
 BOARD = CharucoBoard()
 SIZE = (640, 480)
 MATRIX = np.array([[600.0, 0, 325.3], [0, 602.4, 236.1], [0, 0, 1]])
-DISTANCES = (0.31, 0.45, 0.36, 0.62)
-"""Metres."""
-TILTS = ((0, 32), (32, 0), (0, -32), (-32, 0), (0, 0), (22, 22), (-22, 22))
-"""Degrees about the image's x and y."""
+DISTANCES = (0.31, 0.45, 0.36, 0.62)  # Metres
+TILTS = ((0, 32), (32, 0), (0, -32), (-32, 0), (0, 0), (22, 22), (-22, 22))  # Degrees about the image's x and y
 PLACES = ((0.5, 0.5), (0.2, 0.25), (0.8, 0.25), (0.2, 0.75), (0.8, 0.75), (0.5, 0.2), (0.5, 0.8), (0.3, 0.5))
 """Where in the image the board's middle is, in parts of its size."""
 _FINE = 3  # pixels of the drawing a pixel of the frame

@@ -18,8 +18,7 @@ RATIONAL = CameraParameters(MATRIX, np.array([0.9, 0.3, 1e-3, -2e-3, 0.02, 1.2, 
 FISHEYE = CameraParameters(
     np.array([[430.0, 0, 640], [0, 431, 361], [0, 0, 1]]), np.array([0.05, -0.02, 0.01, -0.002]), SIZE, fisheye=True
 )
-NOISE = 0.03
-"""Pixels."""
+NOISE = 0.03  # Pixels
 
 
 def project(camera: CameraParameters, points: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:

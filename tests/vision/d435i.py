@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.vision.circling_film import render_film
-from roverlink.demo.field import SIDE, landmarks, parameters
+from roverlink.demo.field import parameters
 from roverlink.runtime.interfaces import geometry_msgs, tf2_msgs
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, Image
-from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.poses.pose import Pose, quaternion_of, rotation_of
 from tests.vision.ros_images import FRAME, camera_info, header, image
 
@@ -21,7 +17,6 @@ COLOUR, INFO = "/camera/camera/color/image_raw", "/camera/camera/color/camera_in
 DEPTH = "/camera/camera/aligned_depth_to_color/image_raw"
 PERIOD_NS = 33_333_333
 BEGAN_NS = 1_700_000_000_000_000_000
-_WALL_M = 5.0
 _MOUNT = Pose(rotation_of(np.radians([0, 0, 8.0])), np.array([0.31, -0.04, 0.42]))  # camera_link in base_link
 _COLOUR = Pose(np.eye(3), np.array([0.0, 0.015, 0.0]))  # as in the driver's description of the D435i
 _OPTICAL = Pose(np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]]), np.zeros(3))
@@ -30,6 +25,7 @@ _CHAIN = (
     ("camera_link", "camera_color_frame", _COLOUR),
     ("camera_color_frame", FRAME, _OPTICAL),
 )
+_DEPTH_MM = np.tile(np.array([[2000] * 320 + [5000] * 320], np.uint16), (480, 1))  # a wall beside a nearer one
 _CHI2_95 = 7.815  # of three degrees of freedom
 
 
@@ -48,7 +44,7 @@ class RenderedD435i:
         """Colour, depth in millimetres, and the camera's parameters, with one stamp."""
         stamp, index = BEGAN_NS + PERIOD_NS * number, number % len(self._film.frames)
         colour = image(self._film.frames[index][:, :, ::-1], "rgb8", stamp)
-        return colour, image(self._depths[index], "16UC1", stamp), camera_info(parameters(), stamp)
+        return colour, image(_DEPTH_MM, "16UC1", stamp), camera_info(parameters(), stamp)
 
     def rover(self, stamp: int) -> Pose:
         """The true pose of base_link on the field in the frame with this stamp."""
@@ -61,30 +57,8 @@ class RenderedD435i:
         off = np.array(position) - self.rover(stamp).translation
         return float(off @ np.linalg.solve(np.reshape(covariance, (6, 6))[:3, :3], off)) < _CHI2_95
 
-    @cached_property
-    def _depths(self) -> list[NDArray[np.uint16]]:
-        return [_depth(pose) for pose in self._film.truth]
-
 
 def _transform(parent: str, child: str, pose: Pose) -> geometry_msgs.TransformStamped:
     turn = geometry_msgs.Quaternion(*quaternion_of(pose.rotation).tolist())
     way = geometry_msgs.Vector3(*pose.translation.tolist())
     return geometry_msgs.TransformStamped(header(0, parent), child, geometry_msgs.Transform(way, turn))
-
-
-def _depth(camera: Pose) -> NDArray[np.uint16]:
-    """The depth of each pixel in millimetres: the landmarks' planes in front of a wall."""
-    lens = parameters()
-    width, height = lens.size or (0, 0)
-    depth = np.full((height, width), _WALL_M)
-    x, y = np.meshgrid(np.arange(width), np.arange(height))
-    pixels: Floats = np.stack([x, y], axis=-1).reshape(-1, 1, 2).astype(float)
-    rays = cv2.undistortPoints(pixels, lens.matrix, lens.distortion).reshape(height, width, 2)
-    for one in landmarks().places.values():
-        seen = camera.inverse() @ one.pose
-        corners = seen.apply(np.array([[-1.0, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * SIDE / 2)
-        drawn, _ = cv2.projectPoints(corners, np.zeros(3), np.zeros(3), lens.matrix, lens.distortion)
-        mask = cv2.fillConvexPoly(np.zeros((height, width), np.uint8), np.rint(drawn).astype(np.int32), 1) > 0
-        normal = seen.rotation[:, 2]
-        depth[mask] = normal @ seen.translation / (rays[mask] @ normal[:2] + normal[2])
-    return np.rint(depth * 1000).astype(np.uint16)

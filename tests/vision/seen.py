@@ -13,8 +13,7 @@ from roverlink.vision.poses.pnp import Corners, solve, square_poses
 from roverlink.vision.poses.pose import predict, rotation_of
 
 FACING = np.diag([1.0, -1.0, -1.0])
-NOISE = 2e-5
-"""In the plane z = 1: a fiftieth of a pixel at a focal length of 1000."""
+NOISE = 2e-5  # In the plane z = 1: a fiftieth of a pixel at a focal length of 1000
 
 
 def sighting(

@@ -12,17 +12,13 @@ from needs import NO_ONNX
 
 from bench.vision import nothing
 from bench.vision.accuracy import OURS, Accuracy, measure_size, nees_band
-from bench.vision.calibration import PLAIN
-from bench.vision.calibration import measure_runs as measure_calibrations
-from bench.vision.consistency import CLEAN, DEGRADATIONS, GOAL, IMAGE, SIZES, measure_degradation
-from bench.vision.degradations import Degradation, degraded_scenes
+from bench.vision.consistency import DEGRADATIONS, GOAL, IMAGE, measure_degradation
 from bench.vision.lenses import measure_runs as measure_lenses
 from roverlink.vision import CameraParameters, MarkerSet, Tracker
 
 GOALS = {24: (95, 0.3, 1.5, 0.7, np.inf), 48: (99, 0.08, 0.25, 0.12, 0.6), 96: (99, 0.04, 0.10, 0.06, 0.25)}
 """By side in pixels: detected %, translation median and p95 in %, rotation median and p95 in degrees."""
-ROOM = Path(__file__).parents[3] / "shared" / "photos" / "room"
-"""Photographs that nobody of this project took."""
+ROOM = Path(__file__).parents[3] / "shared" / "photos" / "room"  # Photographs that nobody of this project took
 APRILTAG = "OpenCV APRILTAG"
 BY_NAME = {one.name: one for one in DEGRADATIONS}
 
@@ -78,9 +74,6 @@ def test_nothing_is_seen_where_nothing_is(frames: int) -> None:
     assert nothing.measure(frames, lambda _: None).data["false_ids"][OURS] == 0
 
 
-# --- covariances that can be trusted although images, prints and parameters are not ideal --------------------------
-
-
 @pytest.mark.parametrize("name", ["white balance, clipped", "JPEG q20", "print of 100 px", "side 1 % too small"])
 def test_covariances_are_never_far_too_confident(name: str) -> None:
     """The mean NEES of some markers of 48 px stays below that of standard deviations that are 4 times too small."""
@@ -89,59 +82,11 @@ def test_covariances_are_never_far_too_confident(name: str) -> None:
     assert ours.too_confident < GOAL
 
 
-@pytest.mark.parametrize("name", ["print of 100 px", "motion blur 6 px"])
-def test_corners_are_better_than_those_of_apriltag(name: str) -> None:
-    """Misplaced inner edges and a blur along one direction are part of the model of the edge fit."""
-    ours, other = measure_degradation(BY_NAME[name], 96, 6, (IMAGE, APRILTAG))
+def test_corners_are_better_than_those_of_apriltag() -> None:
+    """A blur along one direction is part of the model of the edge fit."""
+    ours, other = measure_degradation(BY_NAME["motion blur 6 px"], 96, 6, (IMAGE, APRILTAG))
     assert ours.translation_median < other.translation_median
     assert ours.rotation_median < other.rotation_median
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("side_px", SIZES)
-@pytest.mark.parametrize("degradation", DEGRADATIONS, ids=lambda one: one.name)
-def test_covariances_are_never_far_too_confident_over_many(degradation: Degradation, side_px: int) -> None:
-    """The same for each degradation and size; if nothing but noise is wrong, the NEES of the image is in its band."""
-    if side_px <= 24 and degradation.name in ("motion blur 6 px", "defocus 2.5 px"):
-        pytest.skip("OpenCV's detector hardly finds these markers, so there are too few poses to judge")
-    (ours,) = measure_degradation(degradation, side_px, 40, (OURS,))
-    assert ours.count >= 15
-    assert ours.too_confident < GOAL
-    if degradation == CLEAN:
-        (image,) = measure_degradation(CLEAN, side_px, 100, (IMAGE,))
-        assert is_chance(image.nees, image.count)
-
-
-def test_all_degradations_see_the_same_scene() -> None:
-    """A degradation changes the frame, and neither the truth nor the place of the marker."""
-    (clean,) = degraded_scenes(CLEAN, 48, 1, 3)
-    corners = clean.scene.corners
-    (left, top), (right, bottom) = np.floor(corners.min(axis=0)).astype(int), np.ceil(corners.max(axis=0)).astype(int)
-    inside = np.s_[top : bottom + 1, left : right + 1]
-    for degradation in DEGRADATIONS[1:]:
-        (other,) = degraded_scenes(degradation, 48, 1, 3)
-        assert (other.scene.corners == corners).all()
-        assert (other.earlier is None) == (not degradation.speed)
-        if degradation.focal == 1:
-            assert (other.scene.frame != clean.scene.frame)[inside].any(), degradation.name
-
-
-# --- calibrations -------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_calibrations_are_as_accurate_as_promised() -> None:
-    """Two cameras' worth of twenty rendered views, good ones and with one that was taken while the camera shook."""
-    misses = list(measure_calibrations((640, 480), 2))
-    for miss in (one for one in misses if one.contestant == OURS):
-        assert miss.named  # the shaken view, and no other
-        assert miss.rms < 0.10
-        assert abs(miss.fx) < 0.1
-        assert max(abs(miss.cx), abs(miss.cy)) < 0.5
-        assert miss.projection_mean < 0.15
-        assert miss.projection_max < 0.4
-    plain = [one for one in misses if one.contestant == PLAIN and one.bad_views]
-    assert max(one.projection_max for one in plain) > 0.4  # what the goal asks for is not to be had for nothing
 
 
 @pytest.mark.slow
@@ -150,9 +95,6 @@ def test_the_intervals_of_all_lenses_hold_the_truth() -> None:
     ours = [run for run in measure_lenses(2) if run.contestant == OURS]
     assert np.mean([run.inside for run in ours]) >= 0.9
     assert max(run.projection for run in ours) < 0.3
-
-
-# --- the model that ships with roverlink --------------------------------------------------------------------------
 
 
 def test_the_shipped_model_is_small_and_names_its_classes() -> None:

@@ -83,10 +83,8 @@ def test_points_behind_the_camera_meet_no_pixel() -> None:
     [
         (np.eye(2), ROVER, False, "3x3"),
         (np.diag([-1.0, 1, 1]), ROVER, False, "positive focal"),
-        (np.full((3, 3), np.nan), ROVER, False, "3x3"),
         (MATRIX, (1, 2, 3), False, "3 coefficients"),
         (MATRIX, ROVER, True, "k1 k2 k3 k4"),
-        (MATRIX, (np.inf,) * 5, False, "finite"),
         (MATRIX, ROVER, False, "no image size"),
     ],
 )
@@ -94,9 +92,6 @@ def test_what_cannot_be_a_camera_is_refused(matrix: np.ndarray, distortion: tupl
     """The message says what a camera has instead; one without an image size cannot be scaled."""
     with pytest.raises(SetupError, match=words):
         CameraParameters(matrix, np.array(distortion), None, fisheye).scaled((640, 480))
-
-
-# --- CameraInfo ---------------------------------------------------------------------------------------------------
 
 
 def _info(kind: str = "rover", **fields: Any) -> CameraInfo:
@@ -150,9 +145,6 @@ def test_a_cut_and_binned_image_has_its_own_parameters() -> None:
         ({"k": [0.0] * 9}, False, r"calibrated: K of its CameraInfo is zero; .*`roverlink aruco calibrate`, .*--para"),
         ({"p": [0.0] * 12}, True, "not calibrated: P of its CameraInfo is zero"),
         ({"distortion_model": "thin_prism"}, False, "unknown distortion model 'thin_prism' in the CameraInfo"),
-        ({"d": [0.1] * 9, "distortion_model": "rational_polynomial"}, False, "the distortion has 9 coefficients"),
-        ({"width": 0}, False, "names no image size"),
-        ({"k": [float("nan")] * 9}, False, "must be 3x3 with positive focal lengths"),
     ],
 )
 def test_what_cannot_be_used_is_told(fields: dict[str, Any], rectified: bool, expected: str) -> None:
@@ -167,7 +159,6 @@ def test_what_cannot_be_used_is_told(fields: dict[str, Any], rectified: bool, ex
         ("/camera/color/image_raw", "/camera/color/camera_info", False),
         ("/camera/color/image_raw/compressed", "/camera/color/camera_info", False),
         ("/camera/image_rect_color", "/camera/camera_info", True),
-        ("/camera/image_rect/compressed", "/camera/camera_info", True),
         ("/image", "/camera_info", False),
     ],
 )

@@ -47,14 +47,6 @@ def test_views_are_taken_until_nothing_is_missing() -> None:
     assert "adds nothing" in hands.hold(frame((10, -25), (0.4, 0.6), 0.5)).reason
 
 
-def test_a_board_that_moves_is_not_taken() -> None:
-    """Its picture is blurred by a camera that is not as still."""
-    collection = Collection(BOARD)
-    for step in range(3):
-        offer = collection.offer(frame((0, 0), (0.5 + 0.01 * step, 0.5), 0.45), step * FRAME_NS)
-        assert (offer.taken, offer.reason) == (False, "hold the board still")
-
-
 def test_the_same_view_is_not_taken_twice() -> None:
     """But it is where somebody asks for it. A view that is discarded is missing again."""
     hands = Hands()
@@ -80,9 +72,6 @@ def test_the_same_view_is_not_taken_twice() -> None:
 )
 def test_tilts_are_told_by_the_edge_that_is_nearer(tilt: tuple[float, float], name: str) -> None:
     """A turn about the image's y, which points down, brings the right edge to the camera."""
-    rotation, _ = cv2.Rodrigues(np.radians([*tilt, 0.0]))
-    depths = rotation[2] @ np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]).T  # right, left, bottom, top
-    assert ("right", "left", "bottom", "top")[int(np.argmin(depths))] == name.split()[0]
     assert Collection(BOARD).take(frame(tilt, MIDDLE, 0.45), 0).traits.tilts == {name}
 
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import re
-import socket
-import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -24,15 +21,11 @@ from roverlink.runtime.interfaces import builtin_interfaces
 from roverlink.runtime.interfaces.rosgraph_msgs import Clock
 from roverlink.runtime.interfaces.sensor_msgs import Image
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
-from roverlink.runtime.ros_time import simulated_clock
 from roverlink.runtime.ros_time.simulated_clock import SimulatedClock
-from roverlink.vision import CameraParameters, FieldPose, Pose
 from roverlink.vision.camera.camera_settings import CameraSettings
 from roverlink.vision.frames import Frame, TopicSource, open_source, play
-from roverlink.vision.images.drawing import REJECTED, SEEN, draw
 from roverlink.vision.images.film import Film
 from tests.vision.ros_images import image
-from tests.vision.seen import FACING, sighting
 from tests.vision.webcam import Webcam
 
 SIZE = (96, 64)
@@ -106,12 +99,9 @@ def test_what_is_no_recording_is_told(tmp_path: Path, name: str, contents: bytes
     ("text", "expected"),
     [
         ("film.mp4", "no file or folder 'film.mp4'"),
-        ("frames/run1", "no file or folder 'frames/run1'"),
         ("", "the number of a camera, a URL .*, topic:NAME, or gstreamer:PIPELINE"),
-        ("ftp://rover/film", "unknown scheme 'ftp'"),
         ("http://[::", "http://\\[::: not a valid URL: Invalid IPv6"),
         ("99", "cannot open camera 99"),
-        ("/dev/video98", "cannot open camera 98"),
         ("rtsp://127.0.0.1:1/live", "cannot open rtsp://127.0.0.1:1/live"),
         ("127.0.0.1:1", "cannot open http://127.0.0.1:1"),
     ],
@@ -174,51 +164,6 @@ def test_a_stream_that_stays_away_is_asked_for_less_and_less(webcam: Callable[[i
     assert list(source) == []
 
 
-# --- RTSP, against GStreamer's server -------------------------------------------------------------------------------
-
-_SYSTEM_PYTHON = "/usr/bin/python3"
-
-
-@contextlib.contextmanager
-def _rtsp(port: int) -> Iterator[subprocess.Popen[str]]:
-    command = [_SYSTEM_PYTHON, str(Path(__file__).with_name("rtsp_server.py")), str(port)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as server:
-        assert server.stdout
-        if server.stdout.readline() != "ready\n":
-            packages = "gir1.2-gst-rtsp-server-1.0 gstreamer1.0-plugins-good python3-gi"
-            pytest.skip(f"need gst-rtsp-server (apt-get install {packages})")
-        try:
-            yield server
-        finally:
-            server.kill()
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not Path(_SYSTEM_PYTHON).exists(), reason="need gst-rtsp-server and its Python")
-def test_a_camera_with_rtsp_is_read_and_read_again() -> None:
-    """Frames of a real server come as they are; when it has gone and is back, they go on."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    said = list[str]()
-    with contextlib.ExitStack() as servers:
-        server = servers.enter_context(_rtsp(port))
-        source = servers.enter_context(open_source(f"rtsp://127.0.0.1:{port}/live", say=said.append))
-        frames = iter(source)
-        first = next(frames)
-        assert first.size == (320, 240)
-        assert first.image.reshape(-1, 3).mean(axis=0) == pytest.approx([0, 255, 0], abs=25)
-        server.kill()
-        server.wait()
-        wait_until(lambda: any("opening it again" in text for text in said), "the loss of the stream")
-        servers.enter_context(_rtsp(port))
-        wait_until(lambda: any("is back after" in text for text in said), "the stream")
-        last = first.number
-        assert next(frame.number for frame in frames if frame.number > last) > last
-
-
-# --- Films, drawings, and recordings played as if they were taken now -----------------------------------------------
-
 MS = 1_000_000
 
 
@@ -246,20 +191,6 @@ def test_a_film_is_as_fast_as_its_images_came(tmp_path: Path, name: str) -> None
     assert (len(_greys(path)), _greys(path)[-1]) == (22, 8)
 
 
-def test_a_film_that_cannot_be_is_told(tmp_path: Path) -> None:
-    """Its ending, its folder, and a size that changes; nothing is left behind where nothing was written."""
-    for name, words in (("film.gif", r"end with \.mp4 or \.avi"), ("none/film.mp4", "does not exist")):
-        with pytest.raises(SetupError, match=words):
-            Film(tmp_path / name, 10)
-    with Film(tmp_path / "empty.mp4", 10):
-        pass
-    with Film(tmp_path / "film.avi", 10) as film:
-        film.add(_image(0), 0)
-        with pytest.raises(SetupError, match="image size changed from"):
-            film.add(_image(0)[:32], MS)
-    assert [one.name for one in tmp_path.iterdir()] == ["film.avi"]
-
-
 def test_a_recording_is_played_at_its_pace(tmp_path: Path) -> None:
     """Frames come when they are due, stamped with that time; in a loop the stamps and the numbers go on."""
     for number in range(3):
@@ -274,26 +205,6 @@ def test_a_recording_is_played_at_its_pace(tmp_path: Path) -> None:
     assert all(came >= frame.stamp for frame, came in frames)
     assert [(frame.number, frame.image[0, 0, 0]) for frame, _ in frames] == [(one, one % 3) for one in range(7)]
 
-
-def test_what_was_seen_is_drawn_where_it_is() -> None:
-    """The outline is on the corners, red where the landmark was left out; the image itself stays as it is."""
-    camera = CameraParameters(np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]]), np.zeros(5), (640, 480))
-    rng = np.random.default_rng(0)
-    image = np.full((480, 640, 3), 90, np.uint8)
-    one, two = (sighting(number, Pose(FACING, np.array([x, 0.0, 1.5])), rng) for number, x in ((7, -0.3), (8, 0.3)))
-    for each in (one, two):
-        object.__setattr__(each, "corners", camera.distort(each.corners))
-    place = FieldPose("field", Pose(np.eye(3), np.array([1.0, 2.0, 3.0])), np.eye(6), (7,), (8,))
-    drawn = draw(image, camera, (one, two), place)
-    for each, colour in ((one, SEEN), (two, REJECTED)):
-        x, y = np.rint(0.75 * each.corners[0] + 0.25 * each.corners[1]).astype(int)  # the axes are elsewhere
-        assert np.abs(drawn[y, x].astype(int) - colour).max() < 30
-    assert (image == 90).all()
-    assert (drawn[440:] != 90).any()
-    assert (drawn[300:400] == 90).all()
-
-
-# --- The time of a simulation, and what is stamped with it ----------------------------------------------------------
 
 Tick = Callable[[float], object]
 
@@ -327,26 +238,6 @@ def clock(graph: Graph, tick: Tick) -> SimulatedClock:
     return clocks[0]
 
 
-def test_it_shows_the_newest_time(clock: SimulatedClock, tick: Tick) -> None:
-    """Forwards and backwards."""
-    for seconds in (10, 12.5, 1):
-        tick(seconds)
-        assert clock.now() == round(seconds * 1e9)
-
-
-def test_a_missing_simulation_is_told(graph: Graph, tick: Tick, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The program waits for the first time, and says for what."""
-    monkeypatch.setattr(simulated_clock, "PATIENCE_S", 0.05)
-    said: list[str] = []
-    thread = threading.Thread(target=SimulatedClock, args=(MemoryMiddleware(graph), "/clock", said.append))
-    thread.start()
-    wait_until(lambda: said, "the message")
-    assert said == ["waiting for the time of the simulation: use_sim_time is set, but nothing comes on /clock"]
-    tick(1)
-    thread.join(PATIENCE_S)
-    assert not thread.is_alive()
-
-
 @pytest.mark.parametrize(
     ("ticks", "stamps"), [((10.02, 10.04, 11), [10.0, 10.033, 10.067]), ((2, 2, 2.1), [10.0, 2.0, 2.033])]
 )
@@ -372,19 +263,6 @@ def test_a_recording_is_played_in_the_time_of_the_simulation(
     tick(ticks[2])
     thread.join(PATIENCE_S)
     assert [round(frame.stamp / 1e9, 3) for frame in shown] == stamps
-
-
-def test_a_simulation_may_start_again_while_a_frame_is_in_use(
-    clock: SimulatedClock, tick: Tick, tmp_path: Path
-) -> None:
-    """The time that the last frame had tells that the clock has jumped back before the player waits."""
-    for number in range(2):
-        cv2.imwrite(str(tmp_path / f"{number}.png"), np.full((8, 8), number, np.uint8))
-    with open_source(str(tmp_path)) as source:
-        frames = play(source, clock=clock)
-        assert next(frames).stamp == 10_000_000_000
-        tick(2)
-        assert next(frames).stamp == 2_000_000_000
 
 
 def test_images_without_stamps_get_the_time_of_the_simulation(graph: Graph, clock: SimulatedClock, tick: Tick) -> None:

@@ -1,12 +1,9 @@
-"""What the page shows while frames come in, and what its buttons do; the browser itself is in `test_page.py`."""
+"""What the page shows while frames come in, and what its buttons do."""
 
 from __future__ import annotations
 
-import socket
 import threading
-import urllib.request
 from collections.abc import Callable
-from contextlib import ExitStack
 from functools import cache, partial
 from itertools import count
 from typing import Any
@@ -18,9 +15,8 @@ from polling import PATIENCE_S, wait_until
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision import Pose
-from roverlink.vision.calibration import Calibration, CharucoBoard, Collection, Fitted, Model, PoorViewsError, View
+from roverlink.vision.calibration import Calibration, CharucoBoard, Collection, Fitted, Model, View
 from roverlink.vision.calibration.page.live_calibration import LiveCalibration
-from roverlink.vision.calibration.page.server import PageServer
 from tests.vision.board_frames import frame
 from tests.vision.boards import CAMERA
 
@@ -88,16 +84,6 @@ def goals(state: dict[str, Any]) -> dict[str, list[tuple[str, bool]]]:
     return {goal["name"]: [(part["text"], part["done"]) for part in goal["parts"]] for goal in state["goals"]}
 
 
-def test_before_the_first_frame_everything_is_missing() -> None:
-    """All parts of the image, every distance and tilt; there is nothing to calibrate and nothing to save."""
-    state = _Camera().state()
-    assert state["coverage"]["missing"] == list(range(24))
-    assert goals(state)["Views"] == [("0 of 20", False)]
-    assert goals(state)["Distance"] == [("near 0/2", False), ("middle 0/2", False), ("far 0/2", False)]
-    assert state["can"] == ["take"]
-    assert state["status"] == "Next: move the board to the upper left of the image, and hold it still."
-
-
 def test_views_that_add_something_are_taken() -> None:
     """Each with a number, its corners and a picture; what it covers is no longer missing."""
     camera = _Camera()
@@ -110,51 +96,6 @@ def test_views_that_add_something_are_taken() -> None:
     assert 0 in state["coverage"]["missing"]
     picture = cv2.imdecode(np.frombuffer(camera.live.thumbnail(2) or b"", np.uint8), cv2.IMREAD_COLOR)
     assert picture.shape == (180, 240, 3)
-
-
-def test_why_a_view_is_not_taken_is_shown() -> None:
-    """In the words of the collection. "Take" takes the next frame, though it was taken before; and only that one."""
-    camera = _Camera()
-    camera.live.add_frame(near(), 10**18, "a frame")
-    assert camera.state()["note"] == "hold the board still"
-    assert "no board found" in camera.show(np.full_like(near(), 128))["note"]
-    camera.show(near())
-    camera.live.act("take", None)
-    assert len(camera.show(near(), near())["views"]) == 2
-
-
-def test_a_dropped_view_is_gone() -> None:
-    """With its picture and with what it covered; the others keep their numbers, and none has its number again."""
-    camera = _Camera(near(), left())
-    camera.live.act("drop", 1)
-    assert [view["number"] for view in camera.state()["views"]] == [2]
-    assert ("near 0/2", False) in goals(camera.state())["Distance"]
-    assert camera.live.thumbnail(1) is None
-    camera.refuses("drop", "view 1 does not exist", 1)
-    assert [view["number"] for view in camera.show(tilted())["views"]] == [2, 3]
-
-
-def test_a_refusal_is_shown_with_all_its_reasons() -> None:
-    """And collecting goes on."""
-
-    def refuse(_: object) -> Calibration:
-        raise PoorViewsError(("2 views are too few", "no tilts"))
-
-    camera = _Camera(near(), calibrate=refuse)
-    state = camera.calibrated("refused")
-    assert (state["refused"], state["can"]) == (["2 views are too few", "no tilts"], ["take", "calibrate"])
-    assert len(camera.show(left())["views"]) == 2
-
-
-def test_a_mistake_of_ours_is_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A calibration that fails in a way that nobody thought of says so, and can be tried again."""
-    told: list[Any] = []
-    monkeypatch.setattr(threading, "excepthook", told.append)
-    state = _Camera(near(), calibrate=lambda _: 1 / 0).calibrated("refused")
-    assert "terminal" in state["refused"][0]
-    assert "calibrate" in state["can"]
-    wait_until(lambda: told, "the mistake")
-    assert told[0].exc_type is ZeroDivisionError
 
 
 def test_the_result_is_shown_and_the_report_is_there() -> None:
@@ -209,45 +150,3 @@ def test_what_is_saved_is_the_result() -> None:
     assert [len(one.views) for one in saved] == [2]
     assert camera.state()["finished"]
     assert camera.state()["status"] == "Saved to a.yml. This page can be closed."
-
-
-def test_the_picture_is_the_newest_with_its_corners() -> None:
-    """A wide one is made smaller; who comes late sees the last, and waits for the next."""
-    camera = _Camera()
-    for stamp, image in enumerate((near(), left()), 1):
-        camera.live.add_frame(cv2.resize(image, (1920, 1440)), stamp * 10**18, "a frame")
-    number, jpeg = camera.live.picture(0) or (0, b"")
-    shown = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
-    assert (number, shown.shape) == (2, (720, 960, 3))
-    coloured = shown.max(axis=2).astype(int) - shown.min(axis=2) > 100
-    assert 100 < coloured.sum() < 20_000
-    late: list[int] = []
-    waiting = threading.Thread(target=lambda: late.append((camera.live.picture(2) or (0, b""))[0]))
-    waiting.start()
-    camera.live.add_frame(near(), 3 * 10**18, "a frame")
-    waiting.join(PATIENCE_S)
-    assert late == [3]
-
-
-def test_browsers_that_do_not_read_hold_up_no_frame() -> None:
-    """Ten of them ask for pictures and take none; the camera goes on, and who reads gets the newest."""
-    camera = _Camera()
-    with PageServer("127.0.0.1", 0, camera.live) as server, ExitStack() as stack:
-        for _ in range(10):
-            sock = stack.enter_context(socket.create_connection(("127.0.0.1", server.port)))
-            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-            sock.sendall(f"GET /picture HTTP/1.1\r\nHost: localhost:{server.port}\r\n\r\n".encode() * 20)
-        showing = threading.Thread(target=camera.show, args=(near(), left(), tilted()), daemon=True)
-        showing.start()
-        showing.join(PATIENCE_S)
-        assert not showing.is_alive()
-        with urllib.request.urlopen(f"{server.url}picture") as answer:
-            assert answer.headers["Picture-Number"] == "6"
-
-
-def test_the_end_of_a_recording_is_told() -> None:
-    """There is nothing more to take, and what there is can be calibrated."""
-    camera = _Camera(near())
-    camera.live.ended()
-    assert camera.state()["note"] == "a camera has ended; no more frames."
-    assert camera.state()["can"] == ["calibrate"]

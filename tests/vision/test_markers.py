@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from bench.vision.contestants import camera_of
-from bench.vision.scenes import DICTIONARY, SIDE, Scene, corner_points, lens, random_pose, scenes
-from roverlink.vision.images.rendering import Floats, Pose, Print, marker_print, project, render, texels_for, texture
+from bench.vision.scenes import SIDE, Scene, corner_points, lens, random_pose, scenes
+from roverlink.vision.images.rendering import Floats, Print, marker_print, project, render, texture
 from roverlink.vision.markers.detection import Detector, Region
 from roverlink.vision.markers.dictionaries import other_dictionary
 from roverlink.vision.markers.edges import Fit, Guess, fit_edges
@@ -31,17 +31,6 @@ def film() -> Sequence[Scene]:
     return list(scenes(48, 12, 100))
 
 
-# --- the rendered truth -------------------------------------------------------------------------------------------
-
-
-def test_projection_is_that_of_opencv() -> None:
-    """The renderer's lens is OpenCV's, and its rays are the inverse."""
-    pixels = np.random.default_rng(1).uniform((0, 0), LENS.size, (100, 2))
-    points = np.column_stack([LENS.rays(pixels), np.ones(100)])
-    projected, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), LENS.matrix, np.array(LENS.distortion))
-    assert projected.reshape(-1, 2) == pytest.approx(pixels, abs=1e-8)
-
-
 @pytest.mark.parametrize("seed", range(3))
 def test_a_square_is_where_its_projection_is(seed: int) -> None:
     """The centre of a rendered square's light is the centre of its outline's area: no half pixel is lost."""
@@ -53,18 +42,6 @@ def test_a_square_is_where_its_projection_is(seed: int) -> None:
     light = np.array([(frame * columns).sum(), (frame * rows).sum()]) / frame.sum()
     moments = cv2.moments(project(LENS, pose, corner_points()).astype(np.float32))
     assert light == pytest.approx(np.array([moments["m10"], moments["m01"]]) / moments["m00"], abs=0.03)
-
-
-def test_the_noise_is_what_was_asked_for() -> None:
-    """Two grey levels, and the rounding to whole ones; what is not in view is not painted."""
-    frame = render(LENS, np.full((480, 640), 100.4), [], np.random.default_rng(0))
-    assert frame.std() == pytest.approx((2.0**2 + 1 / 12) ** 0.5, rel=0.02)
-    assert frame.mean() == pytest.approx(100.4, abs=0.02)
-    outside = Print(np.zeros((10, 10), np.uint8), 0.005), Pose(np.diag([1.0, -1.0, -1.0]), np.array([5.0, 0.0, 1.0]))
-    assert (render(LENS, np.full((480, 640), 100.0), [outside], np.random.default_rng(0), noise_sigma=0) == 100).all()
-
-
-# --- detection ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("way", ["scan", "scan_quickly", "look"])
@@ -79,15 +56,6 @@ def test_corners_count_from_the_centres_of_the_frame_s_pixels(film: Sequence[Sce
     ]
     assert len(offsets) >= len(film) - 1
     assert np.mean(offsets, axis=0) == pytest.approx([0, 0], abs=0.15)
-
-
-def test_what_cannot_hold_a_marker_of_ours_has_none(film: Sequence[Scene]) -> None:
-    """A number without a side, where there is none for all, and a region at the rim that is a few pixels or empty."""
-    scene = film[0]
-    assert Detector(MarkerSet(side=None, sides={(scene.number + 1) % 250: 0.1})).scan(scene.frame) == []
-    assert Detector(MarkerSet(side=None, sides={scene.number: 0.1})).scan(scene.frame)
-    assert DETECTOR.look(scene.frame, Region(0, 0, 5, 200)) == []
-    assert DETECTOR.look(scene.frame, Region(10, 10, 10, 10)) == []
 
 
 @pytest.mark.parametrize(
@@ -111,18 +79,11 @@ def test_another_dictionary_is_the_smallest(chosen: str, shown: str, numbers: li
     assert found == (None if expected is None else (expected, numbers))
 
 
-# --- the fit of the edges -----------------------------------------------------------------------------------------
-
-
 def fit(scene: Scene, off: Floats | float = 0.3) -> Fit:
     """Fit from corners that are off by some pixels."""
     found = fit_edges(scene.frame, CAMERA, [Guess(MARKERS.pattern(scene.number), scene.corners + off)])[0]
     assert found
     return found
-
-
-def changed(scene: Scene, frame: np.ndarray) -> Scene:
-    return Scene(frame, scene.number, scene.pose, scene.corners)
 
 
 def miss(found: Fit, scene: Scene) -> float:
@@ -152,42 +113,12 @@ def test_it_measures_noise_contrast_and_blur(film: Sequence[Scene]) -> None:
     assert min(one.explained for one in found) > 0.98
 
 
-@pytest.mark.parametrize("off", [1.0, 2.0])
-def test_a_detector_s_error_does_not_matter(film: Sequence[Scene], off: float) -> None:
-    """From corners that are off by one or two pixels, each in a direction of its own, the fit arrives."""
+def test_a_detector_s_error_does_not_matter(film: Sequence[Scene]) -> None:
+    """From corners that are off by two pixels, each in a direction of its own, the fit arrives."""
     rng = np.random.default_rng(0)
     for scene in film:
         angles = rng.uniform(0, 2 * np.pi, 4)
-        assert miss(fit(scene, off * np.column_stack([np.cos(angles), np.sin(angles)])), scene) < 0.05
-
-
-def test_a_covered_corner_is_left_out(film: Sequence[Scene]) -> None:
-    """A finger on a corner is an outlier; the other edges still say where the corner is."""
-    errors = []
-    for scene in film:
-        covered = cv2.circle(scene.frame.copy(), np.rint(scene.corners[0]).astype(int).tolist(), 6, 90, -1)
-        errors.append(miss(fit(changed(scene, covered)), scene))
-    assert np.median(errors) < 0.1
-
-
-@pytest.mark.parametrize("sigma", [0.5, 1.6])
-def test_the_lens_may_be_sharper_or_blurred(sigma: float) -> None:
-    """The blur is fitted, too."""
-    rng = np.random.default_rng(1)
-    pose = random_pose(LENS, 60, rng)
-    plane = marker_print(DICTIONARY, 17, SIDE, texels=texels_for(60))
-    frame = render(LENS, np.full((480, 640), 120.0), [(plane, pose)], rng, psf_sigma=sigma)
-    scene = Scene(frame, 17, pose, project(LENS, pose, corner_points()))
-    found = fit(scene)
-    assert miss(found, scene) < 0.05
-    assert found.blur == pytest.approx((sigma**2 + 1 / 12) ** 0.5, rel=0.1)
-
-
-def test_light_may_fall_off_across_the_marker(film: Sequence[Scene]) -> None:
-    """Brightness that changes linearly is part of the model."""
-    for scene in film[:4]:
-        shaded = np.rint(scene.frame * np.linspace(1, 0.5, 640)).astype(np.uint8)
-        assert miss(fit(changed(scene, shaded)), scene) < 0.04
+        assert miss(fit(scene, 2 * np.column_stack([np.cos(angles), np.sin(angles)])), scene) < 0.05
 
 
 def test_what_is_not_there_is_not_explained(film: Sequence[Scene]) -> None:
@@ -202,9 +133,6 @@ def test_what_is_not_there_is_not_explained(film: Sequence[Scene]) -> None:
     assert lost is None
     plain = fit_edges(np.full((480, 640), 128, np.uint8), CAMERA, [good])[0]
     assert plain is None or abs(plain.contrast) < 8
-
-
-# --- the decision between two poses, over time --------------------------------------------------------------------
 
 
 def decide(flips: Flips, frame: int, **chi2: float) -> str:
@@ -229,11 +157,3 @@ def test_a_wrong_first_decision_is_taken_back() -> None:
     flips = Flips()
     assert decide(flips, 0, left=1.0, right=3.0) == "left"
     assert [decide(flips, frame, left=5.0, right=1.0) for frame in range(1, 9)][-1] == "right"
-
-
-def test_frontal_views_have_one_pose_and_do_not_disturb() -> None:
-    """Where both poses are one, that is taken, whatever was before."""
-    flips = Flips()
-    decide(flips, 0, left=1.0, right=6.0)
-    assert decide(flips, 1, front=1.0) == "front"
-    assert decide(flips, 2, left=1.0, right=2.0) == "left"

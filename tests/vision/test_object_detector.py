@@ -17,25 +17,23 @@ np = pytest.importorskip("numpy", reason=NO_OPENCV)
 onnx = pytest.importorskip("onnx", reason=NO_ONNX)
 pytest.importorskip("onnxruntime", reason=NO_ONNX)
 
-from onnx import TensorProto, helper, numpy_helper  # noqa: E402  # they need onnx
+from onnx import TensorProto  # noqa: E402  # they need onnx
 
 from roverlink.runtime.core.errors import SetupError  # noqa: E402
 from roverlink.vision.objects.detected_objects import Box, Detection  # noqa: E402
 from roverlink.vision.objects.detector import ObjectDetector  # noqa: E402
 from roverlink.vision.objects.layouts import LAYOUTS  # noqa: E402
 from roverlink.vision.objects.preprocessing import Fit, Preprocessing  # noqa: E402
-from tests.vision.onnx_models import save, write  # noqa: E402
+from tests.vision.onnx_models import write  # noqa: E402
 
-_W, _H = 96, 64
-"""Size of the networks' input."""
-_IMAGE = (200, 100)
-"""Width and height of the image: of another shape than the input."""
+_W, _H = 96, 64  # Size of the networks' input
+_IMAGE = (200, 100)  # Width and height of the image: of another shape than the input
 _CELLS = [(stride, x, y) for stride in (8, 16, 32) for y in range(_H // stride) for x in range(_W // stride)]
 """Stride, column and row of the cells of the grids, in the order of YOLOX."""
 _NAMES = ("rock", "socket", "plate")
 _BLACK = np.zeros((_H, _W, 3), np.uint8)
 
-# --- layouts ------------------------------------------------------------------------------------------------------
+# --- layouts
 # What follows is written from the formats' descriptions, one number at a time, without numpy's tricks.
 
 Truth = tuple[float, float, float, float, int, float]
@@ -202,35 +200,14 @@ def test_of_boxes_that_overlap_the_best_one_of_each_class_remains(tmp_path: Path
     assert [round(one.confidence, 3) for one in ObjectDetector(path, score=0.7).detect(_BLACK)] == [0.9]
 
 
-def test_boxes_that_are_no_numbers_are_left_out(tmp_path: Path) -> None:
-    """A network that overflows gives no object, and no error."""
-    table = np.full((1, 7, 126), np.nan, np.float32)
-    for column, x in ((5, 20), (6, np.inf), (7, -50)):
-        table[0, :, column] = [x, 20, 10, 10, 0.9, 0, 0]
-    path = write(tmp_path / "m.onnx", {"output0": table}, (_W, _H))
-    assert [one.class_name for one in ObjectDetector(path).detect(_BLACK)] == ["0"]
-
-
-@pytest.mark.parametrize(
-    ("size", "place", "box"),
-    [
-        ((_W, _H), (48, 32, 20, 10), (38, 27, 20, 10)),
-        ((640, 640), (600.5, 300.25, 2.25, 2.25), (599.375, 299.125, 2.25, 2.25)),
-    ],
-)
-def test_half_precision_is_supported_but_not_used_for_the_boxes(
-    tmp_path: Path, size: Any, place: Any, box: Any
-) -> None:
+def test_half_precision_is_supported_but_not_used_for_the_boxes(tmp_path: Path) -> None:
     """Exports for GPUs have inputs and outputs of float16; at 600 pixels, its numbers have steps of half a pixel."""
-    width, height = size
-    table = np.zeros((1, 7, width * height * 21 // 1024), np.float16)
-    table[0, :, 0] = [*place, 0, 0.75, 0]
-    path = write(tmp_path / "m.onnx", {"output0": table}, size, kind=TensorProto.FLOAT16)
-    found = ObjectDetector(path, names=_NAMES).detect(np.zeros((height, width, 3), np.uint8))
-    assert found == [Detection(Box(*map(float, box)), "socket", 0.75)]
+    table = np.zeros((1, 7, 8400), np.float16)
+    table[0, :, 0] = [600.5, 300.25, 2.25, 2.25, 0, 0.75, 0]
+    path = write(tmp_path / "m.onnx", {"output0": table}, (640, 640), kind=TensorProto.FLOAT16)
+    found = ObjectDetector(path, names=_NAMES).detect(np.zeros((640, 640, 3), np.uint8))
+    assert found == [Detection(Box(599.375, 299.125, 2.25, 2.25), "socket", 0.75)]
 
-
-# --- preprocessing ------------------------------------------------------------------------------------------------
 
 _PIXELS, _INPUTS = st.integers(1, 2000), st.sampled_from([(640, 640), (416, 416), (320, 256), (96, 64)])
 
@@ -248,17 +225,6 @@ def test_a_letterbox_and_back_is_the_same_place(width: int, height: int, size: A
     assert back[0] == pytest.approx([x, y, x, y], abs=0.5)
 
 
-@pytest.mark.parametrize("fit", Fit)
-def test_a_square_in_the_image_is_where_the_placement_says(fit: Fit) -> None:
-    """What the network sees and what its boxes are converted with belong together, within half a pixel."""
-    image = np.zeros((300, 500, 3), np.uint8)
-    image[100:200, 240:400] = 255
-    blob, placement = Preprocessing(fit).prepare(image, (320, 256))
-    ys, xs = np.nonzero(blob[0, 0] > 0.75)  # the border has 114 of 255
-    box = placement.to_image(np.array([[xs.min(), ys.min(), xs.max() + 1, ys.max() + 1]], float))[0]
-    assert box == pytest.approx([240, 100, 400, 200], abs=0.5 / min(placement.scale))
-
-
 def test_the_colours_are_those_that_the_network_expects() -> None:
     """Order, range and normalization; the border is grey."""
     image = np.full((10, 20, 3), (10, 20, 200), np.uint8)  # blue, green, red
@@ -270,46 +236,6 @@ def test_the_colours_are_those_that_the_network_expects() -> None:
     normal, _ = Preprocessing(Fit.STRETCHED, normalized=True).prepare(image, (40, 40))
     expected = [(200 / 255 - 0.485) / 0.229, (20 / 255 - 0.456) / 0.224, (10 / 255 - 0.406) / 0.225]
     assert normal[0, :, 5, 5] == pytest.approx(expected, rel=1e-5)
-
-
-def _convolution(path: Path) -> Path:
-    """A network with a convolution, a sigmoid and a reshape, whose output has the layout of YOLOv8."""
-    constants = {
-        "w": np.random.default_rng(3).normal(0, 0.5, (7, 3, 8, 8)).astype(np.float32),
-        "scale": np.array([64, 64, 30, 30, 1, 1, 1], np.float32).reshape(1, 7, 1, 1),
-        "shape": np.array([1, 7, 64], np.int64),
-    }
-    nodes = [
-        helper.make_node("Conv", ["images", "w"], ["c"], strides=[8, 8], kernel_shape=[8, 8]),
-        helper.make_node("Sigmoid", ["c"], ["s"]),
-        helper.make_node("Mul", ["s", "scale"], ["m"]),
-        helper.make_node("Reshape", ["m", "shape"], ["output0"]),
-    ]
-    return save(
-        path, _graph(nodes, (1, 7, 64), [numpy_helper.from_array(one, name) for name, one in constants.items()])
-    )
-
-
-def _graph(nodes: list[Any], shape: tuple[int, ...], constants: list[Any], has_image: bool = True) -> Any:
-    images = helper.make_tensor_value_info("images", TensorProto.FLOAT, (1, 3, 64, 64))
-    output = helper.make_tensor_value_info("output0", TensorProto.FLOAT, shape)
-    return helper.make_graph(nodes, "net", [images] * has_image, [output], constants)
-
-
-def test_opencv_gives_the_same_objects(tmp_path: Path) -> None:
-    """ONNX Runtime and cv2.dnn run the same network on the same image."""
-    path = _convolution(tmp_path / "net.onnx")
-    image = np.random.default_rng(1).integers(0, 255, (64, 64, 3), np.uint8)
-    found = ObjectDetector(path, score=0.9).detect(image)
-    network = cv2.dnn.readNetFromONNX(str(path))
-    network.setInput(cv2.dnn.blobFromImage(image, 1 / 255, swapRB=True))
-    best = max(network.forward()[0].T, key=lambda row: row[4:].max())
-    assert found[0].confidence == pytest.approx(best[4:].max(), abs=1e-5)
-    x1, y1 = max(best[0] - best[2] / 2, 0), max(best[1] - best[3] / 2, 0)
-    assert (found[0].box.x, found[0].box.y) == pytest.approx((x1, y1), abs=1e-3)
-
-
-# --- files that cannot be used, and sizes that are open ------------------------------------------------------------
 
 
 @pytest.fixture
@@ -331,7 +257,7 @@ def refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Callable[..., 
 def test_a_file_that_is_no_model_is_refused(tmp_path: Path, refused: Callable[..., None]) -> None:
     """A missing one, an empty one, text, noise, and a model that is truncated at any length."""
     refused("cannot read the model: No such file or directory")
-    whole = _convolution(tmp_path / "net.onnx").read_bytes()
+    whole = write(tmp_path / "net.onnx", {"output0": np.ones((1, 7, 84), np.float32)}).read_bytes()
     parts = [whole[:length] for length in range(10, len(whole) - 1, len(whole) // 7)]
     for content in (b"", b"no model", b"\x08\x08\x12", bytes(1000), *parts):
         (tmp_path / "m.onnx").write_bytes(content)
@@ -339,38 +265,31 @@ def test_a_file_that_is_no_model_is_refused(tmp_path: Path, refused: Callable[..
 
 
 def test_models_that_cannot_be_opened_say_why(tmp_path: Path, refused: Callable[..., None]) -> None:
-    """Weights in another file, an operator that nobody has, no input, texts as outputs, and another task."""
+    """Weights in another file, an operator that nobody has, texts as outputs, another task, and other inputs."""
     path = tmp_path / "m.onnx"
-    model = onnx.load(_convolution(tmp_path / "net.onnx"))
+    model = onnx.load(write(path, {"output0": np.ones((1, 7, 84), np.float32)}))
     onnx.save(model, path, save_as_external_data=True, size_threshold=0, location="weights.bin")
     refused("the weights are in another file; export the model as one file")
-    save(path, _graph([helper.make_node("NonsenseOp", ["images"], ["output0"])], (1, 7, 84), []))
-    refused("ONNX Runtime lacks an operator of the model; update it, or")
+    model = onnx.load(write(path, {"output0": np.ones((1, 7, 84), np.float32)}))
+    model.graph.node[0].op_type = "NonsenseOp"
+    onnx.save(model, path)
     refused("NonsenseOp")
-    value = numpy_helper.from_array(np.zeros((1, 7, 84), np.float32), "v")
-    save(path, _graph([helper.make_node("Identity", ["v"], ["output0"])], (1, 7, 84), [value], has_image=False))
+    model.graph.node[0].op_type = "Identity"
+    del model.graph.input[:]
+    onnx.save(model, path)
     refused("the inputs are none; a detector has one for an image")
     write(path, {"o": np.full((1, 7, 84), "rock", object)})
     refused("an output has the type tensor(string); a detector has tensors of numbers")
     write(path, {"output0": np.zeros((1, 56, 84), np.float32)}, metadata={"task": "pose"})
     refused("the model is for the task 'pose'")
-
-
-@pytest.mark.parametrize(
-    ("inputs", "text"),
-    [
+    for inputs, text in (
         ({"x": (1, 3, 64)}, "the inputs are x (1, 3, 64); a detector has one for an image"),
         ({"x": (1, 1, 64, 64)}, "a detector has one for an image, (1, 3, height, width)"),
-        ({"x": (4, 3, 64, 64)}, "the inputs are x (4, 3, 64, 64)"),
         ({"x": (1, 3, 64, 64), "y": (1, 3, 64, 64)}, "the inputs are x (1, 3, 64, 64), y (1, 3, 64, 64)"),
         ({"x": (1, 3, 8, 8)}, "has 8x8 pixels; 32 to 4096 are possible"),
-        ({"x": (1, 3, 8192, 64)}, "has 64x8192 pixels"),
-    ],
-)
-def test_other_inputs_are_refused(tmp_path: Path, refused: Any, inputs: Mapping[str, Any], text: str) -> None:
-    """The message has the shapes."""
-    write(tmp_path / "m.onnx", {"output0": np.zeros((1, 7, 84), np.float32)}, inputs=inputs)
-    refused(text)
+    ):
+        write(path, {"output0": np.zeros((1, 7, 84), np.float32)}, inputs=inputs)
+        refused(text)
 
 
 _NO_LAYOUT = "no known layout has them"
@@ -383,11 +302,7 @@ _PARTS = {"num_dets": (1, 0), "det_boxes": (1, 5, 4), "det_scores": (1, 5), "det
         ({"o": (1, 300, 6)}, {}, "the outputs are o (1, 300, 6); this may be rtdetr or nms; choose with --layout"),
         ({"o": (1, 300, 6)}, {"names": ["a", "b"]}, "(1, 300, 6) and 2 classes; this may be rtdetr or nms"),
         ({"o": (1, 10)}, {}, "the outputs are o (1, 10); no known layout has them; docs/objects.md lists"),
-        ({"a": (1, 9, 4), "b": (1, 9, 3)}, {}, "a (1, 9, 4), b (1, 9, 3); no known layout has them"),
         ({"o": (1, 7, 84)}, {"layout": "yolox"}, "that does not fit the layout yolox; leave --layout out"),
-        ({"o": (1, 7, 84)}, {"names": ["a"]}, "(1, 7, 84) and 1 classes; no known layout has them"),
-        ({"labels": (5,), "boxes": (5, 4), "scores": (5,)}, {}, _NO_LAYOUT),
-        ({"labels": (1, 5), "boxes": (1, 5, 3), "scores": (1, 5)}, {}, _NO_LAYOUT),
         ({"labels": (1, 5), "boxes": (1, 5, 4), "scores": (1, 9)}, {}, _NO_LAYOUT),
         ({"logits": (1, 5, 0), "pred_boxes": (1, 5, 4)}, {}, _NO_LAYOUT),
         ({"logits": (5,), "pred_boxes": (5,)}, {"layout": "rtdetr"}, "that does not fit the layout rtdetr"),

@@ -145,11 +145,8 @@ def test_files_of_others_are_read(tmp_path: Path, text: str, size: tuple[int, in
         ("radtan", "0.1, -0.2, 0.001, 0.002", "plumb_bob"),
         ("plumb_bob", "", "plumb_bob"),
         ("none", "", "plumb_bob"),
-        ('""', "0, 0, 0, 0, 0", "plumb_bob"),
-        ("rational_polynomial", ", ".join(["0.01"] * 12), "rational_polynomial"),
         ("rational_polynomial", ", ".join(["0.01"] * 14), "rational_polynomial"),
         ("fisheye", "0.1, -0.02, 0.01, -0.002", "equidistant"),
-        ("kannala_brandt", "0.1, -0.02, 0.01, -0.002", "equidistant"),
     ],
 )
 def test_models_have_the_names_that_others_use(tmp_path: Path, model: str, coefficients: str, as_here: str) -> None:
@@ -173,37 +170,20 @@ _DISTORTION = "distortion_coefficients: "
         ("camera_matrix:", "camera_matrx:", r"missing key 'camera_matrix'; did you mean 'camera_matrx'\?"),
         ("   rows: 3\n", "", r":3:16: camera_matrix is not a matrix"),
         ("rows: 3", "rows: 2", r":7:10: camera_matrix is 2x3, but has 9 numbers"),
-        ("rows: 3", "rows: three", r":4:10: rows is three"),
         (" 0.,\n", " zero,\n", r":7:64: a number of camera_matrix is zero"),
-        (" 0.,\n", " .Nan,\n", r"finite number"),
-        ("1.1633", "-1.1633", r": the camera matrix .* positive focal"),
-        ("data: [", "data: [[", r":\d+:\d+: not valid YAML"),
         (_DISTORTION, f"image_width: 3\n{_DISTORTION}", r":9:14: .* give both"),
-        (OLD, "", r"no camera parameters"),
         ("1.1633", "1.0e+300, 1.1633", r":7:12: .* is 1.0e\+300; it must be a finite number, at most 1e\+09"),
-        ("camera_matrix:", "2: x\non: x\ncamera_matrx:", r"missing key 'camera_matrix'; did you mean 'camera_matrx'"),
-        (
-            _DISTORTION,
-            f"image_width: {'9' * 5000}\nimage_height: 3\n{_DISTORTION}",
-            r"9:14: .* 9+\.\.\. is not a valid",
-        ),
-        (_DISTORTION, f"image_width: 3\nimage_height: 0x\n{_DISTORTION}", r":10:15: image_height is 0x;"),
-        ("   dt: d\n", "   dt: d\n   dt: f\n", r":7:4: the key dt occurs twice"),
         (_DISTORTION, f"distortion_model: fishy\n{_DISTORTION}", r":9:19: unknown distortion model 'fishy'"),
-        (_DISTORTION, f"distortion_model: none\n{_DISTORTION}", r":9:19: .* is none, but there are coeff"),
         (
             _DISTORTION,
             f"distortion_model: equidistant\n{_DISTORTION}",
             r"'equidistant' needs 4 coeff.*, but the file has 5",
         ),
         ("618.535 0.", "618.535 zero", r":9:13: a number of camera_matrix is zero"),
-        ("<rows>3", "<rows>2", r":7:3: camera_matrix is 2x3, but has 9 numbers"),
         ("camera_matrix type", "camera_matrx type", r":9:30: not valid XML: mismatched tag"),
         ("<?xml", "<!DOCTYPE x [<!ENTITY a 'b'>]>\n<?xml", r":1:\d+: the file has a document type"),
         ("opencv_storage", "calibration", r":2:1: the file is <calibration>, and no FileStorage"),
         ("<rows>1</rows>", "<rows>1</rows> <rows>2</rows>", r":11:18: the key rows occurs twice"),
-        (XML, "<opencv_storage></opencv_storage>", r"no camera parameters found"),
-        (XML, "<a", r":1:\d+: not valid XML: unclosed token"),
     ],
 )
 def test_mistakes_are_told_with_their_place(tmp_path: Path, old: str, new: str, words: str) -> None:
@@ -214,12 +194,6 @@ def test_mistakes_are_told_with_their_place(tmp_path: Path, old: str, new: str, 
     with pytest.raises(SetupError, match=words) as raised:
         read_parameters(path)
     assert str(raised.value).count(str(path)) == 1
-
-
-def test_missing_parameters_say_how_to_make_them(tmp_path: Path) -> None:
-    """Nobody has to know which program writes the file."""
-    with pytest.raises(SetupError, match="roverlink aruco calibrate"):
-        read_parameters(tmp_path / "camera.yml")
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:

@@ -18,8 +18,7 @@ from roverlink.vision.printing import PAPERS, board_sheet, marker_sheets, to_pdf
 from roverlink.vision.printing.sheet import Label, Sheet
 from roverlink.vision.printing.sheet_layout import RULER
 
-SCALE = 8000
-"""Pixels a metre."""
+SCALE = 8000  # Pixels a metre
 BOARDS = {
     "default": CharucoBoard(),
     "odd": CharucoBoard(5, 7, 0.03, 0.022, "DICT_5X5_100"),
@@ -76,27 +75,6 @@ def test_markers_on_paper_are_as_large_as_they_should_be() -> None:
         assert sides == pytest.approx(0.03 if number == 7 else 0.05, abs=2.5e-4)  # OpenCV's corners are whole pixels
 
 
-@pytest.mark.parametrize(
-    ("side", "paper", "border"), [(0.15, "A4", 1), (0.15, "letter", 1), (0.17, "A4", 0.5), (0.25, "A3", 0.5)]
-)
-def test_a_marker_as_large_as_the_paper_allows_is_found(side: float, paper: str, border: float) -> None:
-    """It has its true size, and around it the white that detection needs, without rulers and text."""
-    markers = MarkerSet(side=side)
-    page = drawn(to_pdf(marker_sheets(markers, [7], paper)))
-    dark = np.pad(cv2.resize(page, None, fx=0.1, fy=0.1, interpolation=cv2.INTER_AREA), 100)  # a black wall behind it
-    for image, scale in ((page, SCALE), (dark, SCALE / 10)):
-        corners, ids, _ = cv2.aruco.ArucoDetector(markers.bits).detectMarkers(image)
-        assert np.ravel(ids).tolist() == [7]
-        (left, top), (right, bottom) = np.rint(np.reshape(corners, (4, 2))[[0, 2]]).astype(int)
-        assert (right - left, bottom - top) == pytest.approx((side * scale, side * scale), abs=2.5)
-        if image is page:
-            white = int(border * side / 7 * SCALE) - 2
-            around = page[top - white : bottom + white, left - white : right + white].copy()
-            assert around.shape == (bottom - top + 2 * white, right - left + 2 * white)
-            around[white - 2 : 2 - white, white - 2 : 2 - white] = 255
-            assert around.min() == 255
-
-
 @pytest.mark.parametrize("paper", PAPERS)
 def test_pages_and_rulers_are_as_large_as_they_say(paper: str) -> None:
     """Pages upright or across, in points of 1/72 inch; both rulers meet in a corner, as one shape of 100 mm."""
@@ -114,12 +92,8 @@ def test_pages_and_rulers_are_as_large_as_they_say(paper: str) -> None:
     ("make", "words"),
     [
         (
-            lambda: board_sheet(CharucoBoard(square=0.04, marker=0.03), "A4"),
-            r"440 mm x 320 mm\) is too large for A4 with its margins; use A2",
-        ),
-        (
             lambda: marker_sheets(MarkerSet(side=0.18), [3], "A4"),
-            r"a marker of 180 mm with its white border .* too large for A4 .*; use letter",
+            "a marker of 180 mm .* too large for A4 .*; use letter",
         ),
         (lambda: marker_sheets(MarkerSet(side=1.5), [3], "A0"), "use smaller sides"),
         (lambda: to_png(board_sheet(CharucoBoard(), "A0"), 1200), "write a PDF"),

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from roverlink.vision.calibration import Calibration, calibrate
-from roverlink.vision.calibration.pictures import round_down
-from roverlink.vision.calibration.report import parameters, report
+from roverlink.vision.calibration.report import report
 from tests.vision.boards import BOARD, CAMERA, NOISE, views
 
 VERSIONS = {"roverlink": "1.2.3", "OpenCV": "5.0.0"}
@@ -87,20 +86,6 @@ def test_it_needs_nothing_else() -> None:
     assert report(calibration(), BOARD, VERSIONS) == page()
 
 
-def test_what_was_calibrated_is_said() -> None:
-    """The images' size, when they were taken, the board, the model, the error, and the programs' versions."""
-    rows = dict(row for row in _Text(page()).rows if len(row) == 2)
-    assert rows.items() >= {
-        ("Images", "1280 x 720 pixels"),
-        ("Taken", "2023-11-14 22:13:20 to 22:13:39 UTC"),
-        ("Board", "11 x 8 squares of 24 mm, markers of 18 mm, DICT_4X4_50"),
-        ("Model", "plumb_bob"),
-        ("Views", "18 used, 2 dropped"),
-        ("Reprojection error (RMS)", f"{calibration().rms:.3f} px"),
-        ("Made with", "roverlink 1.2.3, OpenCV 5.0.0"),
-    }
-
-
 def test_every_number_has_its_interval() -> None:
     """With two digits of the interval, and as many decimals of the value."""
     rows = {row[0]: row[1:] for row in _Text(page()).rows if len(row) == 3}
@@ -111,17 +96,6 @@ def test_every_number_has_its_interval() -> None:
         assert float(interval) == pytest.approx(half, rel=0.05)
         assert float(said) == pytest.approx(value, abs=half / 10)
         assert len(said.partition(".")[2]) == len(interval.partition(".")[2])
-
-
-@pytest.mark.parametrize(
-    ("deviation", "text"), [(12.0, "24"), (1.0, "2.0"), (0.4, "0.78"), (4.7e-5, "0.000092"), (0.0, "0.0")]
-)
-def test_digits(deviation: float, text: str) -> None:
-    """Two of an interval, whatever its size."""
-    count = len(calibration().deviations)
-    wide = replace(calibration(), covariance=np.eye(count) * deviation**2)
-    assert wide.interval == pytest.approx(1.96)
-    assert parameters(wide)[0].interval == text
 
 
 def test_views_have_their_errors_and_dropped_ones_their_reasons() -> None:
@@ -155,44 +129,3 @@ def test_the_residuals_are_drawn_where_they_are() -> None:
         misses = np.concatenate([one.residuals[one.used == used] for one in judged])
         assert drawn[:, :2] == pytest.approx(seen - misses + 0.5, abs=0.051)
         assert drawn[:, 2:] == pytest.approx(misses * magnified, abs=0.051)
-
-
-def test_the_uncertainty_is_drawn_where_it_is() -> None:
-    """Every field has the class of the deviation in its middle, and all fields together are the image."""
-    fields = [one for one in pictures()["Uncertainty over the image"].iter("rect") if one.get("class") != "image"]
-    bounds = [0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, np.inf]
-    area = 0.0
-    for one in fields:
-        x, y, width, height = (float(one.get(name, "")) for name in ("x", "y", "width", "height"))
-        area += width * height
-        level = int(one.get("class", "").removeprefix("level"))
-        deviation = float(calibration().uncertainty(np.array([x + 10 - 0.5, y + height / 2 - 0.5])))  # its first cell
-        assert bounds[level] <= deviation * 1.001
-        assert deviation * 0.999 < bounds[level + 1]
-    assert area == pytest.approx(1280 * 720, rel=1e-3)
-    assert len({one.get("class") for one in fields}) > 2
-
-
-def test_a_part_of_the_image_that_the_model_does_not_reach_is_told() -> None:
-    """A lens that bends its corners back has none there."""
-    bent = replace(CAMERA, distortion=np.array([-0.9, 0, 0, 0, 0]))
-    assert "the model has no direction" in report(replace(calibration(), camera=bent), BOARD, VERSIONS)
-    assert "the model has no direction" not in page()
-
-
-def test_what_is_covered_is_counted() -> None:
-    """The counts are of the views that are used."""
-    counts = [int(one.text or "") for one in pictures()["Coverage of the image"].iter("text")]
-    cells = np.zeros((4, 6), dtype=int)
-    for fitted in calibration().views:
-        if not fitted.dropped:
-            column, row = np.floor((fitted.view.corners + 0.5) / (1280, 720) * (6, 4)).astype(int).T
-            for cell in {*zip(row.tolist(), column.tolist())}:
-                cells[cell] += 1
-    assert counts == cells.ravel().tolist()
-
-
-@pytest.mark.parametrize(("value", "down"), [(1.0, 1.0), (0.99, 0.5), (7.3, 5.0), (49.0, 20.0), (0.021, 0.02)])
-def test_round_down(value: float, down: float) -> None:
-    """Scales are numbers that a reader can compute with."""
-    assert round_down(value) == pytest.approx(down)

@@ -79,41 +79,20 @@ def test_sizes_are_as_accurate_as_promised() -> None:
         assert rocks.quantiles([one.length for one in alone])[1] > 2 * lengths[1]
 
 
-def test_the_direction_of_the_line_does_not_matter() -> None:
-    """A line from right to left gives the same size, and the same image always the same: RANSAC is repeatable."""
-    x1, y1, x2, y2 = _scene().line
-    assert _size(_scene().depth, (x2, y2, x1, y1)) == pytest.approx(_size(_scene().depth, _scene().line), rel=1e-3)
-    assert _size(_scene().depth, _scene().line) == _size(_scene().depth.copy(), _scene().line)
-
-
-@pytest.mark.parametrize("factor", [0.5, 1.5])
-def test_a_rock_at_twice_the_distance_is_twice_as_large(factor: float) -> None:
-    """Depths without noise: all lengths are multiplied by the same factor."""
-    expected = np.multiply(_size(_scene().exact, _scene().line), factor)
-    assert _size(_scene().exact * factor, _scene().line) == pytest.approx(expected, rel=0.02)
-
-
-@pytest.mark.parametrize("missing", [np.nan, 0.0, np.inf])
-def test_missing_depths_do_not_count(missing: float) -> None:
+def test_missing_depths_do_not_count() -> None:
     """They are NaN, 0 or infinite, by the encoding of the image."""
-    depth = np.where(np.isnan(_scene().depth), missing, _scene().depth).astype(np.float32)
+    depth = np.where(np.isnan(_scene().depth), np.where(_COLUMNS % 2, 0.0, np.inf), _scene().depth).astype(np.float32)
     assert _size(depth, _scene().line) == pytest.approx(_size(_scene().depth, _scene().line), rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("distortion", "fisheye"), [((-0.3, 0.1, 1e-3, -1e-3, 0.0), False), ((0.05, -0.01, 0.0, 0.0), True)]
-)
-def test_the_lens_may_distort(distortion: tuple[float, ...], fisheye: bool) -> None:
+def test_the_lens_may_distort() -> None:
     """The rays of the pixels are those of the camera's model, so the size stays the same."""
-    lens = CameraParameters(camera().matrix, np.array(distortion), (_WIDTH, _HEIGHT), fisheye)
+    lens = CameraParameters(camera().matrix, np.array([-0.3, 0.1, 1e-3, -1e-3, 0.0]), (_WIDTH, _HEIGHT))
     sources = camera().project(_rays(lens)).astype(np.float32)
     seen = cv2.remap(_scene().depth.astype(np.float32), sources, None, cv2.INTER_NEAREST, borderValue=0)
     ends = lens.distort(camera().undistort(np.reshape(_scene().line, (2, 2)).astype(float)))
     x1, y1, x2, y2 = ends.ravel().tolist()
     assert _size(seen, (x1, y1, x2, y2), lens) == pytest.approx(_size(_scene().depth, _scene().line), rel=0.02)
-
-
-# --- the ground ---------------------------------------------------------------------------------------------------
 
 
 @settings(max_examples=30)
@@ -136,26 +115,10 @@ def test_the_ground_is_found_among_other_points(
     assert np.abs(met @ ground.normal + ground.height).max() < 1e-9
 
 
-@pytest.mark.parametrize("count", [0, 2, 50])
-def test_points_in_a_line_have_no_plane(count: int) -> None:
-    """Nor have fewer than three points."""
-    directions = np.column_stack([np.linspace(-0.3, 0.3, count), np.full(count, 0.2), np.ones(count)])
-    assert fit_ground(directions, np.ones(count)) is None
-
-
-# --- what is refused ----------------------------------------------------------------------------------------------
-
-
-_ACROSS, _DOWN = st.integers(0, _WIDTH - 1), st.integers(200, _HEIGHT - 1)
-
-
-@given(_ACROSS, _DOWN, _ACROSS, _DOWN)
-@settings(max_examples=6)
-def test_bare_ground_has_no_size(x1: int, y1: int, x2: int, y2: int) -> None:
-    """Wherever the line is; around a line from edge to edge, there is no ground to be seen."""
-    reason = _refused(_bare(), (x1, y1, x2, y2))
-    assert reason in (Unmeasurable.NO_ROCK, Unmeasurable.SHORT_LINE, Unmeasurable.NO_PLANE)
-    assert reason != Unmeasurable.NO_PLANE or abs(x2 - x1) > _WIDTH / 2
+def test_bare_ground_has_no_size() -> None:
+    """Around a line from edge to edge, there is no ground to be seen either."""
+    assert _refused(_bare(), (200, 350, 400, 360)) == Unmeasurable.NO_ROCK
+    assert _refused(_bare(), (0, 350, _WIDTH - 1, 360)) in (Unmeasurable.NO_ROCK, Unmeasurable.NO_PLANE)
 
 
 @given(*[st.integers(0, 2**32 - 1) | st.integers(0, _WIDTH) for _ in range(4)])
@@ -190,13 +153,6 @@ def test_too_little_depth_is_refused(where: str) -> None:
     distance = np.hypot(_COLUMNS - (x1 + x2) / 2, _ROWS - (y1 + y2) / 2) / np.hypot(x2 - x1, y2 - y1)
     missing = {"around": distance > 0.6, "at": distance <= 0.95, "everywhere": distance >= 0}[where]
     assert _refused(np.where(missing, np.nan, _scene().depth), _scene().line) == Unmeasurable.LITTLE_DEPTH
-
-
-def test_a_third_of_the_depth_is_enough() -> None:
-    """Two of three pixels are missing, anywhere."""
-    missing = np.random.default_rng(1).random(_scene().depth.shape) < 0.65
-    length, width = _size(np.where(missing, np.nan, _scene().depth), _scene().line)
-    assert (length, width) == (pytest.approx(_scene().length, rel=0.04), pytest.approx(_scene().width, rel=0.1))
 
 
 def test_ground_that_is_no_plane_is_refused() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -14,9 +13,8 @@ from polling import wait_until
 from bench.vision.contestants import camera_of
 from bench.vision.scenes import lens
 from generated.interfaces.nav_msgs import Odometry
-from generated.messages import BasestationRoverLocalization, DrivingBoardMotorMessage
+from generated.messages import BasestationRoverLocalization
 from generated.registry import REGISTRY
-from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
@@ -40,9 +38,6 @@ _MS = 1_000_000
 _S = 1_000_000_000
 _AHEAD = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])
 _MOUNT = Pose(_AHEAD, np.array([0.3, 0.1, 0.4]))
-
-
-# --- frames that belong together ---------------------------------------------------------------------------------
 
 
 class _Field:
@@ -88,9 +83,6 @@ def test_a_frame_without_landmarks_or_mount_is_no_obstacle() -> None:
     assert field.localizer.add("front", 33 * _MS, None) is None
     assert field.see("left", 38, 2) is None
     assert _found(field.see("left", 71, 1)) == (38, {2})
-
-
-# --- ROS 2 --------------------------------------------------------------------------------------------------------
 
 
 def _message(parent: str, child: str, pose: Pose, stamp: int = 0, turn: tuple[float, ...] = ()) -> bytes:
@@ -185,43 +177,9 @@ def test_markers_that_share_a_number_are_in_the_detections_alone(node: MemoryMid
     assert found == [("", "7", -0.5), ("", "7", 0.5), ("aruco_9", "9", 0)]
 
 
-# --- the position for the basestation -----------------------------------------------------------------------------
-
 _DETECTIONS = vision_msgs.Detection3DArray
 _POSITION = np.array([1.5, -2.0, 0.25])
 _ROUTE = REGISTRY.by_name[ROW].route
-
-
-class _MotorHandler(type(REGISTRY.by_name[ROW])):  # type: ignore[misc]  # a class of the registry's
-    message_type = DrivingBoardMotorMessage
-
-
-@pytest.mark.parametrize(
-    ("registry", "warning"),
-    [
-        (REGISTRY, ""),
-        (
-            dataclasses.replace(
-                REGISTRY, handlers=tuple(one for one in REGISTRY.handlers if one.route.name != ROW), extra_topics=()
-            ),
-            f"the rover's position is not sent: the table has no row {ROW!r} ",
-        ),
-        (
-            dataclasses.replace(REGISTRY, handlers=(_MotorHandler(),)),
-            "DrivingBoardMotorMessage, the message of row 'rover_localization', has no field x, y, z;",
-        ),
-    ],
-    ids=["row", "no row", "other message"],
-)
-def test_the_message_type_comes_from_the_row(
-    registry: Registry, warning: str, node: MemoryMiddleware, said: list[str]
-) -> None:
-    """Its fields x, y and z are set by name, on the row's topic; a warning says that the row or a field is missing."""
-    heard = _heard(node, f"/{_ROUTE.topic}", BasestationRoverLocalization, _ROUTE.qos)
-    position_publisher(node, registry, _topic, said.append)(_POSITION)
-    assert heard == ([] if warning else [BasestationRoverLocalization(x=1.5, y=-2.0, z=0.25)])
-    assert len(said) == bool(warning)
-    assert warning in "".join(said)
 
 
 def test_a_fused_position_holds_the_one_of_the_markers_back(node: MemoryMiddleware) -> None:
@@ -235,3 +193,4 @@ def test_a_fused_position_holds_the_one_of_the_markers_back(node: MemoryMiddlewa
     assert heard == []
     wait_until(lambda: publish(_POSITION) or heard, "the position of the markers")
     assert time.monotonic() - start > FUSED_S
+    assert heard[0] == BasestationRoverLocalization(x=1.5, y=-2.0, z=0.25)

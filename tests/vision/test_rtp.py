@@ -26,15 +26,6 @@ def test_a_packet_is_read_as_it_was_written(packet: rtp.RtpPacket) -> None:
     assert rtp.read_packet(packet.encode()) == packet
 
 
-def test_extensions_sources_and_padding_are_left_out() -> None:
-    """As RFC 3550 has them: two contributing sources, an extension of one word, three bytes of padding."""
-    packet = rtp.RtpPacket(7, 8, 9, True, b"payload").encode()
-    data = bytes([0x80 | 0x20 | 0x10 | 2]) + packet[1:12] + bytes(8) + b"\xbe\xde\x00\x01" + bytes(4) + b"payload\0\0\3"
-    found = rtp.read_packet(data)
-    assert found is not None
-    assert found.payload == b"payload"
-
-
 @given(st.binary(max_size=100))
 def test_any_bytes_can_be_read(data: bytes) -> None:
     """A port is open to everybody."""
@@ -91,17 +82,7 @@ def test_the_time_of_an_image_arrives(stamp: int) -> None:
 _LOST = st.integers(-(2**23) + 1, 2**23 - 1)
 _REPORTS = st.tuples(
     st.builds(rtcp.SenderReport, _WORD, st.integers(0, 2**64 - 1), _WORD, _WORD, _WORD),
-    st.builds(
-        rtcp.ReceiverReport,
-        _WORD,
-        _WORD,
-        st.integers(0, 255).map(lambda part: part / 256),
-        _LOST,
-        _WORD,
-        _WORD,
-        _WORD,
-        _WORD,
-    ),
+    st.builds(rtcp.ReceiverReport, _WORD, _WORD, st.integers(0, 255).map(lambda part: part / 256), _LOST, *[_WORD] * 4),
     st.builds(rtcp.PictureLoss, _WORD, _WORD),
 )
 
@@ -113,13 +94,6 @@ def test_reports_are_read_as_they_were_written(reports: tuple) -> None:
     assert rtcp.is_rtcp(data)
     assert tuple(rtcp.read_reports(data)) == reports
     assert not any(rtcp.is_rtcp(rtp.RtpPacket(1, 2, 3, marker, b"x" * 8).encode()) for marker in (False, True))
-
-
-@given(st.sets(st.integers(0, 400), min_size=1), _SHORT)
-def test_requests_name_exactly_the_missing_packets(numbers: set[int], first: int) -> None:
-    """Also where the sequence numbers begin again at 0."""
-    missing = rtcp.Missing(1, 2, tuple((first + number) & 0xFFFF for number in sorted(numbers)))
-    assert list(rtcp.read_reports(missing.encode())) == [missing]
 
 
 def _packet(number: int) -> rtp.RtpPacket:

@@ -23,13 +23,6 @@ landmarks:
   7: {position: [1.0, 2.0, 0.5], rpy: [90, 0, -90]}
   gate: {position: [4, 0, 1], orientation: [0, 0, 0.70710678, 0.70710678], survey: {position: 0.03}}
 """
-_MERGED = """
-landmarks:
-  7: &seven {position: [1, 2, 3], rpy: [0, 0, 0], survey: &good {position: 0.01, rotation: 1}}
-  8: {<<: *seven, position: [4, 5, 6], survey: &better {<<: *good, position: 0.005}}
-  9: {<<: *seven, survey: {<<: *better, rotation: 2}}
-  10: {<<: *seven, survey: *better}
-"""
 _BOARDS = """\
 boards:
   gate:
@@ -60,9 +53,6 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "written.yaml"
 
 
-# --- landmarks ----------------------------------------------------------------------------------------------------
-
-
 def test_landmarks_have_poses_and_sigmas(path: Path) -> None:
     """Angles are degrees about fixed axes or a quaternion; a landmark's own survey goes before the field's."""
     path.write_text(_LANDMARKS)
@@ -75,19 +65,6 @@ def test_landmarks_have_poses_and_sigmas(path: Path) -> None:
     assert gate.rotation @ [1, 0, 0] == pytest.approx([0, 1, 0], abs=1e-7)
     assert (found.places[7].position_sigma, found.places["gate"].position_sigma) == (0.02, 0.03)
     assert found.places["gate"].rotation_sigma == pytest.approx(np.radians(1))
-
-
-def test_what_landmarks_have_in_common_is_merged(path: Path) -> None:
-    """YAML's `<<` gives what a landmark does not say itself, also of what is merged itself, or used again after it."""
-    path.write_text(_MERGED)
-    found = read_landmarks(path).places
-    assert list(found) == [7, 8, 9, 10]
-    assert [one.pose.translation.tolist() for one in found.values()] == [[1, 2, 3], [4, 5, 6], [1, 2, 3], [1, 2, 3]]
-    assert [one.position_sigma for one in found.values()] == [0.01, 0.005, 0.005, 0.005]
-    assert [round(np.degrees(one.rotation_sigma), 9) for one in found.values()] == [1, 1, 2, 1]
-
-
-# --- boards and markers -------------------------------------------------------------------------------------------
 
 
 def test_the_corners_are_where_the_file_says(path: Path) -> None:
@@ -105,23 +82,14 @@ def test_the_corners_are_where_the_file_says(path: Path) -> None:
     assert markers.points(21) == pytest.approx(gate.corners[21])
 
 
-def test_each_number_may_have_its_own_side() -> None:
-    """The side of single numbers goes before the side of all."""
-    markers = MarkerSet(side=0.05, sides={7: 0.15})
-    assert np.ptp(markers.points(7), axis=0) == pytest.approx([0.15, 0.15, 0])
-    assert np.ptp(markers.points(8), axis=0) == pytest.approx([0.05, 0.05, 0])
-
-
 @pytest.mark.parametrize(
     ("make", "words"),
     [
         (lambda: MarkerSet(dictionary="DICT_5X5_205"), "DICT_5X5_250"),
-        (lambda: MarkerSet(side=0), "positive"),
         (lambda: MarkerSet(sides={250: 0.1}), "0 to 249"),
         (lambda: MarkerSet(sides={3: -1.0}), "positive"),
         (lambda: Board("gate", {}), "no markers"),
         (lambda: Board("gate", {1: square(0.1) * [1, 2, 1]}), "do not form a square"),
-        (lambda: Board("gate", {1: square(0.1)[:3]}), "do not form a square"),
         (lambda: MarkerSet(boards=(Board("a", {1: square(0.1)}), Board("b", {1: square(0.1)}))), "'a' and 'b'"),
         (lambda: MarkerSet(side=None).points(3), "marker 3"),
     ],
@@ -130,9 +98,6 @@ def test_markers_that_cannot_be_are_refused(make: Callable[[], object], words: s
     """The message names the number, the board or the nearest dictionary."""
     with pytest.raises(SetupError, match=words):
         make()
-
-
-# --- cameras ------------------------------------------------------------------------------------------------------
 
 
 def test_cameras_are_read_from_a_file(path: Path) -> None:
@@ -150,9 +115,6 @@ def test_cameras_are_read_from_a_file(path: Path) -> None:
     assert front.mount.apply(ahead) == pytest.approx([0.3, 0, -0.55])  # it looks down
     assert left.mount.apply(ahead) == pytest.approx([0, 1.25, 0.5])  # it looks to the left
     assert left.mount.apply(np.array([0.0, 1, 0])) == pytest.approx([0, 0.25, -0.5])  # y is down in the image
-
-
-# --- classes of objects -------------------------------------------------------------------------------------------
 
 
 def test_a_class_has_the_type_of_its_name() -> None:
@@ -176,9 +138,6 @@ def test_the_file_names_classes_and_types(path: Path, names: str) -> None:
     assert [types.of(name) for name in file.names] == [1, 3]
 
 
-# --- mistakes -----------------------------------------------------------------------------------------------------
-
-
 def _read_classes(path: Path) -> None:
     ObjectTypes(read_classes(path), _TYPES, ("rock",), pytest.fail)
 
@@ -192,63 +151,37 @@ _MISTAKES = {
     read_landmarks: [
         ("landmarks: [", r":1:13: not valid YAML"),
         ("", r":1:1: the file is not a mapping"),
-        ("- 1", r":1:1: the file is not a mapping"),
         ("[" * 1000, "nested too deeply"),
         ("frame: field", "no landmarks found"),
-        ("landmarks: {}", "no landmarks found"),
-        ("landmarks: [7]", r":1:12: the file: landmarks is not a mapping"),
         ("frame: a\nlandmark: {}", r":2:1: the file has an unknown key .*did you mean 'landmarks'"),
         ("frame: 3\nlandmarks: {7: {}}", r":1:8: .* is 3; it must be a name"),
         ("frame: 2026-02-30\nlandmarks: {7: {}}", r":1:8: the file: frame: 2026-02-30 is not a valid value"),
-        ("frame: !!python/none\nlandmarks: {7: {}}", r":1:8: the file: frame: an empty value is not a valid value"),
-        ("frame: !!bool maybe\nlandmarks: {7: {}}", r":1:8: the file: frame: maybe is not a valid value"),
-        ("frame: !!int ''\nlandmarks: {7: {}}", r":1:8: the file: frame: '' is not a valid value"),
-        ("frame: !!timestamp x\nlandmarks: {7: {}}", r":1:8: the file: frame: x is not a valid value"),
-        ("landmarks: {!!bool x: {}}", r":1:13: x is not a valid value"),
-        ("frame: [3]\nlandmarks: {7: {}}", r":1:8: .* is a list of 1; it must be a name"),
-        ("landmarks: {1.5: {" + _POSE + "}}", "1.5"),
         ("landmarks: {[7]: {" + _POSE + "}}", r":1:13: a key is a list of 1; it must be a name"),
         ("landmarks:\n  7: {}\n  8: {}\n  7: {}", r":4:3: the key 7 occurs twice"),
-        ("landmarks:\n  7: {}\nlandmarks: {}", r":3:1: the key landmarks occurs twice"),
         ("landmarks: {<<: 3}", r":1:17: not valid YAML: expected a mapping"),
-        (_places("<<: {rpy: [0, 0, 0]}, <<: {rpy: [0, 0, 9]}"), r":1:39: the key << occurs twice"),
-        (_places("<<: {rpy: [0, 0, 0], rpy: [0, 0, 9]}"), r":1:38: the key rpy occurs twice"),
         (_places("<<: {side: 1}"), r":1:22: landmark 7 has an unknown key 'side'"),
         (_places("rpy: [0, 0, 0]"), r":1:16: landmark 7 has no position"),
         (_places("position: [0, 0, 0]"), "either rpy or orientation"),
-        (_places(_POSE + ", orientation: [0, 0, 0, 1]"), "either"),
         (_places("position: [0, 0], rpy: [0, 0, 0]"), r":1:27: landmark 7: position is .* list of 3 numbers"),
         (_places("position: [0, 0, .nan], rpy: [0, 0, 0]"), r":1:34: .* is .nan; it must be a finite number"),
-        (_places(f"position: [0, 0, {'9' * 400}], rpy: [0, 0, 0]"), r":1:34: .* is too large"),
-        (f"survey: {{position: -0x{'f' * 5000}}}\nlandmarks: {{7: {{}}}}", r":1:20: .*: -0xf+\.\.\. is too large"),
         (_places("position: [0, 0, 1.0e+300], rpy: [0, 0, 0]"), r":1:34: .* is 1.0e\+300; that is too large"),
-        (f"landmarks: {{{'9' * 400}: {{}}}}", r":1:13: 9+\.\.\. is too large"),
         (_places("position: [0, 0, 0], orientation: [0, 0, 1, 1]"), "length"),
         (_places(_POSE + ", survey: {position: -1}"), "standard deviation"),
     ],
     read_boards: [
-        ("boards: {}", "no boards found"),
         ("gates: {}", "unknown key 'gates'; known: boards"),
         ("boards: {7: {}}", "board 7: the name of a board must not be a number"),
         ("boards: {gate: {}}", r":1:16: board gate has no markers"),
-        ("boards: {gate: {markers: {}}}", "board gate has no markers"),
-        ("boards: {gate: {markers: 3}}", r":1:26: board gate: markers is not a mapping"),
         ("boards: {gate: {markers: {a: {}}}}", "board gate: 'a' is not the number of a marker"),
         (_BOARDS.replace("    side: 0.1\n", ""), r":4:11: board gate: marker 20 has no side, and the board"),
-        (_BOARDS.replace("side: 0.1", "side: big"), r":3:11: board gate: side is big"),
-        (_BOARDS.replace("side: 0.2", "side: -1"), r":6:58: board gate: marker 21: side is -1"),
         (_BOARDS.replace("position: [0.2, 0, 0], ", ""), r":6:11: board gate: marker 21 has no position"),
         (_BOARDS.replace("0.1", "1.0e-200"), r":3:5: board 'gate': the corners of marker 20 do not form a square"),
     ],
     read_cameras: [
         ("x: 1", r"the file has an unknown key 'x'; known: cameras"),
-        ("cameras: {}", r"no cameras found under the key 'cameras'"),
         (_CAMERAS.replace("source: 2", "sauce: 2"), r":7:5: camera left has an unknown key 'sauce'; did you mean 'so"),
         (_CAMERAS.replace("    source: 2\n", ""), r":7:5: camera left has no source; add"),
         (_CAMERAS.replace("  left:", "  Left one:"), r"the camera's name is 'Left one'; .* letters a-z"),
-        (_CAMERAS.replace("left.yml", "7"), r":8:17: camera left: parameters is 7; it must be a text"),
-        (_CAMERAS.replace("0, 0, 90", "0, 0"), r":10:44: camera left: mount: rpy is a list of 2; .* 3 numbers"),
-        (_CAMERAS.replace(", rpy: [0, 0, 90]", ""), r":10:12: camera left: mount needs either rpy or orientation"),
         ("cameras:\n  arm: {source: 2, exposure: slow}", r":2:30: camera arm: exposure is slow; it must be a number"),
         ("cameras:\n  arm: {source: 2, exposure: 0}", r":2:8: camera arm: the exposure 0 is not possible"),
         (
@@ -259,12 +192,8 @@ _MISTAKES = {
     _read_classes: [
         ("typs: {}", ":1:1: the file has an unknown key 'typs'; did you mean 'types'"),
         ("names: stone", ":1:8: names is not a list of different names"),
-        ("names: [a, a]", ":1:8: names is not a list of different names"),
-        ("names: [a, [b]]", ":1:8: names is not a list of different names"),
         ("names: {1: a}", ":1:8: the keys of names are not 0, 1, 2 and so on"),
-        ("types: [a]", ":1:8: the file: types is not a mapping"),
         ("types:\n  rock: OBJECT_ROK", ":2:9: type of rock is OBJECT_ROK; did you mean 'OBJECT_ROCK'"),
-        ("types:\n  rock: [1]", ":2:9: type of rock is a list of 1;"),
         ("types:\n  rok: OBJECT_ROCK", ":2:8: the detector has no class 'rok'; did you mean 'rock'"),
     ],
 }

@@ -8,23 +8,18 @@ import cv2
 import numpy as np
 import pytest
 
-from bench.vision.calibration import projection_differences
 from roverlink.vision import CameraParameters
 from roverlink.vision.calibration import Calibration, Model, PoorViewsError, Verdict, View, calibrate
 from roverlink.vision.calibration.adjustment import moved_camera
 from roverlink.vision.calibration.board_bend import height
 from roverlink.vision.calibration.verdict import BetterModel, Evidence, judge
 from roverlink.vision.camera.parameter_derivatives import by_parameters
-from roverlink.vision.images.rendering import Lens
 from tests.vision.boards import BOARD, CAMERA, FISHEYE, NOISE, RATIONAL, SIZE, part, project, views
 
 MODELS = {Model.PLUMB_BOB: CAMERA, Model.RATIONAL: RATIONAL, Model.EQUIDISTANT: FISHEYE}
-LENS = Lens(CAMERA.matrix, tuple(CAMERA.distortion.tolist()), SIZE)
 
 
-@pytest.mark.parametrize(
-    "model", [Model.PLUMB_BOB, pytest.param(Model.RATIONAL, marks=pytest.mark.slow), Model.EQUIDISTANT]
-)
+@pytest.mark.parametrize("model", [Model.PLUMB_BOB, Model.EQUIDISTANT])
 def test_the_camera_that_saw_the_views_is_found(model: Model) -> None:
     """The error is some standard deviations of the noise, everywhere in the image, and as large as stated."""
     truth = MODELS[model]
@@ -73,49 +68,6 @@ def test_views_that_tell_too_little_are_refused() -> None:
             calibrate(poor, BOARD)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("model", list(Model))
-def test_the_stated_interval_holds_the_truth(model: Model) -> None:
-    """Each parameter's 95 % interval in at least 90 % of forty calibrations."""
-    truth, inside = MODELS[model], []
-    expected = np.concatenate([truth.focal, truth.centre, truth.distortion])
-    for seed in range(40):
-        found = calibrate(views(truth, 20, 100 + seed), BOARD, model)
-        values = np.concatenate([found.camera.focal, found.camera.centre, found.camera.distortion])
-        inside.append(np.abs(values - expected) <= found.interval * found.deviations)
-    assert np.mean(inside, axis=0).min() >= 0.9
-
-
-@pytest.mark.slow
-def test_views_that_disagree_widen_the_interval() -> None:
-    """Where the corners of each view err together, they tell less than their number seems to say."""
-    rng = np.random.default_rng(9)
-    good = views(CAMERA, 20, 9)
-    bent = []
-    for one in good:
-        across, down = (one.corners / one.size - 0.5).T
-        bend = np.outer(across**2, rng.normal(0, 0.5, 2)) + np.outer(down**2, rng.normal(0, 0.5, 2))
-        bent.append(replace(one, corners=one.corners + bend))
-    wider = calibrate(bent, BOARD).deviations / calibrate(good, BOARD).deviations
-    assert wider.min() > 1
-    assert np.median(wider) > 1.5
-
-
-@pytest.mark.slow
-def test_the_uncertainty_is_what_the_camera_errs_by() -> None:
-    """Over the image, in the root mean square of six calibrations; it is cautious, and no more than that."""
-    pixels = np.stack(np.meshgrid(np.linspace(20, SIZE[0] - 20, 12), np.linspace(20, SIZE[1] - 20, 7)), axis=-1)
-    stated, made = [], []
-    for seed in range(6):
-        found = calibrate(views(CAMERA, 12, 300 + seed), BOARD)
-        stated.append(found.uncertainty(pixels) ** 2)
-        made.append(projection_differences(found.camera, LENS).reshape(-1) ** 2)
-    assert np.sqrt(np.mean(made)) < np.sqrt(np.mean(stated)) * 1.1
-    assert np.sqrt(np.mean(stated)) < np.sqrt(np.mean(made)) * 1.8
-
-
-# --- Judgement of calibrations, without images: what is wrong is named, and nothing else ----------------------------
-
 _MATRIX = np.array([[535.0, 0, 644], [0, 536.8, 357], [0, 0, 1]])
 WIDE = CameraParameters(_MATRIX, np.array([0.02, -0.008, 0.003, -0.0008]), SIZE, fisheye=True)
 """Fisheye lens of 137 degrees."""
@@ -157,12 +109,11 @@ def test_good_views_give_a_good_calibration() -> None:
     assert "4 of 24 parts of the image have no corners" in doubts(found)
 
 
-@pytest.mark.parametrize("bend", [0.002, pytest.param(0.001, marks=pytest.mark.slow)])
-def test_a_bent_board_is_named_and_does_not_change_the_camera(bend: float) -> None:
+def test_a_bent_board_is_named_and_does_not_change_the_camera() -> None:
     """Its height is measured, and fx is right nevertheless; before, it was wrong by more than a percent."""
-    found = calibrate(bent(4, bend), BOARD)
-    assert height(BOARD, found.bend) == pytest.approx(bend, rel=0.05)
-    assert f"usable: the board is bent by {1000 * bend:.1f} mm" in doubts(found)
+    found = calibrate(bent(4, 0.002), BOARD)
+    assert height(BOARD, found.bend) == pytest.approx(0.002, rel=0.05)
+    assert "usable: the board is bent by 2.0 mm" in doubts(found)
     assert found.camera.focal == pytest.approx(CAMERA.focal, rel=1e-3)
 
 
@@ -174,13 +125,10 @@ def test_a_lens_model_that_is_too_simple_is_named_with_a_better_one() -> None:
     assert calibrate(views(WIDE, 20, 2), BOARD, Model.EQUIDISTANT).judgement.verdict is Verdict.GOOD
 
 
-@pytest.mark.parametrize(
-    ("size", "verdict"), [(1.0, Verdict.USABLE), pytest.param(5.0, Verdict.UNUSABLE, marks=pytest.mark.slow)]
-)
-def test_a_rolling_shutter_is_named(size: float, verdict: Verdict) -> None:
+def test_a_rolling_shutter_is_named() -> None:
     """The lens and the board are not to blame."""
-    found = calibrate(moving(2, size), BOARD)
-    assert found.judgement.verdict is verdict
+    found = calibrate(moving(2, 1.0), BOARD)
+    assert found.judgement.verdict is Verdict.USABLE
     assert "rolling shutter" in doubts(found)
     assert "bent" not in doubts(found)
     assert "--model" not in doubts(found)
@@ -192,12 +140,9 @@ def test_a_rolling_shutter_is_named(size: float, verdict: Verdict) -> None:
         (FINE, Verdict.GOOD, ""),
         (replace(FINE, bend=0.001, width=0.264), Verdict.USABLE, "bent by 1.0 mm"),
         (replace(FINE, bend=0.006, width=0.264), Verdict.UNUSABLE, "bent by 6.0 mm"),
-        (replace(FINE, motion=1.0, motion_explains=0.1), Verdict.GOOD, ""),
         (replace(FINE, motion=5.0, motion_explains=0.9, rms=0.5), Verdict.UNUSABLE, "picture moves by 5.0 px"),
         (replace(FINE, uncertainty=0.7), Verdict.USABLE, "known to 0.7 px only"),
-        (replace(FINE, uncertainty=3), Verdict.UNUSABLE, "known to 3.0 px only"),
         (replace(FINE, rms=0.5), Verdict.USABLE, "may be uneven"),
-        (replace(FINE, dropped=0.4), Verdict.USABLE, "40 % of the views do not fit"),
         (replace(FINE, rejected=0.5), Verdict.USABLE, "50 % of the corners do not fit"),
         (replace(FINE, empty=("left", "left"), rms=9), Verdict.USABLE, "2 of 24 parts"),
         (replace(FINE, better=BetterModel("equidistant", 0.04, 0.1, 0.2), rms=0.5), Verdict.USABLE, "--model equid"),

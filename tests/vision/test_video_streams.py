@@ -21,10 +21,9 @@ av = pytest.importorskip("av", reason=NO_AV)
 
 from bench.video.radio_link import RadioLink  # noqa: E402  # they need OpenCV and PyAV
 from roverlink.runtime.core.errors import SetupError  # noqa: E402
-from roverlink.vision.video import reordering, rtp_receiver, video_output  # noqa: E402
+from roverlink.vision.video import reordering, video_output  # noqa: E402
 from roverlink.vision.video.decoder import Decoder  # noqa: E402
 from roverlink.vision.video.encoder import Encoder, fitted  # noqa: E402
-from roverlink.vision.video.h264 import is_key_frame  # noqa: E402
 from roverlink.vision.video.packet_pacing import PacedLink  # noqa: E402
 from roverlink.vision.video.rate_control import Plan, RateControl  # noqa: E402
 from roverlink.vision.video.rtp_receiver import ReceivedUnit, RtpReceiver  # noqa: E402
@@ -160,43 +159,6 @@ def test_a_sender_that_starts_again_is_followed() -> None:
     assert len(_decoded(receiving.units[3:])) >= 1
 
 
-def test_two_senders_on_one_port_do_not_alternate(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first one is shown as long as it sends."""
-    monkeypatch.setattr(rtp_receiver, "SILENT_S", 60.0)  # a busy computer makes pauses
-    with _Receiving() as receiving, _sender(receiving.port) as one, _sender(receiving.port) as other:
-        for number in range(20):
-            _put(one, _image(number), first=number)
-            receiving.wait_for(number + 1)
-            _put(other, _image(0))
-    assert [unit.stamp for unit in receiving.units] == _stamps(20)
-
-
-@pytest.mark.parametrize("rate", [30, 10])
-def test_a_slow_camera_gets_the_whole_bitrate(monkeypatch: pytest.MonkeyPatch, rate: int) -> None:
-    """The encoder follows the rate of the images, which is often less than the camera promises."""
-    monkeypatch.setattr(video_output, "KEY_S", 0.0)
-    with RtpReceiver(_HOST, 0) as sink, _sender(sink.port) as output:
-        octets = [_put_noise(output, number, number / rate) for number in range(90)]
-    assert 8 * sum(octets[60:]) * rate / 30 == pytest.approx(1e6, rel=0.15)
-
-
-def test_half_of_the_images_keep_their_quality() -> None:
-    """Under congestion, the frame rate is halved before the images get fewer bits."""
-    with RtpReceiver(_HOST, 0) as sink, _sender(sink.port) as output:
-        whole = [_put_noise(output, number, number / 30) for number in range(40)]
-        output.link_measured(0.3, None)
-        half = [_put_noise(output, 40 + number, 40 / 30 + number / 15) for number in range(30)]
-        assert output.divisor == 2
-    assert np.mean(half) == pytest.approx(np.mean(whole[10:]), rel=0.15)
-
-
-def _put_noise(output: RtpOutput, number: int, seconds: float) -> int:
-    """Send an image of noise; return the bytes that were sent."""
-    before = output.sent.octets
-    output.put(_noise(number), _BEGAN + round(seconds * 1e9))
-    return output.sent.octets - before
-
-
 @pytest.mark.parametrize("suffix", [".mkv", ".mp4"])
 def test_saved_files_have_the_encoded_images(tmp_path: Path, suffix: str) -> None:
     """Another size begins with a key frame and another file; another bitrate does not. A file that is there stays."""
@@ -220,18 +182,11 @@ def test_saved_files_have_the_encoded_images(tmp_path: Path, suffix: str) -> Non
             assert frames[-1].time == pytest.approx((count - 1) / 30, abs=0.002)
 
 
-def test_a_folder_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
-    """With its name and the reason."""
-    (tmp_path / "file").write_text("")
-    with pytest.raises(SetupError, match="file/videos: cannot make the folder: Not a directory"):
-        StreamFiles(tmp_path / "file" / "videos", "front", ".mkv")
-
-
-@pytest.mark.parametrize("bitrate", [200_000.0, 1_000_000.0])
-def test_the_bitrate_is_kept(bitrate: float) -> None:
+def test_the_bitrate_is_kept() -> None:
     """Also for images with noise, which need much more; a smaller one counts from the next image on."""
     noise = np.random.default_rng(1).normal(0, 10, (480, 640, 3))
     images = [np.clip(_image(one, (640, 480)) + np.roll(noise, one, 0), 0, 255).astype(np.uint8) for one in range(40)]
+    bitrate = 200_000.0
     encoder = Encoder((640, 480), 30, bitrate)
 
     def bits(start: int) -> float:
@@ -242,14 +197,6 @@ def test_the_bitrate_is_kept(bitrate: float) -> None:
     encoder.set_bitrate(bitrate / 2)
     assert first < 1.3 * bitrate * 80 / 30
     assert bits(80) < 0.7 * first
-
-
-def test_a_key_frame_comes_when_it_is_wanted() -> None:
-    """It has its parameter sets; other images have none."""
-    encoder = Encoder((64, 48), 30, 1e5)
-    units = [encoder.encode(_image(number, (64, 48)), 3000 * number, key=number in (0, 3)) for number in range(5)]
-    assert [is_key_frame(nals) for nals in units] == [True, False, False, True, False]
-    assert _decoded([ReceivedUnit(nals, 0, None, False, True, False) for nals in units[3:]])
 
 
 @settings(max_examples=30)
@@ -279,19 +226,6 @@ def test_congestion_halves_the_frame_rate_first() -> None:
     assert [plan.bitrate for plan in plans] == sorted(plan.bitrate for plan in plans)
     assert all(plan.divisor == 2 for plan in plans if plan.bitrate < 500_000)
     assert plans[-1] == Plan(1_000_000, 1)
-
-
-def test_a_frame_rate_that_fails_is_tried_later_and_later() -> None:
-    """The link takes half of it only."""
-    control, changes = RateControl(100_000, 1_000_000), list[int]()
-    for now in range(300):
-        before = control.plan.divisor
-        plan = control.report(0.3 if before == 1 else 0.0, None, now)
-        if plan.divisor == 1 and before == 2:
-            changes.append(now)
-    pauses = [after - before for before, after in itertools.pairwise(changes)]
-    assert pauses == sorted(pauses)
-    assert pauses[-1] > 3 * pauses[0]
 
 
 def test_streams_take_turns_on_the_link() -> None:

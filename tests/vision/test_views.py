@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import re
 from collections.abc import Callable
 
 import cv2
@@ -13,7 +12,7 @@ import pytest
 from bench.vision.boards import BOARD, board_print, true_corners
 from bench.vision.scenes import lens
 from roverlink.runtime.core.errors import SetupError
-from roverlink.vision.calibration import AprilGrid, BoardDetector, CalibrationBoard, CharucoBoard, Chessboard, View
+from roverlink.vision.calibration import AprilGrid, BoardDetector, CalibrationBoard, CharucoBoard, Chessboard
 from roverlink.vision.calibration.charuco_board import OFFSET
 from roverlink.vision.images.rendering import Grey, Lens, Pose, render, texture
 from roverlink.vision.printing import board_sheet, to_png
@@ -102,30 +101,11 @@ def test_other_boards_are_found_from_all_sides(board: CalibrationBoard) -> None:
     ("make", "words"),
     [
         (lambda: Chessboard(3, 6), "too small; it needs at least 4x4"),
-        (lambda: Chessboard(square=0), "must be positive"),
-        (lambda: AprilGrid(1, 6), "at least 2x2"),
         (lambda: AprilGrid(30, 30), "only 587 tags"),
         (lambda: AprilGrid(spacing=1.5), "at most 1"),
-        (lambda: AprilGrid(tag=-1), "must be positive"),
     ],
 )
 def test_impossible_boards_are_refused(make: Callable[[], CalibrationBoard], words: str) -> None:
     """With the value that is wrong, and what it has to be."""
     with pytest.raises(SetupError, match=words):
         make()
-
-
-@pytest.mark.parametrize(
-    ("ids", "corners", "words"),
-    [
-        ([], [], "no board found"),
-        ([1, 2], [(1, 1), (2, 2)], "2 corners found, but 8 are needed"),
-        (range(9), [(10 * place, 5) for place in range(9)], "on one line"),
-        (range(9), [(10 * (place % 3), 20 * (place // 3)) for place in range(9)], "^$"),
-    ],
-)
-def test_a_view_says_why_it_is_of_no_use(ids: list[int], corners: list[tuple[float, float]], words: str) -> None:
-    """In words for whoever took it."""
-    places = np.array(corners, dtype=float).reshape(-1, 2)
-    view = View("", np.array(list(ids), dtype=np.intp), places, np.ones(len(places)), (640, 480))
-    assert re.search(words, view.flaw)
