@@ -24,16 +24,6 @@ def test_the_newest_waits_and_the_others_are_counted() -> None:
     assert pacer.superseded == 1
 
 
-def test_what_comes_when_its_time_has_come_overtakes_what_still_waits() -> None:
-    """Whoever empties it may be late; nothing old goes out behind something new."""
-    pacer: Pacer[str] = Pacer(10)
-    pacer.offer("a", 1.0)
-    pacer.offer("b", 1.05)
-    assert pacer.offer("c", 1.2)
-    assert pacer.take(9.0) is None
-    assert pacer.superseded == 1
-
-
 def test_what_waits_can_be_withdrawn() -> None:
     """A stop must not be followed by an older command."""
     pacer: Pacer[str] = Pacer(10)
