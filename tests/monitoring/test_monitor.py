@@ -6,8 +6,6 @@ import dataclasses
 import io
 import json
 import logging
-import re
-import threading
 import urllib.request
 from pathlib import Path
 from typing import Any
@@ -16,7 +14,6 @@ import pytest
 from prometheus_client.parser import text_string_to_metric_families
 from rich.console import Console
 
-from bench.followed_page import ENDS, LINKS
 from generated.registry import REGISTRY
 from roverlink import top_screen
 from roverlink.console import LOG_FORMATS
@@ -141,19 +138,6 @@ def test_what_is_dropped_is_a_warning_for_two_seconds_and_an_error_where_nothing
     assert bridge.monitor.state().level == Level.OK
 
 
-def test_a_row_to_a_peer_is_not_blamed_for_what_a_stranger_sends() -> None:
-    """The bridge counts the datagrams; the row, which has lost nothing, is as it was."""
-    bridge = _Bridge()
-    bridge.let(3, imu_info=40)
-    bridge.account.dropped["wrong_direction"] += 3
-    bridge.account.dropped_of_row["drive_motor", "wrong_direction"] += 3
-    bridge.let(0.5, imu_info=40)
-    row = bridge.row("drive_motor")
-    assert (row.level, row.dropped, row.message) == (Level.OK, {}, "no message yet")
-    state = bridge.monitor.state()
-    assert (state.dropped, state.level) == ({"wrong_direction": 3}, Level.WARN)
-
-
 def test_stops_of_the_deadman() -> None:
     """Their number, and that the peer stands still until the next message; rows without a deadman have neither."""
     bridge = _Bridge()
@@ -172,17 +156,6 @@ def test_stops_of_the_deadman() -> None:
     bridge.let(0.25)
     row = bridge.row("drive_motor")
     assert (row.stops, row.stopping, row.message) == (3, True, "silent; the bridge sends the stop")
-
-
-def test_a_slow_row_is_not_stale_between_two_messages() -> None:
-    """One message a second, seen at moments between, is as expected."""
-    bridge = _Bridge(gps_info=1)
-    for _ in range(5):
-        bridge.account.published["gps_info"] += 1
-        bridge.let(1)
-        assert bridge.row("gps_info").level == Level.OK
-    bridge.let(3)
-    assert bridge.row("gps_info").level == Level.STALE
 
 
 def test_what_concerns_the_whole_bridge_is_told_of_it() -> None:
@@ -267,29 +240,6 @@ def test_what_the_link_messages_tell_is_in_the_metrics() -> None:
     assert "roverlink_link_schema" not in prometheus.text_of(bridge.monitor.state())
 
 
-def test_how_long_batches_take() -> None:
-    """Each datagram counts with the time of its batch; quantiles are bounds of buckets."""
-    probe = LatencyProbe()
-    waits = iter([0.0, 0.003, 0.0])
-    handled: list[Any] = []
-    pause = threading.Event()
-
-    def handle(batch: list[bytes]) -> None:
-        handled.append(batch)
-        pause.wait(next(waits))
-
-    timed = probe.receiving(handle)
-    for batch in ([b"a"] * 60, [b"b"] * 39, [b"c"]):
-        timed(batch)
-    assert [len(batch) for batch in handled] == [60, 39, 1]
-    latencies = probe.latencies
-    assert latencies.total == 100
-    assert latencies.sum_s >= 39 * 0.003
-    assert latencies.quantile(0.99) is not None
-    assert latencies.quantile(0.99) >= 0.003  # type: ignore[operator]  # it was looked at just above
-    assert LatencyProbe().latencies.quantile(0.5) is None
-
-
 # --- told -------------------------------------------------------------------------------------------------------
 
 
@@ -322,19 +272,6 @@ def test_the_page_of_top(request: pytest.FixtureRequest) -> None:
         _SCREEN.write_text(shown, encoding="utf-8")
     assert shown == _SCREEN.read_text(encoding="utf-8")
     assert has_problems(page)
-
-
-def test_top_shows_a_line_for_each_end_with_link_messages() -> None:
-    """The problems of an address, the schema and the statistics of a board stand in one line, problems first."""
-    page = page_of(diagnostic_array.array_of(dataclasses.replace(_busy(), ends=ENDS, links=LINKS), _STAMP, {}))
-    assert page is not None
-    lines = _printed(page, 140)
-    arm = lines.index("ArmBoard of hardware: not resolved; no link message yet")
-    times = "round trip 2.1 ms; jitter 0.3 ms; clock 0.3 ms"
-    assert lines[arm + 1 : arm + 3] == [
-        f"DrivingBoard of hardware: another schema of drive_diag, drive_motor; loss in 0.0%, out 0.0%; {times}",
-        f"SensorBoard of hardware: the same schema; loss in 2.5%, out 0.0%; {times}",
-    ]
 
 
 def _array(name: str, **origin: Any) -> DiagnosticArray:
@@ -422,29 +359,6 @@ def test_the_screen_fits_the_terminal(width: int, height: int) -> None:
         assert max(map(len, lines)) <= width
 
 
-@pytest.mark.parametrize(("width", "height", "shown"), [(80, 24, 12), (70, 20, 11)])
-def test_a_small_terminal_shows_the_drops_and_reaches_every_row(width: int, height: int, shown: int) -> None:
-    """The drops of the bridge and of the row, the stops, and with the arrow keys each of the rows with its message."""
-    heard, view = _Heard(), top_screen.View()
-    heard.hear()
-    lines = heard.screen(width, height, view)
-    assert "datagrams dropped: 12; by the kernel: 11; reasons: " in lines[1]
-    assert "because the topic is silent: arm_ctrl" in lines[2]
-    seen = set()
-    for number in range(21):
-        lines = heard.screen(width, height, view, *["down"] * bool(number))
-        (title,) = [line for line in lines if line.startswith("no.")]
-        rows = lines[lines.index(title) + 1 : -3]
-        assert len(rows) == shown
-        seen |= {row[:3] for row in rows}
-        assert lines[-3].startswith(f"row {number + 1} of 21")
-        if number == 12:
-            (imu,) = [row for row in rows if " imu_info " in row]
-            assert imu[: title.index("dropped") + len("dropped")].endswith(" 3")
-            assert lines[-2].startswith("dropped: conversion 3; ")
-    assert len(seen) == 21
-
-
 def test_rows_are_sorted_and_filtered() -> None:
     """By keys; the selected row stays selected, and Esc shows everything again."""
     heard, view = _Heard(), top_screen.View()
@@ -469,22 +383,6 @@ def test_rows_are_sorted_and_filtered() -> None:
     assert names("escape") == everything
     assert view.row == "arm_ctrl"
     assert not view.press("q", [])
-
-
-def test_bridges_stand_side_by_side_where_there_is_room() -> None:
-    """Else one after the other, with Tab; all of them are listed above."""
-    heard, view = _Heard(), top_screen.View()
-    for name in ("one", "two"):
-        heard.hear(name)
-    wide = heard.screen(150, 24, view)
-    assert re.search(r"^/one  WARN.* \| /two  WARN", wide[1])
-    narrow = heard.screen(100, 24, view)
-    assert narrow[0].startswith("bridges: 2 WARN  /one WARN dropped 23  /two WARN")
-    assert narrow[1].startswith("/one  WARN")
-    assert heard.screen(100, 24, view, "tab")[1].startswith("/two  WARN")
-    assert heard.screen(100, 24, view, "tab")[1].startswith("/one  WARN")
-    heard.now += 5
-    assert "no longer publishes its state" in heard.screen(100, 24, view)[1]
 
 
 def test_diagnostics_are_those_of_ros2() -> None:

@@ -47,26 +47,6 @@ def record_everything(path: Path, turns: int = 20, **settings: Any) -> dict[str,
     return handed
 
 
-def _record_everything_until_full(path: Path) -> None:
-    """Record every payload, as datagram and as topic, until the disk is full; print what was handed over."""
-    writing = recorder(path)
-    received = writing.datagrams("received")
-    topics = [
-        (handler, writing.topic(f"/{handler.route.topic}", handler.message_type, handler.route.qos))
-        for handler in REGISTRY.handlers
-    ]
-    handed = 0
-    with writing:
-        while writing.failure is None:
-            for handler, topic in topics:
-                payload = payload_at(handler.payload_type, handed * 0.1)
-                received([REGISTRY.envelope(**{handler.route.name: payload}).SerializeToString()])
-                topic([handler.to_cdr(payload)])
-                handed += 2
-            time.sleep(0.01)  # so that the disk takes some chunks before it is full
-    print(writing.failure, handed, writing.lost)
-
-
 def _record_until_killed(path: Path) -> None:
     """Record numbered datagrams, a thousand a second, and print each number once it was handed over."""
     writing = recorder(path)
@@ -97,5 +77,5 @@ def _record_until_full(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    runs = {"killed": _record_until_killed, "full": _record_until_full, "everything": _record_everything_until_full}
+    runs = {"killed": _record_until_killed, "full": _record_until_full}
     runs[sys.argv[1]](Path(sys.argv[2]))

@@ -144,35 +144,7 @@ def test_it_seeks_forward_and_back() -> None:
     assert player.rest() == [(5.0, 40.0)]
 
 
-def test_it_begins_where_it_was_told_and_begins_again_there() -> None:
-    """A start in the middle leaves out what was before, also in the next round; seeking back may go there."""
-    player = _Player((0.0, 20.0, 40.0), start=5.0)
-    for _ in range(2):
-        assert player.rest() == [(0.0, 20.0), (20.0, 40.0)]
-        player.playback.restart()
-    player.playback.seek(-100)
-    assert [time for _, time in player.rest()] == [0.0, 20.0, 40.0]
-
-
 # --- an older schema --------------------------------------------------------------------------------------------
-
-
-def test_a_moved_payload_is_carried_to_its_number_of_today(tmp_path: Path) -> None:
-    """A payload that had another number, with fields that had others, says under today's what it said."""
-
-    def move(files: Any) -> None:
-        oneof = _message(files, "PBEnvelope")
-        _field(oneof, "imu_info").number = 40
-        _field(_message(files, "SensorBoardIMUInfo"), "accel_x").number = 33
-
-    older = _older(move)
-    datagram = older(imu_info={"accel_x": 1.5, "gyro_z": 2.5, "state": 2}).SerializeToString()
-    replay = BoardReplay(_record(tmp_path / "run.mcap", older, datagram), REGISTRY)
-    (message,) = replay.messages()
-    assert REGISTRY.envelope.FromString(message.data) == REGISTRY.envelope(
-        imu_info={"accel_x": 1.5, "gyro_z": 2.5, "state": 2}
-    )
-    assert "converted to the present table, field by field: imu_info (40)" in replay.notes[0]
 
 
 def _rename(files: Any) -> None:
@@ -283,16 +255,6 @@ def test_without_the_datagrams_a_changed_topic_is_told(tmp_path: Path) -> None:
 
 
 # --- definitions ------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("handler", REGISTRY.handlers, ids=lambda handler: handler.route.name)
-def test_a_definition_makes_the_class_that_it_was_made_of(handler: Any) -> None:
-    """What a recording says of its messages is all that reading them needs."""
-    made = message_type_from(handler.message_type.__msgtype__, definition_of(handler.message_type))
-    assert made.__msgtype__ == handler.message_type.__msgtype__
-    assert definition_of(made) == definition_of(handler.message_type)
-    message = handler.to_cdr(handler.payload_type())
-    assert cdr.encode(cdr.decode(made, message)) == message
 
 
 def test_definitions_as_ros2_writes_them_are_understood() -> None:

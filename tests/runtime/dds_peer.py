@@ -34,12 +34,7 @@ SensorState = make_idl_struct("SensorState_", "comms.msg.dds_.SensorState_", {"s
 ImuSensorInformation = make_idl_struct(
     "ImuSensorInformation_",
     "comms.msg.dds_.ImuSensorInformation_",
-    {
-        **dict.fromkeys(_AXES, types.float32),
-        "is_calibrated": bool,
-        "state": SensorState,
-        "error_code": types.uint8,
-    },
+    {**dict.fromkeys(_AXES, types.float32), "is_calibrated": bool, "state": SensorState, "error_code": types.uint8},
 )
 
 

@@ -54,11 +54,6 @@ def serialize(message: Message, *, little_endian: bool = True) -> bytes:
     return bytes(_store().serialize_cdr(theirs, message.__msgtype__, little_endian=little_endian))
 
 
-def deserialize(data: bytes, message_type: type[Message]) -> Any:
-    """What rosbags reads in a serialized message."""
-    return _store().deserialize_cdr(data, message_type.__msgtype__)
-
-
 def _to_theirs(value: Any, field_type: FieldType) -> Any:
     if isinstance(field_type, type):
         their_type = _store().types[field_type.__msgtype__]

@@ -59,31 +59,17 @@ def _account() -> Account:
 
 def test_the_account_as_plain_values() -> None:
     """Totals, and what lies behind them; a reason that never occurred is left out."""
-    values = _account().as_dict()
+    values, expected = _account().as_dict(), dict[str, object]()
     assert json.loads(json.dumps(values)) == values
-    assert values == {
-        "received": 10,
-        "published": 5,
-        "sent": 2,
-        "forwarded": 5,
-        "dropped": {"conversion": 1, "malformed": 3},
-        "taken": 5,
-        "refused": {"arm_ctrl": 1},
-        "superseded": {"drive_motor": 1},
-        "failed": {"drive_motor": 1},
-        "stops": {"drive_motor": 3},
-        "unsent": {"hardware": 1},
-        "unforwarded": {"basestation": 2},
-        "link_events": {"basestation unreachable": 2, "hardware ArmBoard learned": 1},
-        "links_received": 0,
-        "links_sent": {},
-        "other_schemas": {},
-        "extra_published": {"imu/mag": 4},
-        "extra_unpublished": {"gps/fix": 1},
-        "qos_mismatches": {"imu_data": 1},
-        "kernel_drops": 7,
-        "by_payload": {"published": {"gps_info": 1, "imu_info": 4}, "sent": {"drive_motor": 2}},
-    }
+    expected |= {"received": 10, "published": 5, "sent": 2, "forwarded": 5, "taken": 5, "kernel_drops": 7}
+    expected |= {"dropped": {"conversion": 1, "malformed": 3}, "qos_mismatches": {"imu_data": 1}}
+    expected |= {"refused": {"arm_ctrl": 1}, "failed": {"drive_motor": 1}, "superseded": {"drive_motor": 1}}
+    expected |= {"stops": {"drive_motor": 3}, "unsent": {"hardware": 1}, "unforwarded": {"basestation": 2}}
+    expected |= {"link_events": {"basestation unreachable": 2, "hardware ArmBoard learned": 1}}
+    expected |= {"links_received": 0, "links_sent": {}, "other_schemas": {}}
+    expected |= {"extra_published": {"imu/mag": 4}, "extra_unpublished": {"gps/fix": 1}}
+    expected |= {"by_payload": {"published": {"gps_info": 1, "imu_info": 4}, "sent": {"drive_motor": 2}}}
+    assert values == expected
 
 
 def test_the_account_in_one_line() -> None:

@@ -12,14 +12,13 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from bridge_rig import INBOUND, OUTBOUND, QUIET, Rig, envelope, listener, of_peers
+from bridge_rig import INBOUND, OUTBOUND, Rig, envelope
 from google.protobuf.message import DecodeError
 from needs import needs_linux
-from polling import wait_until
 
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
-from roverlink.runtime import MiddlewareError, Qos, SetupError
+from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.bridge.bridge import Handle, Send
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
@@ -79,20 +78,6 @@ def test_trailing_zeros_are_understood_and_forwarded_intact(rig: Rig, change: An
     assert rig.arrived("basestation", 1) == [plain]
 
 
-def test_many_messages_keep_their_order(rig: Rig) -> None:
-    """Messages of a topic come in the order in which they were sent."""
-    rig.receive(*_imus(1000))
-    assert [message.accel_x for message in _on(rig, "imu_data")] == list(range(1000))
-
-
-def test_messages_of_remapped_topics_go_where_the_node_has_them() -> None:
-    """The bridge publishes and subscribes on the names that it is given for its topics."""
-    with Rig(topic="/rover/{}_remapped") as rig:
-        assert len(rig.graph.callbacks["/rover/drive_motor_remapped"]) == 1
-        rig.receive(_IMU)
-        assert rig.graph.publishers["/rover/imu_data_remapped"] == len(rig.on_topic["imu_data"]) == 1
-
-
 # --- extra topics -----------------------------------------------------------------------------------------------
 
 
@@ -135,21 +120,6 @@ def test_every_outbound_message_reaches_its_peer(rig: Rig) -> None:
         assert rig.arrived(handler.route.peer, 1) == [datagram]
         assert not any(rig.arrived(peer) for peer in rig.peers)
         assert rig.account.sent[handler.route.name] == 1
-
-
-def test_a_link_that_strips_zeros_gets_stripped_datagrams() -> None:
-    """Where the table says so of a peer, trailing zeros are not sent to it."""
-    with Rig(of_peers(QUIET, hardware={"strip_trailing_zeros": True})) as rig:
-        rig.publish("drive_motor")
-        assert rig.arrived("hardware", 1) == [b"\x4a"]
-
-
-def test_a_message_that_cannot_be_read_is_counted_and_warned_of(rig: Rig, caplog: pytest.LogCaptureFixture) -> None:
-    """Rubbish on a topic is refused by name; the next good message is sent."""
-    rig.publish("drive_motor", b"rubbish")
-    rig.publish("drive_motor")
-    assert (rig.account.refused, rig.account.sent) == ({"drive_motor": 1}, {"drive_motor": 1})
-    assert any(message.startswith("not sent: drive_motor: not plain CDR") for message in caplog.messages)
 
 
 def test_the_policy_all_forwards_everything_to_everyone() -> None:
@@ -261,30 +231,14 @@ def test_what_the_middleware_does_not_accept_is_counted(caplog: pytest.LogCaptur
 def test_stopping_handles_what_had_arrived_and_may_be_repeated() -> None:
     """Everything that arrived before the stop is bridged; a later signal is no error."""
     rig = Rig()
-    rig.send(*[_IMU] * 2000)
+    rig.send(*[_IMU] * 200)
     rig.bridge.stop()
     with rig:
         rig.bridge.run()
-        assert rig.account.received == rig.account.published["imu_info"] == 2000
-        assert len(rig.arrived("basestation", 2000)) == 2000
+        assert rig.account.received == rig.account.published["imu_info"] == 200
+        assert len(rig.arrived("basestation", 200)) == 200
         rig.bridge.stop()
     rig.bridge.stop()
-
-
-def test_a_port_in_use_is_told(rig: Rig) -> None:
-    """A second bridge on the same port says which port it is."""
-    with pytest.raises(SetupError, match=f"UDP port {rig.bridge.port} on 127.0.0.1 is in use"):
-        Rig(listen_port=rig.bridge.port)
-
-
-def test_a_host_that_does_not_resolve_is_a_warning(caplog: pytest.LogCaptureFixture) -> None:
-    """A board may boot later, so the bridge starts, and tells the name once for each peer."""
-    with Rig(dst_ip="rover.invalid") as rig:
-        wait_until(lambda: rig.account.link_events.total() == 2, "two failed look-ups")
-        rig.receive(_IMU)
-        assert rig.account.unsent == {"basestation": 1}
-    assert rig.account.link_events == {("basestation", "", "not_resolved"): 1, ("hardware", "", "not_resolved"): 1}
-    assert len(re.findall(r"hardware: rover\.invalid cannot be resolved: ", caplog.text)) == 1
 
 
 class _Stale(MemoryMiddleware):
@@ -304,24 +258,6 @@ def test_message_types_are_checked_before_any_topic_is_open() -> None:
     count = len(REGISTRY.handlers) + len(REGISTRY.extra_topics)
     with pytest.raises(MiddlewareError, match=rf"^{count} message types"), Rig(middleware=_Stale):
         pass
-
-
-class _Broken(MemoryMiddleware):
-    """A middleware with a defect."""
-
-    def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Any:
-        def publish(_: Sequence[bytes]) -> int:
-            raise ValueError("a defect")
-
-        return SimpleNamespace(publish=publish, has_subscribers=lambda: True)
-
-
-def test_a_defect_ends_the_bridge_and_is_not_swallowed() -> None:
-    """What nobody foresaw comes out of `run`, instead of a bridge that lives on half dead."""
-    rig = Rig(middleware=_Broken)
-    rig.send(_IMU)
-    with pytest.raises(ValueError, match="a defect"), rig:
-        rig.bridge.run()
 
 
 # --- the network ------------------------------------------------------------------------------------------------
@@ -352,19 +288,6 @@ def test_a_network_that_comes_back_is_used_again(rig: Rig, monkeypatch: pytest.M
         rig.receive(datagram)
     assert (rig.account.unsent, rig.account.forwarded) == ({"basestation": 1}, {"basestation": 2})
     assert rig.arrived("basestation", 2) == datagrams[1:]
-
-
-def test_a_peer_that_comes_back_gets_every_datagram_from_then_on(rig: Rig) -> None:
-    """Where nobody listens, the bridge goes on; the report of it costs none of the datagrams that are sent later."""
-    host, port = rig.peers["basestation"].getsockname()
-    rig.peers["basestation"].close()
-    for _ in range(20):
-        rig.receive(_IMU)
-    assert rig.account.forwarded["basestation"] + rig.account.unsent["basestation"] == 20
-    with listener(host, port) as rig.peers["basestation"]:
-        datagrams = _imus(20)
-        rig.receive(*datagrams)
-        assert rig.arrived("basestation", 20) == datagrams
 
 
 @needs_linux  # whose kernel counts them

@@ -6,8 +6,6 @@ import asyncio
 import contextlib
 import dataclasses
 import math
-import subprocess
-import sys
 import time
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
 from pathlib import Path
@@ -100,23 +98,6 @@ def test_a_blocking_basestation_talks_with_the_rover(rig: Rig) -> None:
         assert (basestation.traffic.sent, basestation.traffic.received, hardware.traffic.received) == (1, 2, 0)
 
 
-def test_an_asyncio_basestation_talks_with_the_rover(rig: Rig) -> None:
-    """In the same ways."""
-
-    async def main() -> None:
-        async with _asyncio(rig) as basestation, _asyncio(rig, "hardware") as hardware:
-            basestation.send(_MODE)
-            await asyncio.to_thread(wait_until, lambda: _modes(rig) == [MODE_AUTO], "the mode on its topic")
-            rig.publish("rover_localization", _WHERE)
-            hardware.send(_IMU)
-            assert await basestation.receive(SensorBoardIMUInfo) == _IMU
-            async for number, payload in basestation:
-                assert (number, payload) == (21, _WHERE)
-                break
-
-    _run(main())
-
-
 def test_detected_objects_arrive_as_frames(rig: Rig) -> None:
     """Complete frames with both clients; a frame that lacks a part is not among them."""
 
@@ -142,27 +123,6 @@ def test_detected_objects_arrive_as_frames(rig: Rig) -> None:
             assert came == frames
 
     _run(main())
-
-
-def test_a_bridge_may_have_an_ipv6_address() -> None:
-    """Both clients send to it, and hear it on the same port."""
-    with listener("::1") as bridge:
-
-        def answer() -> None:
-            datagram, sender = bridge.recvfrom(65_536)
-            bridge.sendto(datagram, sender)
-
-        async def main() -> None:
-            async with _async_basestation(bridge, host="::1") as peer:
-                peer.send(_MODE)
-                answer()
-                assert (await peer.receive()).payload == _MODE
-
-        with _basestation(bridge, host="::1") as peer:
-            peer.send(_MODE)
-            answer()
-            assert peer.receive(timeout=PATIENCE_S).payload == _MODE
-        _run(main())
 
 
 # --- sending ----------------------------------------------------------------------------------------------------
@@ -336,21 +296,6 @@ def test_waiting_for_a_class_leaves_the_others_where_they_are(bridge: socket) ->
     _run(main())
 
 
-def test_a_timeout_ends_the_waiting(bridge: socket) -> None:
-    """With the error of Python, and with asyncio's own means; the peer goes on."""
-    with _basestation(bridge) as peer, pytest.raises(TimeoutError, match=r"no payload has arrived for 0\.01 s"):
-        peer.receive(timeout=0.01)
-
-    async def main() -> None:
-        async with _async_basestation(bridge) as peer:
-            with pytest.raises(asyncio.TimeoutError):
-                await asyncio.wait_for(peer.receive(), 0.01)
-            _tell(peer, _AUTO)
-            assert await peer.receive() == (16, _MODE)
-
-    _run(main())
-
-
 # --- hooks ------------------------------------------------------------------------------------------------------
 
 
@@ -419,21 +364,6 @@ def test_a_peer_that_is_not_open_says_so(bridge: socket, was_open: bool) -> None
             use()
 
 
-def test_a_closed_peer_leaves_its_port_free(bridge: socket) -> None:
-    """At once, so that the next one can have it."""
-    with _basestation(bridge) as first:
-        port = first.port
-
-    async def main() -> None:
-        for _ in range(3):
-            async with _async_basestation(bridge, local_port=port) as peer:
-                assert peer.port == port
-
-    _run(main())
-    with _basestation(bridge, local_port=port):
-        pass
-
-
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
@@ -468,24 +398,3 @@ def test_without_options_the_table_and_the_bridge_s_defaults_count(monkeypatch: 
         peer = BlockingPeer.open("basestation", registry=of_peers(QUIET, basestation={"port": port_of(held)}))
         with pytest.raises(SetupError, match=rf"UDP port {port_of(held)} on 0\.0\.0\.0 is in use"), peer:
             pass
-
-
-_MODULES = """
-import sys
-from roverlink.runtime.client import BlockingPeer, Peer
-from roverlink.runtime import load_registry
-with BlockingPeer.open("basestation", registry=load_registry("."), local_port=0) as peer:
-    peer.arrived()
-print(*sorted(name for name in sys.modules if name.split(".")[0] in {"rclpy", "cyclonedds", "rosbags"}))
-print(*sorted({".".join(name.split(".")[:3]) for name in sys.modules if name.startswith("roverlink.")}))
-"""
-
-
-def test_the_client_imports_neither_ros_nor_the_generator() -> None:
-    """Only the parts of the runtime that it needs, although ROS 2 may be installed."""
-    done = subprocess.run([sys.executable, "-c", _MODULES], cwd=_ROOT, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    others, ours = done.stdout.splitlines()
-    assert others == ""
-    parts = {"atomic_files", "client", "core", "interfaces", "keys", "net", "private_files", "ros_arguments", "text"}
-    assert set(ours.split()) == {"roverlink.runtime", *(f"roverlink.runtime.{part}" for part in parts)}

@@ -9,9 +9,7 @@ import logging
 import struct
 import subprocess
 import sys
-import textwrap
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
@@ -27,7 +25,6 @@ from roverlink.dds_domain import claim_domain
 from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.interfaces import rcl_interfaces as rcl
 from roverlink.runtime.middleware import Endpoint, Middleware, NodeIdentity, open_middleware
 from roverlink.runtime.middleware.following import FollowingSubscription
@@ -169,51 +166,6 @@ def test_we_read_what_another_program_publishes(join: Open, topic: str) -> None:
     assert [cdr.decode(ImuSensorInformation, data) for data in seen] == [_SAMPLE, ImuSensorInformation()]
 
 
-@pytest.mark.parametrize(
-    ("type_name", "values"),
-    [
-        ("std_msgs/msg/Empty", {}),
-        ("std_msgs/msg/String", {"data": "köln"}),
-        ("std_msgs/msg/UInt8MultiArray", {"data": b"abcde"}),
-        ("tf2_msgs/msg/TFMessage", {}),
-        ("unique_identifier_msgs/msg/UUID", {"uuid": bytes(range(16))}),
-    ],
-)
-def test_messages_of_every_shape_cross(join: Open, topic: str, type_name: str, values: dict[str, Any]) -> None:
-    """Empty messages, strings, sequences, arrays and nested messages cross as well, at sizes of no whole words."""
-    message_type = from_rosbags.message_type(type_name)
-    seen = _gathered(join("listener"), topic, message_type)
-    publisher = join("talker").publisher(topic, message_type, Qos())
-    wait_until(publisher.has_subscribers, "the reader")
-    message = message_type(**values)
-    assert publisher.publish([cdr.encode(message)]) == 1
-    wait_until(lambda: seen, "the message")
-    assert cdr.decode(message_type, seen[0]) == message
-
-
-def test_what_comes_while_we_are_busy_is_kept(join: Open, topic: str) -> None:
-    """A burst longer than a topic is deep waits, in its order, for the thread that takes it."""
-    at_work, may_go_on = threading.Event(), threading.Event()
-    seen: list[bytes] = []
-
-    def work(messages: Sequence[bytes]) -> None:
-        at_work.set()
-        may_go_on.wait(PATIENCE_S)
-        seen.extend(messages)
-
-    join("listener").subscribe(topic, ImuSensorInformation, Qos(), work)
-    publisher: Any = join("talker").publisher(topic, ImuSensorInformation, Qos(depth=1000))
-    wait_until(publisher.has_subscribers, "the reader")
-    messages = _numbered(200)
-    publisher.publish(messages[:1])
-    assert at_work.wait(PATIENCE_S)
-    assert publisher.publish(messages[1:]) == 199
-    publisher.leave(PATIENCE_S)  # waits until all are acknowledged
-    may_go_on.set()
-    wait_until(lambda: len(seen) == 200, "all messages")
-    assert _numbers(seen) == list(range(200))
-
-
 # --- quality of service -----------------------------------------------------------------------------------------
 
 _BEST_EFFORT = {"reliability": "best_effort", "depth": 5}
@@ -236,22 +188,6 @@ def test_qualities_of_service_match_as_ros_2_has_them(
     publisher.publish([cdr.encode(_SAMPLE)])
     wait_until(lambda: accepted_seen, "the message")
     assert not refused_seen
-
-
-def test_a_late_subscriber_gets_the_last_messages_of_a_latched_topic(join: Open, topic: str) -> None:
-    """A transient-local topic keeps as many messages as it is deep for those who come late; a volatile one none."""
-    talker = join("talker")
-    latched = talker.publisher(f"{topic}_latched", ImuSensorInformation, Qos(**_LATCHED))
-    volatile = talker.publisher(f"{topic}_volatile", ImuSensorInformation, Qos())
-    assert [one.publish(_numbered(5)) for one in (latched, volatile)] == [5, 5]  # though nobody hears them
-    listener = join("listener")
-    fresh = _gathered(listener, f"{topic}_volatile")
-    kept = _gathered(listener, f"{topic}_latched", **_LATCHED)
-    wait_until(lambda: len(kept) == 2, "the messages that were kept")
-    wait_until(volatile.has_subscribers, "the late subscriber")
-    volatile.publish([cdr.encode(_SAMPLE)])
-    wait_until(lambda: fresh, "the next message")
-    assert (_numbers(kept), _numbers(fresh)) == ([3.0, 4.0], [_SAMPLE.accel_x])
 
 
 # --- being a node -----------------------------------------------------------------------------------------------
@@ -280,45 +216,6 @@ def test_we_are_seen_as_a_node_with_our_endpoints(
     }
 
 
-_COME_AND_GO = """
-import sys
-from generated.messages import ImuSensorInformation
-from roverlink.runtime import Qos
-from roverlink.runtime.middleware import NodeIdentity, open_middleware
-
-class Owner:
-    def __init__(self):
-        self.middleware = open_middleware("dds", NodeIdentity("guest"))
-        self.publisher = self.middleware.publisher(sys.argv[1], ImuSensorInformation, Qos())
-        self.middleware.subscribe("/in", ImuSensorInformation, Qos(), lambda data: self)  # as a bridge holds itself
-
-owner = Owner()
-with owner.middleware:
-    print("here", flush=True)
-    sys.stdin.readline()
-"""
-
-
-def test_leaving_takes_the_node_away_at_once(join: Open, topic: str) -> None:
-    """A program that has left is not listed for ten more seconds, as one that crashed is."""
-    watcher = join("watcher").publisher("/in", ImuSensorInformation, Qos())
-    with subprocess.Popen(
-        [sys.executable, "-c", textwrap.dedent(_COME_AND_GO), topic],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-        cwd=_ROOT,
-    ) as guest:
-        wait_until(watcher.has_subscribers, "the guest")
-        assert guest.stdin is not None
-        guest.stdin.write("\n")
-        guest.stdin.flush()
-        assert guest.wait(PATIENCE_S) == 0
-        start = time.monotonic()
-        wait_until(lambda: not watcher.has_subscribers(), "the guest's leave")
-        assert time.monotonic() - start < 5.0  # else it is its lease that has run out, after ten
-
-
 def test_a_publisher_of_a_node_that_has_left_fails(topic: str) -> None:
     """What is published after the node has gone is not taken for published, nor for a subscriber that is slow."""
     with open_middleware("dds", NodeIdentity("node")) as middleware:
@@ -327,29 +224,6 @@ def test_a_publisher_of_a_node_that_has_left_fails(topic: str) -> None:
     middleware.close()
     with pytest.raises(MiddlewareError, match=f"Cyclone DDS cannot write on rt{topic}"):
         publisher.publish([cdr.encode(_SAMPLE)])
-
-
-def test_a_subscription_can_end(join: Open, topic: str) -> None:
-    """It leaves the graph, its callback is not called any more, and other subscriptions go on, also under load."""
-    ours, other = join(), join("other")
-    ended, staying = list[bytes](), _gathered(ours, topic)
-    publisher = other.publisher(topic, ImuSensorInformation, Qos())
-    sample = cdr.encode(_SAMPLE)
-    for _ in range(3):
-        subscription = ours.subscribe(topic, ImuSensorInformation, Qos(), ended.extend)
-
-        def both() -> bool:
-            publisher.publish([sample])
-            return bool(ended)
-
-        wait_until(both, "a message")
-        subscription.close()
-        wait_until(lambda: len(other.endpoints(topic, False)) == 1, "the end of the subscription")
-        ended.clear()
-        staying.clear()
-        publisher.publish([sample])
-        wait_until(lambda: staying, "a message of the other subscription")
-        assert not ended
 
 
 def test_an_exact_depth_is_kept_while_we_are_busy(join: Open, topic: str) -> None:
@@ -600,9 +474,3 @@ def test_a_request_that_cannot_be_read_is_ignored(client: _Client, caplog: pytes
     RawWriter(writer).write([bytes.fromhex("00010000") + bytes(16) + bytes.fromhex("01000000 02000000 ff00")])
     wait_until(lambda: "get_parameters ignored" in caplog.text, "the warning")
     assert client.call("get_parameters", rcl.GetParametersResponse, ["dst_ip"]).values == [_text("127.0.0.1")]
-
-
-def test_without_cyclone_there_are_no_services(live: LiveParameters) -> None:
-    """A client of another middleware would wait for a response that cannot reach it."""
-    with open_middleware("dds", _NODE, live):
-        assert "dds-services" not in {thread.name for thread in threading.enumerate()}

@@ -47,16 +47,6 @@ def destination(
     destination.close()
 
 
-def test_a_destination_moves_with_its_peer(destination: Destination, peer: socket.socket) -> None:
-    """What is sent after the change goes to the new address, which is shown, and what was sent before does not."""
-    with listener() as other:
-        for sock in (peer, other, peer):
-            destination.direct_to(Target(sock.getsockname()))
-            assert destination.send_all([b"hello"]) == []
-            assert sock.recv(100) == b"hello"
-            assert str(destination) == f"hardware at 127.0.0.1:{port_of(sock)}"
-
-
 @pytest.mark.parametrize(
     "sizes",
     [

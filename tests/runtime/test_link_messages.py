@@ -12,7 +12,6 @@ from bridge_rig import Rig, of_peers, port_of
 from linked import linked_registry
 from polling import wait_until
 
-from generated.registry import REGISTRY
 from roverlink.generator.ir import largest_link_size
 from roverlink.runtime import DatagramError, Registry, SetupError
 from roverlink.runtime.bridge.link_exchange import DIFFERS, SAME, UNKNOWN, EndReport
@@ -21,7 +20,6 @@ from roverlink.runtime.core import link_message
 from roverlink.runtime.core.link_message import LinkWriter
 from roverlink.runtime.core.registry import End, EndName
 from roverlink.runtime.core.translator import Translator
-from roverlink.runtime.ros_arguments import parameters
 
 _HARDWARE, _BASE = EndName("hardware"), EndName("base")
 _ARM, _DRIVE = EndName("hardware", "Arm"), EndName("hardware", "Drive")
@@ -163,26 +161,6 @@ def test_a_board_that_was_flashed_again_is_trusted_again(monkeypatch: pytest.Mon
         assert (report.schema, report.restarts, report.senders) == (SAME, 1, 1)
 
 
-def test_two_laptops_are_two_senders() -> None:
-    """Two programs that speak for one peer at the same time are no restart, and their loss cannot be told."""
-    with _rig() as rig:
-        first, second = _board(_BASE_ROWS), _board(_BASE_ROWS, {5: 1})
-        rig.receive(first.write(1), second.write(1), first.write(2), second.write(2))
-        report = _report(rig, _BASE)
-        assert (report.senders, report.restarts, report.lost_in, report.schema) == (2, 0, None, DIFFERS)
-
-
-def test_a_new_board_is_asked_at_once() -> None:
-    """When a new session appears, the bridge tells its rows without waiting for the next second."""
-    with _rig() as rig:
-        _heard(rig)
-        before = time.monotonic()
-        rig.receive(_board(_DRIVE_ROWS).write(123))
-        answer = _heard(rig)
-        assert time.monotonic() - before < 0.7
-        assert (answer.echo_us, answer.received) == (123, 0)
-
-
 # --- measurements -----------------------------------------------------------------------------------------------
 
 
@@ -206,19 +184,6 @@ def test_loss_and_round_trip_are_measured() -> None:
         assert report.clock_offset_us == pytest.approx(-wall_us, abs=500_000)
 
 
-def test_the_loss_is_that_of_the_end_that_the_sender_turns_out_to_be() -> None:
-    """A basestation whose first link message lists only forwarded rows is taken for their board until the next one."""
-    with _rig() as rig:
-        rig.receive(*[_payload("arm_state")] * 3)
-        session = link_message.new_session()
-        begun, base = _board([1], session=session), _board([4, 5], session=session)
-        rig.receive(begun.write(1))
-        assert _report(rig, _ARM).senders == 1
-        base.write(1)
-        rig.receive(base.write(2), base.write(3))
-        assert (_report(rig, _BASE).lost_in, _report(rig, _BASE).loss_in) == (0, 0.0)
-
-
 def test_lost_commands_are_counted_by_what_the_board_received() -> None:
     """The board tells how many datagrams came before the link message that it answers; the rest is lost."""
     with _rig() as rig:
@@ -236,30 +201,12 @@ def test_lost_commands_are_counted_by_what_the_board_received() -> None:
         assert (report.lost_out, report.loss_out) == (3, pytest.approx(3 / 7))
 
 
-def test_many_rows_are_said_in_turn() -> None:
-    """A link message has at most eight rows; the next ones have the others, and the bridge takes them together."""
-    registry = linked_registry()
-    writer = LinkWriter(registry.envelope, 1, {number: number for number in range(1, 21)})
-    assert writer.turns == 3
-    said = [list(registry.envelope.FromString(writer.write(t)).link.numbers) for t in range(4)]  # type: ignore[attr-defined]
-    assert said == [[*range(1, 9)], [*range(9, 17)], [*range(17, 21)], [*range(1, 9)]]
-
-
 def test_the_largest_link_message_is_as_large_as_the_compiler_says() -> None:
     """The size that the lint compares with `max_size` is that of a message with the largest values."""
     most = 2**32 - 1
     values = dict.fromkeys(("session", "sequence", "sent", "received", "echo_age_us"), most)
     link = {**values, "time_us": 2**64 - 1, "echo_us": 2**64 - 1, "numbers": [most] * 8, "hashes": [most] * 8}
     assert linked_registry().envelope(link=link).link.ByteSize() == largest_link_size()  # type: ignore[attr-defined]
-
-
-def test_a_table_without_the_link_message_has_no_such_parameter() -> None:
-    """`link_policy` exists only where there is a link message, with the table's default."""
-    assert "link_policy" not in parameters.declarations(REGISTRY)
-    linked = linked_registry()
-    assert linked.link is not None
-    refusing = dataclasses.replace(linked, link=dataclasses.replace(linked.link, on_mismatch="refuse"))
-    assert parameters.read(refusing, {}).link_policy == "refuse"
 
 
 def test_the_core_refuses_a_link_message_where_only_topics_count() -> None:
@@ -338,15 +285,6 @@ def test_a_link_message_teaches_the_address_of_its_board() -> None:
         assert rig.bridge.link_states()[_DRIVE].addresses == (f"127.0.0.1:{port_of(rig.board)}",)
         rig.receive(_board([1, *_DRIVE_ROWS]).write(1))  # one program for both boards
         assert _states(rig) == ["ok", "ok"]
-
-
-def test_a_link_message_that_only_repeats_rows_of_others_teaches_nothing() -> None:
-    """The basestation tells rows that are forwarded to it; these are not the board's own words."""
-    with _rig(_learning()) as rig:
-        session = link_message.new_session()
-        for numbers in ([4, 1], [1]):
-            rig.receive(_board(numbers, session=session).write(1))
-        assert _states(rig) == ["not_learned", "not_learned"]
 
 
 def test_a_link_message_from_a_wrong_source_is_ignored(caplog: pytest.LogCaptureFixture) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from random import Random
 
 import pytest
@@ -152,46 +150,3 @@ def test_an_answer_that_cannot_be_true_is_ignored() -> None:
     statistics.take(_message(3, 0, 0, echo_us=700), 1000, 0, 0)
     statistics.take(_message(4, 0, 0, echo_us=700), 701, 0, 0)
     assert statistics.round_trip_us == 300
-
-
-@dataclass
-class _Lossy:
-    """A way of a simulated link: it loses, delays, repeats and reorders."""
-
-    random: Random
-    loss: float
-    waiting: list[tuple[int, int, object]] = field(default_factory=list)
-    lost: int = 0
-    count: int = 0
-
-    def send(self, now_us: int, datagram: object) -> None:
-        """Send a datagram."""
-        self.count += 1
-        if self.random.random() < self.loss:
-            self.lost += 1
-            return
-        heapq.heappush(self.waiting, (now_us + self.random.randrange(1_000, 40_000), self.count, datagram))
-
-    def arrived(self, now_us: int) -> Iterator[tuple[int, object]]:
-        """Yield what has arrived, with the time of arrival."""
-        while self.waiting and self.waiting[0][0] <= now_us:
-            at, _, datagram = heapq.heappop(self.waiting)
-            yield at, datagram
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_a_simulated_radio_is_measured(seed: int) -> None:
-    """With 10 percent loss and delays of 1 to 40 ms, what is measured is what the link did."""
-    random = Random(seed)  # noqa: S311  # repeatable, not secret
-    way, statistics, arrived = _Lossy(random, 0.1), LinkStatistics(), 0
-    for step in range(120 * 50):  # 120 s, 50 datagrams a second
-        now_us = step * 20_000
-        content = _message(step // 50 + 1, step, now_us) if step % 50 == 0 else None
-        way.send(now_us, content)
-        for at, datagram in way.arrived(now_us):
-            if isinstance(datagram, LinkMessage):
-                statistics.take(datagram, at, arrived, None)
-            arrived += 1
-    assert statistics.inbound.lost == pytest.approx(way.lost, abs=20)  # the last second, and what overtook
-    assert statistics.inbound.recent == pytest.approx(0.1, abs=0.06)
-    assert statistics.jitter_us == pytest.approx(13_000, rel=0.4)  # a third of the spread of a uniform delay

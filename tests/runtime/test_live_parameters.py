@@ -9,7 +9,6 @@ from bridge_rig import LOGGER, QUIET, Rig, end, envelope, listener, of_peers, po
 
 from generated.registry import REGISTRY
 from roverlink.runtime import SetupError
-from roverlink.runtime.bridge.bridge import Handle, Send
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 from roverlink.runtime.text.host_names import LEARN
@@ -38,40 +37,15 @@ def test_hosts_change_while_the_bridge_runs() -> None:
                 assert change.items() <= rig.live.values.items()
 
 
-def test_the_policy_of_forwards_changes_while_the_bridge_runs() -> None:
-    """Only with the policy `all` a peer gets the datagrams of rows that have no `forward`."""
-    with Rig() as rig:
-        for policy, forwarded in (("mapping", []), ("all", [_MODE]), ("mapping", [])):
-            rig.live.change({"forward_policy": policy})
-            rig.receive(_MODE)
-            assert rig.arrived("basestation", len(forwarded)) == forwarded
-
-
-class _Wrappings:
-    """Observer that counts how often it is asked to wrap the handler of datagrams."""
-
-    count = 0
-
-    def receiving(self, handle: Handle) -> Handle:
-        self.count += 1
-        return handle
-
-    def sending(self, peer: str, send: Send) -> Send:
-        return send
-
-
 def test_the_policy_of_sources_changes_while_the_bridge_runs() -> None:
-    """The bridge checks senders from the change on, and stops with the change back; no observer is wrapped again."""
+    """The bridge checks senders from the change on, and stops with the change back."""
     restricted = of_peers(QUIET, hardware={"sources": ("10.0.0.9",)}, basestation={"sources": ("10.0.0.8",)})
-    observer = _Wrappings()
-    with Rig(restricted, observers=[observer], source_policy="any") as rig:
-        asked = observer.count
+    with Rig(restricted, source_policy="any") as rig:
         for policy, published, dropped in (("any", 1, 0), ("mapping", 1, 1), ("any", 2, 1)):
             rig.live.change({"source_policy": policy})
             rig.receive(_IMU)
             account = rig.account
             assert (account.published.total(), account.dropped["unknown_source"]) == (published, dropped)
-        assert observer.count == asked
 
 
 def test_the_receive_buffer_changes_while_the_bridge_runs() -> None:
@@ -87,16 +61,12 @@ def test_the_receive_buffer_changes_while_the_bridge_runs() -> None:
     [
         ({"listen_port": 5001}, "'listen_port' is read-only; restart the node with -p listen_port:="),
         ({"dst_a_port": 0}, "'dst_a_port' is 0; a UDP port is a number from 1 to 65535"),
-        ({"dst_ip": "no host"}, "'no host' is neither an IP address nor the name of a host"),
         ({"dst_ipp": "::"}, "unknown parameter 'dst_ipp'; did you mean 'dst_ip'"),
         ({"use_sim_time": True}, "'use_sim_time' cannot change"),
         ({"hw_host": "no host"}, "'hw_host' is 'no host'; 'no host' is neither an IP address nor the name of a host"),
-        ({"hw_host": "127.0.0.1,"}, "'' is neither an IP address"),
         ({"hw_host": "10.0.0.1, learn"}, "'learn' cannot stand beside other hosts"),
-        ({"hw_host": "256.1.1.1"}, "'256.1.1.1' is neither"),
         ({"hw_host": 7}, "'hw_host' is 7; it must be of type str"),
         ({"hw_port": 0}, "the parameter 'hw_port' is 0, but 'hw_host' is not 'learn'; set the UDP port of hardware"),
-        ({"hw_port": 70_000}, "a UDP port is a number from 1 to 65535"),
         ({"source_policy": "none"}, "'source_policy' is 'none'; it must be one of mapping, any"),
     ],
 )

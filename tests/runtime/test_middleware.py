@@ -8,12 +8,11 @@ import sys
 import threading
 import types
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Annotated, Any
 from unittest.mock import MagicMock, call
 
 import pytest
-from polling import PATIENCE_S, wait_until
+from polling import PATIENCE_S
 
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
 from generated.registry import REGISTRY
@@ -77,24 +76,6 @@ def test_a_middleware_that_is_not_there_is_told(
     assert ("aarch64" in message) is (machine == "aarch64")
 
 
-def test_auto_does_not_take_an_rclpy_that_does_not_import(
-    absent: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """An rclpy on the path that was built for another Python is as good as none: `auto` goes on to dds."""
-    absent("cyclonedds", "rclpy")
-    monkeypatch.delitem(sys.modules, "rclpy")
-    (tmp_path / "rclpy.py").write_text("raise ImportError('built for another Python')")
-    monkeypatch.syspath_prepend(tmp_path)
-    assert "built for another Python" in _refused("rclpy")
-    assert "pip install cyclonedds" in _refused("auto")
-
-
-@pytest.mark.parametrize(("namespace", "full_name"), [("/", "/node"), ("/rover", "/rover/node"), ("/a/b", "/a/b/node")])
-def test_a_nodes_full_name(namespace: str, full_name: str) -> None:
-    """Namespace and name make the name that `ros2 node list` prints."""
-    assert NodeIdentity("node", namespace).full_name == full_name
-
-
 # --- memory -----------------------------------------------------------------------------------------------------
 
 
@@ -112,24 +93,6 @@ def test_middlewares_that_share_a_graph_see_each_other() -> None:
         assert publisher.has_subscribers()
         assert publisher.publish([b"a", b"b"]) == 2
         assert seen == [("first", [b"a", b"b"]), ("second", [b"a", b"b"])]
-
-
-def test_leaving_takes_only_ones_own_subscriptions_and_topics_away() -> None:
-    """A middleware that is left hears nothing more and has no topics; another on the same graph still does."""
-    graph = Graph()
-    staying, seen = MemoryMiddleware(graph), list[bytes]()
-    publisher = staying.publisher("/imu", ImuSensorInformation, Qos())
-    staying.subscribe("/imu", ImuSensorInformation, Qos(), seen.extend)
-    staying.subscribe("/imu", ImuSensorInformation, Qos(), seen.extend).close()
-    with open_middleware("memory", _NODE) as apart, MemoryMiddleware(graph) as leaving:
-        assert apart.topics() == {}
-        leaving.publisher("/gps", ImuSensorInformation, Qos())
-        leaving.subscribe("/imu", ImuSensorInformation, Qos(), seen.extend)
-        assert staying.topics() == dict.fromkeys(("/imu", "/gps"), "comms/msg/ImuSensorInformation")
-        publisher.publish([b"both"])
-    publisher.publish([b"one"])
-    assert seen == [b"both", b"both", b"one"]
-    assert staying.topics().keys() == {"/imu"}
 
 
 # --- the order in which a middleware serves its topics ------------------------------------------------------------
@@ -340,17 +303,6 @@ def test_rclpy_spins_while_it_is_entered(ros: Any) -> None:
     ]
     middleware.close()
     ros.node.destroy_node.assert_called_once_with()
-
-
-def test_a_shutdown_from_outside_ends_the_spinning_quietly(ros: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where ROS 2 is shut down by somebody else, the thread ends without a traceback."""
-    failures: list[Any] = []
-    monkeypatch.setattr(threading, "excepthook", failures.append)
-    ros.ending = _ExternalShutdown()
-    with open_middleware("rclpy", _NODE):
-        ros.end_spin.set()
-        wait_until(lambda: "rclpy-spin" not in {thread.name for thread in threading.enumerate()}, "the thread's end")
-    assert not failures
 
 
 def test_an_interface_that_is_not_built_is_told(ros: Any) -> None:

@@ -44,32 +44,32 @@ def watch() -> _Watch:
     return _Watch()
 
 
-@pytest.mark.parametrize(
-    ("endpoint", "why"),
-    [
-        (Endpoint("/viz", _LATCHED), "durability: transient_local required, volatile offered"),
-        (Endpoint("/viz", Qos(), ("deadline",)), "deadline: required, not offered"),
-        (Endpoint("", _LATCHED), "durability: transient_local required, volatile offered"),  # of no ROS 2 node
-    ],
-)
-def test_a_subscription_that_cannot_match(
-    watch: _Watch, endpoint: Endpoint, why: str, caplog: pytest.LogCaptureFixture
+_UNHEARD = "a subscription of {} gets no messages (durability: transient_local required, volatile offered)"
+_MISMATCHES: list[tuple[str, Endpoint, str]] = [
+    ("imu_data", Endpoint("/viz", _LATCHED), _UNHEARD.format("/viz")),
+    ("imu_data", Endpoint("", _LATCHED), _UNHEARD.format("an unknown node")),
+    (
+        "imu_data",
+        Endpoint("/viz", Qos(), ("deadline",)),
+        "a subscription of /viz gets no messages (deadline: required, not offered)",
+    ),
+    (
+        "drive_motor",
+        Endpoint("/joystick", _BEST_EFFORT),
+        "no messages come from a publisher of /joystick (reliability: reliable required, best_effort offered)",
+    ),
+]
+
+
+@pytest.mark.parametrize(("topic", "endpoint", "text"), _MISMATCHES)
+def test_an_endpoint_that_cannot_match(
+    watch: _Watch, topic: str, endpoint: Endpoint, text: str, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """It is counted by the row's topic, and warned of once, with its node and the policy."""
-    watch.graph["/imu_data", False] = [endpoint]
+    """It is counted by the row's topic, and warned of once, with its node and the policy, until it has left."""
+    watch.graph[f"/{topic}", topic == "drive_motor"] = [endpoint]
     watch.look(times=4)
-    text = f"a subscription of {endpoint.node or 'an unknown node'} gets no messages ({why})"
-    assert watch.account.qos_mismatches == {"imu_data": [text]}
-    assert caplog.messages == [f"/imu_data: {text}; change the QoS of one side"]
-
-
-def test_a_publisher_that_cannot_match(watch: _Watch, caplog: pytest.LogCaptureFixture) -> None:
-    """Best effort on a command topic; once the node has left, nothing is counted any more."""
-    watch.graph["/drive_motor", True] = [Endpoint("/joystick", _BEST_EFFORT)]
-    watch.look(times=2)
-    text = "no messages come from a publisher of /joystick (reliability: reliable required, best_effort offered)"
-    assert watch.account.qos_mismatches == {"drive_motor": [text]}
-    assert caplog.messages == [f"/drive_motor: {text}; change the QoS of one side"]
+    assert watch.account.qos_mismatches == {topic: [text]}
+    assert caplog.messages == [f"/{topic}: {text}; change the QoS of one side"]
     watch.graph.clear()
     watch.look()
     assert watch.account.qos_mismatches == {}

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import itertools
 import random
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from generated.pb2.components.basestation.detected_object_pb2 import BasestationDetectedObject
 from roverlink.runtime.client import Frame, Reassembler
 
 _PERIOD_S = 0.1
-_LONGEST_DELAY_S = 0.3
-_PAUSE_S = 2.0
 
 
 @dataclass(frozen=True)
@@ -48,14 +43,6 @@ def test_the_parts_of_a_frame_come_out_in_the_order_of_their_index() -> None:
     assert reassembler.add(BasestationDetectedObject(frame_id=8)) == Frame(8, ())  # one that saw nothing
 
 
-def test_a_frame_that_a_later_one_overtakes_is_given_up() -> None:
-    """It counts as lost, and its last part as late."""
-    reassembler = Reassembler[_Part]()
-    first, last = _parts(1, 2)
-    assert _added(reassembler, [(0.0, first), (0.1, _parts(2, 1)[0]), (0.2, last)]) == [Frame(2, tuple(_parts(2, 1)))]
-    assert (reassembler.lost, reassembler.late, reassembler.complete) == (1, 1, 1)
-
-
 @pytest.mark.parametrize(("timeout", "is_whole"), [((), False), ((0.2,), False), ((5.0,), True)])
 def test_parts_that_are_a_second_apart_do_not_belong_together(timeout: tuple[float, ...], is_whole: bool) -> None:
     """The sender may have started again between them; slow links may be given more time."""
@@ -73,13 +60,6 @@ def test_parts_that_disagree_about_their_number_do_not_belong_together() -> None
     assert reassembler.lost == 1
 
 
-def test_an_index_beyond_the_frame_is_counted_and_ignored() -> None:
-    """Neither a frame nor a restart follows from it."""
-    reassembler = Reassembler[_Part]()
-    assert _added(reassembler, [(0.0, _Part(1, 2, 2)), (0.0, _Part(1, 1, 0))]) == []
-    assert reassembler.invalid == 2
-
-
 def test_a_number_that_was_damaged_on_the_way_blocks_nothing_for_long() -> None:
     """A frame of the far future hides the present for a second only."""
     reassembler = Reassembler[_Part]()
@@ -88,65 +68,6 @@ def test_a_number_that_was_damaged_on_the_way_blocks_nothing_for_long() -> None:
     frames = _added(reassembler, [future, *present])
     assert [frame.frame_id for frame in frames] == [2**32 - 1, *range(10, 20)]
     assert reassembler.restarts == 1
-
-
-_FRAMES = st.lists(st.integers(0, 4), min_size=1, max_size=12)
-"""Number of objects in each frame of a run."""
-_FATES = st.lists(st.floats(0, _LONGEST_DELAY_S), max_size=2)
-"""Delay in seconds of each copy of a part that arrives; none if the part is lost."""
-
-
-@settings(max_examples=40)
-@given(runs=st.lists(_FRAMES, min_size=1, max_size=3), data=st.data(), orderly=st.booleans())
-def test_what_comes_out_is_what_was_sent(runs: list[list[int]], data: st.DataObject, orderly: bool) -> None:
-    """Whole frames of one run, each at most once, in rising order, and none is missing without a reason.
-
-    Without faults on the way, that is every frame, also after restarts.
-    """
-    reassembler = Reassembler[_Part]()
-    start, newest = 0.0, -1
-    for run, counts in enumerate(runs):
-        sent = {number: _parts(number, count, run) for number, count in enumerate(counts)}
-        arrivals: dict[_Part, list[float]] = {}
-        for part in itertools.chain.from_iterable(sent.values()):
-            delays = [0.0] if orderly else data.draw(_FATES)
-            arrivals[part] = [start + part.frame_id * _PERIOD_S + 0.001 * part.index + delay for delay in delays]
-        in_order = sorted(((at, part) for part, times in arrivals.items() for at in times), key=lambda one: one[0])
-        frames = _added(reassembler, in_order)
-
-        # A frame is complete with the first copy of its last part, and has to come out unless a later one was first.
-        complete = {
-            number: max(min(arrivals[part]) for part in parts)
-            for number, parts in sent.items()
-            if all(arrivals[part] for part in parts)
-        }
-        due = [n for n, at in complete.items() if all(at < other for m, other in complete.items() if m > n)]
-        came = [frame.frame_id for frame in frames]
-        assert came == sorted(set(came))
-        assert all(frame.parts == tuple(part for part in sent[frame.frame_id] if part.total_count) for frame in frames)
-        assert set(came) <= complete.keys()
-        # Where a restart and a changed order meet, the first frames may be taken for late ones of the run before.
-        assert [n for n in came if n > newest or orderly] == [n for n in due if n > newest or orderly]
-        newest = max(came, default=newest)
-        start += len(counts) * _PERIOD_S + _PAUSE_S
-    if orderly:
-        assert reassembler.restarts == len(runs) - 1
-        assert reassembler.lost == reassembler.late == reassembler.duplicates == 0
-
-
-@settings(max_examples=30)
-@given(
-    st.lists(st.tuples(st.integers(0, 2**32 - 1) | st.integers(0, 30), st.integers(0, 3), st.integers(0, 3))),
-    st.sampled_from([0.0, 0.01, 0.4]),
-)
-def test_nonsense_has_a_consequence_that_is_counted(parts: list[tuple[int, int, int]], period: float) -> None:
-    """Whatever comes, each part makes a frame, waits for one, or is counted as late or invalid."""
-    reassembler = Reassembler[_Part]()
-    for number, part in enumerate(parts):
-        before = reassembler.late + reassembler.invalid
-        frame = reassembler.add(_Part(*part), number * period)
-        assert frame is None or len(frame.parts) == part[2]
-        assert reassembler.late + reassembler.invalid - before in (0, 1)
 
 
 def test_few_frames_wait() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import shutil
 import sys
 from collections.abc import Iterator
@@ -12,7 +11,6 @@ import pytest
 from google.protobuf import descriptor_pb2, descriptor_pool
 
 from generated import checks
-from generated.registry import REGISTRY
 from roverlink.runtime import Registry, RegistryError, SetupError, load_registry
 from roverlink.runtime.core import descriptor_check
 from roverlink.runtime.core.registry import EndName
@@ -141,33 +139,24 @@ def test_a_message_is_described_by_number_name_and_type() -> None:
 
 
 @pytest.mark.parametrize(
-    ("fields", "expected"),
+    ("known", "loaded"),
     [
-        (_WHOLE[:3], ["the loaded module has '9 later sint32', the generated code does not"]),
-        ((*_WHOLE, (10, "more", "bool")), ["the generated code has '10 more bool', the loaded module does not"]),
-        (
-            (*_WHOLE[:2], (3, "numbers", "fixed64"), _WHOLE[3]),
-            ["the generated code has '3 numbers fixed64'", "the loaded module has '3 numbers repeated fixed64'"],
-        ),
-        *(
-            (
-                (*_WHOLE[:3], (number, name, kind)),
-                [f"the generated code has '{number} {name} {kind}'", "the loaded module has '9 later sint32'"],
-            )
-            for number, name, kind in ((8, "later", "sint32"), (9, "after", "sint32"), (9, "later", "int32"))
-        ),
+        (None, "9 later sint32"),
+        ((8, "later", "sint32"), "9 later sint32"),
+        ((9, "after", "sint32"), "9 later sint32"),
+        ((9, "later", "repeated sint32"), "9 later sint32"),
     ],
-    ids=["one more", "one less", "not repeated", "other number", "other name", "other encoding"],
+    ids=["one more", "other number", "other name", "other type"],
 )
-def test_each_disagreement_is_told(fields: descriptor_check.Fields, expected: list[str]) -> None:
-    """A field more or less, another number, name, label or type: the message, and each difference, are named."""
+def test_each_disagreement_is_told(known: tuple[int, str, str] | None, loaded: str) -> None:
+    """A field more, another number, name, label or type: the message, and each difference, are named."""
+    fields = (*_WHOLE[:3], known) if known else _WHOLE[:3]
+    expected = [f"the loaded module has '{loaded}'"]
+    expected += [f"the generated code has '{known[0]} {known[1]} {known[2]}'"] if known else []
     with pytest.raises(RegistryError) as caught:
         descriptor_check.check_descriptors({"tests.Whole": fields, "tests.Part": ((1, "text", "string"),)}, {})
-    for line in expected:
-        assert f"tests.Whole: {line}" in str(caught.value)
-    assert "tests.Part:" not in str(caught.value)
-    assert str(caught.value).count("tests.Whole:") == len(expected)
-    assert "roverlink generate" in str(caught.value)
+    assert all(f"tests.Whole: {line}, " in str(caught.value) for line in expected)
+    assert (str(caught.value).count("tests.Whole:"), str(caught.value).count("tests.Part:")) == (len(expected), 0)
 
 
 def test_a_message_that_is_not_loaded_is_told() -> None:
@@ -192,26 +181,6 @@ def test_an_enum_that_differs_is_told() -> None:
 # --- the registry -----------------------------------------------------------------------------------------------
 
 
-def test_every_handler_is_found_by_number_name_and_topic(registry: Registry) -> None:
-    """The look-ups lead to the same handlers, one for each of the table's rows."""
-    assert len(registry.handlers) == 21
-    for handler in registry.handlers:
-        route = handler.route
-        assert registry.by_number[route.number] is handler
-        assert registry.by_name[route.name] is handler
-        assert registry.by_topic[route.topic] is handler
-        assert route.peer in registry.peers_by_name
-        assert route.inbound == (route.direction == f"{route.peer}_to_ros")
-
-
-def test_the_envelope_has_each_handler_under_its_number(registry: Registry) -> None:
-    """Number, name and type of each payload are those of the envelope's oneof."""
-    fields = registry.envelope.DESCRIPTOR.oneofs_by_name[registry.oneof].fields
-    assert {(f.number, f.name, f.message_type) for f in fields} == {
-        (h.route.number, h.route.name, h.payload_type.DESCRIPTOR) for h in registry.handlers
-    }
-
-
 # --- parameters -------------------------------------------------------------------------------------------------
 
 
@@ -225,43 +194,17 @@ def test_the_defaults_are_those_of_the_contract(registry: Registry) -> None:
     }
 
 
-def test_given_parameters_are_taken(registry: Registry) -> None:
-    """Each parameter that is given replaces its default; those that every node has change nothing."""
-    given = {
-        "listen_port": 0,
-        "listen_address": "127.0.0.1",
-        "dst_ip": "rover.local",
-        "dst_a_port": 1,
-        "dst_b_port": 65_535,
-        "forward_policy": "all",
-        "source_policy": "any",
-        "max_datagram": 65_507,
-        "receive_buffer": 1,
-    }
-    assert set(given) == set(parameters.defaults(registry))
-    read = parameters.read(registry, {**given, "use_sim_time": True, "start_type_description_service": True})
-    assert [address.port for address in read.addresses.values()] == [1, 65_535]
-    for name, value in given.items():
-        assert name in ("dst_a_port", "dst_b_port") or getattr(read, name) == value
-
-
 @pytest.mark.parametrize(
     ("name", "value", "expected"),
     [
         ("listen_prt", 5000, "unknown parameter 'listen_prt'; did you mean 'listen_port'?"),
-        ("zzz", 1, "unknown parameter 'zzz'; known: listen_port, listen_address, dst_ip"),
         ("listen_port", "5000", "'listen_port' is '5000'; it must be of type int"),
         ("listen_port", True, "'listen_port' is True; it must be of type int"),
-        ("listen_port", 5000.0, "'listen_port' is 5000.0; it must be of type int"),
-        ("dst_ip", None, "'dst_ip' is None; it must be of type str"),
         ("listen_port", 65_536, "'listen_port' is 65536; a UDP port is a number from 1 to 65535"),
-        ("listen_port", -1, "'listen_port' is -1"),
         ("dst_a_port", 0, "'dst_a_port' is 0; a UDP port is a number from 1 to 65535"),
         ("forward_policy", "none", "'forward_policy' is 'none'; it must be one of mapping, all"),
         ("max_datagram", 0, "'max_datagram' is 0; a UDP datagram has 1 to 65507 bytes"),
-        ("max_datagram", 65_508, "'max_datagram' is 65508"),
         ("receive_buffer", 0, "'receive_buffer' is 0; it must be from 1 to"),
-        ("receive_buffer", 2**31, "'receive_buffer' is 2147483648"),
     ],
 )
 def test_a_wrong_parameter_is_told(registry: Registry, name: str, value: object, expected: str) -> None:
@@ -269,10 +212,3 @@ def test_a_wrong_parameter_is_told(registry: Registry, name: str, value: object,
     with pytest.raises(SetupError) as caught:
         parameters.read(registry, {name: value})
     assert expected in str(caught.value)
-
-
-def test_the_ports_are_named_by_the_table(registry: Registry) -> None:
-    """A peer's port parameter and its default are the table's, whatever they are."""
-    peers = (dataclasses.replace(REGISTRY.peers[0], name="moon", port_parameter="moon_port", port=7000),)
-    read = parameters.read(dataclasses.replace(registry, peers=peers), {})
-    assert read.addresses == {EndName("moon"): (("127.0.0.1",), 7000)}

@@ -43,16 +43,6 @@ def test_each_line_of_the_log_is_a_message(logger: logging.Logger) -> None:
     assert all(log.file == __file__ and log.line and log.stamp.sec for log in logs)
 
 
-def test_a_closed_handler_publishes_nothing(logger: logging.Logger) -> None:
-    """After it is closed, lines go to the console only."""
-    graph, seen = Graph(), []
-    MemoryMiddleware(graph).subscribe(TOPIC, Log, Qos(), seen.extend)
-    handler = RosoutHandler(logger, MemoryMiddleware(graph), TOPIC, _NODE)
-    handler.close()
-    logger.info("too late")
-    assert not seen
-
-
 class _Broken(MemoryMiddleware):
     def publisher(self, *_: object) -> Any:
         return self

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import re
-import signal
 import socket
-import struct
 import threading
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
@@ -13,7 +11,7 @@ from typing import Any
 
 import pytest
 from needs import NOT_LINUX, needs_linux
-from polling import PATIENCE_S, wait_until
+from polling import wait_until
 
 from roverlink.runtime import SetupError
 from roverlink.runtime.net import mmsg, udp
@@ -118,60 +116,6 @@ def test_stopping_handles_what_had_arrived(listener: socket.socket, sender: sock
     assert arrived == sent
 
 
-@pytest.mark.usefixtures("reader_kind")
-def test_a_batch_is_small_enough_for_a_subscription(listener: socket.socket, sender: socket.socket) -> None:
-    """However much waits, the function gets less at a time than a ROS 2 subscription keeps by default."""
-    sizes: list[int] = []
-    for _ in range(100):
-        sender.send(b"x")
-    with udp.Receiver(listener, _SIZE, lambda batch: sizes.append(len(batch))):
-        wait_until(lambda: sum(sizes) == 100, "all datagrams")
-    assert max(sizes) <= udp.BURST < 10
-
-
-def test_stopping_very_often_does_not_block(listener: socket.socket) -> None:
-    """Signals may come by the thousand while the function is at work; none of them waits for it."""
-    at_work, may_end = threading.Event(), threading.Event()
-
-    def handle(_: list[bytes]) -> None:
-        at_work.set()
-        may_end.wait(PATIENCE_S)
-
-    with udp.Receiver(listener, _SIZE, handle) as receiver:
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-            sock.sendto(b"x", listener.getsockname())
-        assert at_work.wait(PATIENCE_S)
-        stopper = threading.Thread(target=lambda: [receiver.stop() for _ in range(5000)], daemon=True)
-        stopper.start()
-        stopper.join(PATIENCE_S / 3)
-        blocked = stopper.is_alive()
-        may_end.set()
-    assert not blocked
-
-
-def test_a_signal_that_interrupts_no_wait_still_stops_it(listener: socket.socket) -> None:
-    """A signal that came a moment before the wait began, or that the kernel gave to another thread, is obeyed."""
-    receiver = udp.Receiver(listener, _SIZE, lambda batch: None)
-    too_late = threading.Event()
-
-    def end_a_failure() -> None:
-        too_late.set()
-        receiver.stop()
-
-    late = threading.Timer(PATIENCE_S, end_a_failure)
-    sender = threading.Timer(0.2, lambda: signal.raise_signal(signal.SIGUSR1))  # in its own thread, not in ours
-    before = signal.signal(signal.SIGUSR1, lambda *_: receiver.stop())
-    try:
-        with receiver:
-            late.start()
-            sender.start()
-            receiver.join()
-    finally:
-        late.cancel()
-        signal.signal(signal.SIGUSR1, before)
-    assert not too_late.is_set()
-
-
 def test_what_the_function_raises_is_raised_by_join(listener: socket.socket, sender: socket.socket) -> None:
     """An error in the thread is not lost with it."""
 
@@ -182,26 +126,6 @@ def test_what_the_function_raises_is_raised_by_join(listener: socket.socket, sen
         sender.send(b"x")
         with pytest.raises(ValueError, match="of the function"):
             receiver.join()
-
-
-@pytest.mark.usefixtures("reader_kind")
-def test_a_flood_does_not_keep_the_receiver_from_stopping(listener: socket.socket, sender: socket.socket) -> None:
-    """Who sends without end is not waited for: the receiver stops while more and more arrives."""
-    seen = 0
-
-    def handle(batch: list[bytes]) -> None:
-        nonlocal seen
-        seen += len(batch)
-        for datagram in batch:  # so that there is always more
-            sender.send(datagram)
-
-    for _ in range(100):
-        sender.send(b"x")
-    with udp.Receiver(listener, _SIZE, handle) as receiver:
-        wait_until(lambda: seen > 500, "the flood")
-        receiver.stop()
-        receiver.join()
-    assert receiver.left
 
 
 # --- binding ----------------------------------------------------------------------------------------------------
@@ -240,21 +164,6 @@ def test_what_the_kernel_dropped_is_counted(sender: socket.socket, listener: soc
         taken += len(batch)
     assert 0 < taken < 500
     assert udp.kernel_drops(listener) == 500 - taken
-
-
-@needs_linux
-def test_what_cannot_tell_its_drops_has_none() -> None:
-    """Old kernels and emulators answer with fewer counters than were asked for, and a pair of sockets with none."""
-
-    class OldKernel(socket.socket):
-        def getsockopt(self, *_: Any) -> Any:
-            return struct.pack("2I", 300, 4096)
-
-    with OldKernel(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        assert udp.socket_state(sock) == udp.SocketState(waiting=300, size=4096, drops=0)
-    left, right = socket.socketpair()
-    with left, right:
-        assert udp.kernel_drops(left) == 0
 
 
 # --- destinations -----------------------------------------------------------------------------------------------

@@ -17,7 +17,6 @@ from strategies import messages
 
 from generated.messages import ArmBoardDiagnostics, ImuSensorInformation
 from generated.registry import REGISTRY
-from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import ConversionError, SetupError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import nearest
@@ -65,20 +64,16 @@ def test_numbers_for_floats_are_taken_as_they_are_written(given: object, expecte
     ("type_name", "values", "path", "expected"),
     [
         ("sensor_msgs/msg/Imu", 3, "", "3 is not a mapping of field names to values"),
-        ("sensor_msgs/msg/Imu", None, "", "None is not a mapping"),
         ("sensor_msgs/msg/Imu", {"hedder": {}}, "", "has no field 'hedder'; did you mean 'header'?"),
         ("sensor_msgs/msg/Imu", {"header": {"stamp": {"secs": 1}}}, "header.stamp", "did you mean 'sec'?"),
-        ("sensor_msgs/msg/Imu", {"header": 1}, "header", "1 is not a mapping"),
         ("sensor_msgs/msg/Imu", {1: 2}, "", "has no field 1"),
         ("std_msgs/msg/Empty", {"data": 1}, "", "has no field 'data'; it has no fields"),
         ("std_msgs/msg/Float32", {"data": "far"}, "data", "'far' is not a valid float32"),
         ("std_msgs/msg/Float32", {"data": True}, "data", "True is not a valid float32"),
-        ("std_msgs/msg/Int8", {"data": 1.0}, "data", "1.0 is not a valid int8"),
         ("std_msgs/msg/Int8", {"data": True}, "data", "True is not a valid int8"),
         ("std_msgs/msg/Bool", {"data": 1}, "data", "1 is not a valid bool"),
         ("std_msgs/msg/String", {"data": 1}, "data", "1 is not a string"),
         ("std_msgs/msg/UInt8MultiArray", {"data": [1, 256]}, "data", "does not fit uint8"),
-        ("std_msgs/msg/UInt8MultiArray", {"data": [1, -1]}, "data", "does not fit uint8"),
         ("std_msgs/msg/UInt8MultiArray", {"data": "abc"}, "data", "'abc' is not a list"),
         ("std_msgs/msg/Float64MultiArray", {"data": [1, "x"]}, "data[1]", "'x' is not a valid float64"),
         ("tf2_msgs/msg/TFMessage", {"transforms": [{}, {"child": 1}]}, "transforms[1]", "has no field 'child'"),
@@ -106,14 +101,6 @@ def test_a_payload_as_plain_values() -> None:
     }
 
 
-@pytest.mark.parametrize("handler", REGISTRY.handlers, ids=lambda handler: handler.route.name)
-def test_every_simulated_payload_is_shown_with_all_its_fields(handler: Any) -> None:
-    """No field of any payload is left out of what `listen` prints, and simulated ones are not all zero."""
-    payload = payload_at(handler.payload_type, 1.0)
-    assert list(payload_to_values(payload)) == [field.name for field in payload.DESCRIPTOR.fields]
-    assert payload.ByteSize()
-
-
 def test_the_nearest_name_is_found() -> None:
     """A name that is nearly right leads to the right one; else there is a list, and no endless one."""
     assert nearest("imu_dat", ["gps_data", "imu_data"]) == "did you mean 'imu_data'?"
@@ -122,13 +109,6 @@ def test_the_nearest_name_is_found() -> None:
 
 
 # --- standard types ---------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["sensor_msgs/Imu", "sensor_msgs/msg/Imu"])
-def test_a_type_may_be_named_short_or_in_full(name: str) -> None:
-    """`pkg/Name` is `pkg/msg/Name`, as everywhere in ROS 2."""
-    assert from_rosbags.full_name(name) == "sensor_msgs/msg/Imu"
-    assert from_rosbags.message_type(from_rosbags.full_name(name)).__msgtype__ == "sensor_msgs/msg/Imu"
 
 
 @pytest.mark.parametrize("name", ["Imu", "", "a/b/c/d", "sensor_msgs//Imu", "/Imu", "sensor_msgs/"])
