@@ -81,18 +81,6 @@ def test_a_move_that_is_not_committed_yet(repository: RepositoryBuilder, found: 
     assert _ids(found(root / "proto", "--history")[1]) == [("HIS101", "Pose", 3)]
 
 
-def test_what_cannot_be_followed_is_told_once(repository: RepositoryBuilder, found: Found) -> None:
-    """Files that one commit copies and another one deletes are a hint, with the commit that copied them."""
-    others = {name: message(name.title(), "bool on", "float level") for name in ("lamp", "horn")}
-    repository.commit("Begin", {"api/pose.proto": POSE, **{f"api/{name}.proto": others[name] for name in others}})
-    copied = {"proto/pose.proto": POSE, **{f"proto/{name}.proto": others[name] for name in others}}
-    repository.commit("Copy", copied)
-    repository.commit("Delete", {"api/pose.proto": None, **{f"api/{name}.proto": None for name in others}})
-    code, (one,) = found(repository.write() / "proto", "--history")
-    assert (code, one["id"], one["severity"]) == (0, "STA108", "hint")
-    assert "Copy was not read, nor that of 2 other files: the commit copied it from 'api/" in one["message"]
-
-
 # --- the wrong root ---
 
 
@@ -125,16 +113,6 @@ def test_a_wrong_root_in_a_table(tree: Path, run: Run) -> None:
     (tree / "mapping.yaml").write_text("version: 1\nproto:\n  root: proto/sensors\n")
     code, out, _ = run("lint")
     assert (code, "mapping.yaml:3:9: fatal[STA107] 3 of 3 imports" in out) == (2, True)
-
-
-def test_a_root_above_two_right_ones(tree: Path, run: Run) -> None:
-    """Both are named."""
-    (tree / "proto").rename(tree / "board")
-    (tree / "rover" / "parts").mkdir(parents=True)
-    (tree / "rover" / "parts" / "arm.proto").write_text('syntax = "proto3";\n')
-    (tree / "rover" / "all.proto").write_text('syntax = "proto3";\nimport "parts/arm.proto";\n')
-    code, out, _ = run("lint", ".")
-    assert (code, "they start at 'board' and 'rover'" in out) == (2, True)
 
 
 def test_a_missing_file_is_no_wrong_root(tree: Path, run: Run) -> None:
