@@ -142,32 +142,6 @@ def test_replaced_contents_show_the_fields_that_differ(link: Link) -> None:
     ]
 
 
-def test_branches_are_named(link: Link) -> None:
-    """Meanings on two branches are said with their branches; a remote copy of a branch is not named beside it."""
-    link.repository.branch("wind")
-    link.repository.branch("side/count")
-    link.commit("Measure the wind", branch="wind", **_WINDY)
-    link.repository.remote_branch("wind")
-    link.commit("Count", branch="side/count", **_COUNT)
-    link.check_out()
-    (found,) = link.found()
-    assert "it is 'wind' (Wind) on the branch wind and 'count' (uint32) on the branch side/count: " in found["message"]
-    lines = link.run("history", "2", "protos", *_ENVELOPE)[1].splitlines()
-    exists = [line.strip() for line in lines if "exists" in line]
-    assert exists == ["exists on the branch wind", "exists on the branch side/count"]
-
-
-def test_what_is_staged_is_in_the_index(link: Link) -> None:
-    """A change that is not committed yet is said to be none, and where it is."""
-    root = link.check_out()
-    (root / "protos" / "e.proto").write_text(_link("uint32 count = 2;"))
-    git(root, "add", "--all")
-    assert [found["history"][1]["today"] for found in link.found()] == ["in the index, not committed yet"]
-    assert "now in the index, not committed yet" in link.text()
-    of_number = link.run("history", "2", "protos", *_ENVELOPE)[1]
-    assert of_number.endswith("  exists in the index, not committed yet\n")
-
-
 # --- doubts ---
 
 

@@ -104,30 +104,6 @@ def test_lives_of_numbers(repository: RepositoryBuilder, case: str) -> None:
     assert {reuse.relation for reuse in history.reuses("PBEnvelope")} <= {Relation.SUCCESSION}
 
 
-@pytest.mark.parametrize(
-    ("path", "package"), [("link.proto", ""), (f"lib/{ENVELOPE_FILE}", ""), (ENVELOPE_FILE, "rover")]
-)
-def test_an_envelope_that_moves_is_one(repository: RepositoryBuilder, path: str, package: str) -> None:
-    """Whatever its file and its package are called, a life begins where it began, in the file of that time."""
-    repository.play("a: I1 G2")
-    head = f"\n\npackage {package};" if package else "\n"
-    files = {ENVELOPE_FILE: None, path: envelope(*members("I1 G2")).replace("\n", head, 1)}
-    history = _read(repository, files, {path: envelope(*members("I1 L2")).replace("\n", head, 1)})
-    for name in {"PBEnvelope", f"{package}.PBEnvelope".lstrip(".")}:
-        assert _lives(history, name) == "1: I a- / 2: G a-1 | L 1-"
-        reuse = _only(history.reuses(name))
-        assert (reuse.earlier.path, reuse.later.path) == (ENVELOPE_FILE, path)
-
-
-def test_two_messages_of_one_name(repository: RepositoryBuilder) -> None:
-    """Messages of two packages that stand beside each other are two, and their numbers do not collide."""
-    types = {"arm": "int32", "drive": "string"}
-    files = {f"{name}.proto": f"package {name};\nmessage Status {{ {type} x = 1; }}" for name, type in types.items()}
-    history = _read(repository, files)
-    assert history.messages == ("arm.Status", "drive.Status")
-    assert history.reuses("arm.Status") == history.reuses("drive.Status") == ()
-
-
 # --- branches ---
 
 
@@ -168,12 +144,6 @@ def test_a_tag_makes_the_reuse_of_a_branch_public(repository: RepositoryBuilder)
 
 _POSITION = message("Position", "double latitude", "double longitude", "uint32 satellites", "float altitude")
 _WHERE = envelope(_IMU, "Position where = 2;")
-_STEPS = ["heading", "speed", "battery", "voltage", "climb", "drift", "time_ms"]
-
-
-def _step(number: int, type: str) -> dict[str, str | None]:
-    fields = [f"float {name} = {_STEPS.index(name) + 1};" for name in _STEPS[number : number + 4]]
-    return {ENVELOPE_FILE: envelope(_IMU, f"{type} {type.lower()} = 2;"), "pose.proto": message(type, *fields)}
 
 
 @pytest.mark.parametrize(
@@ -214,12 +184,6 @@ def test_contents_of_payloads(
         for one in _read(repository, *states).reuses("PBEnvelope")
         if one.old and one.new and one.old.commit.subject == "a"
     ] == kinds
-
-
-def test_renames_in_steps(repository: RepositoryBuilder) -> None:
-    """A payload that is renamed and grows by turns stays itself, however little the last has of the first."""
-    history = _read(repository, *(_step(number, type) for number, type in enumerate(("Pose", "Track", "Course"))))
-    assert {kind for _, kind in _reuses(history)} == {Kind.RENAMED}
 
 
 def test_a_type_that_is_not_in_the_repository(repository: RepositoryBuilder) -> None:

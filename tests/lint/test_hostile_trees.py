@@ -202,13 +202,6 @@ def test_folders_that_multiply_through_links(project: Path) -> None:
     _expect(project, 2, "fatal[PRO102] the folder has more than 100000 entries", "lint")
 
 
-def test_a_tree_with_too_many_bytes(project: Path) -> None:
-    """Many files that are each small enough are read up to 32 MiB; the first one that is left out is named."""
-    for number in range(6):
-        (project / "proto" / f"large{number}.proto").write_text('syntax = "proto3";\n//' + "x" * 7_000_000 + "\n")
-    _expect(project, 2, "proto/large5.proto: fatal[PRO102] the .proto files have more than 33554432 bytes", "lint")
-
-
 def _commit_huge(project: Path, *names: str) -> None:
     """Commit files of 300 MB, and then their removal."""
     for name in names:
@@ -298,17 +291,6 @@ def test_adoption_of_hostile_files(project: Path, kind: str) -> None:
     fault = _plant(project / "proto" / "probe.options", kind)
     done = _run(project, "init", "--from", "proto")
     assert f"proto/probe.options: error[NPB101] the file cannot be read: {fault}" in done.stdout
-
-
-@pytest.mark.parametrize("name", ["mapping.lock", "proto/board.proto"])
-@_EACH_KIND
-def test_a_new_project_beside_hostile_files(project: Path, kind: str, name: str) -> None:
-    """A hostile file in the place of one that `roverlink init` keeps is named with the reason; nothing is written."""
-    for path in ("mapping.yaml", "mapping.lock", "proto/probe.proto", "proto/envelope.proto"):
-        (project / path).unlink()
-    fault = _plant(project / name, kind)
-    _expect(project, 2, fault, "init", start=f"{name}: ")
-    assert not (project / "mapping.yaml").exists()
 
 
 # --- nothing is run ---

@@ -143,16 +143,6 @@ def test_without_git_the_cause_is_in_the_message(
     assert "  help: install git, and run the command in a clone of the repository\n" in out + err
 
 
-# --- pins ---
-
-
-def test_a_list_of_pins_with_colons(repository: Path, run: Run) -> None:
-    """A line `rover: main~1` names the project `rover`, and no line of the table ends with a space."""
-    Path("boards.txt").write_text("rover: main~1\narm=main\n")
-    _, out, _ = run("lint", "protos", "--message", "Env", "--pins", "boards.txt")
-    assert ("1 rover " in out, [line for line in out.splitlines() if line != line.rstrip()]) == (True, [])
-
-
 # --- places in earlier commits ---
 
 

@@ -92,20 +92,6 @@ def test_a_mere_rename_and_a_replaced_content_are_other_rules(repository: Reposi
     assert (code, ("HIS103", "error") in [(one["id"], one["severity"]) for one in against]) == (1, True)
 
 
-def test_states_with_errors_are_read_and_said_to_be_doubtful(repository: RepositoryBuilder, found: Found) -> None:
-    """A state with conflict markers counts; the declaration that only this state has is said to be doubtful."""
-    repository.commit("Merge badly", _envelope("<<<<<<< HEAD", _GPS, "=======", _WIND, ">>>>>>> side"))
-    repository.commit("Mend it", _envelope(_GPS))
-    code, (one,) = found("--history", repository.write(), *_TREE)
-    assert (code, one["message"]) == (
-        1,
-        "number 2 of 'PBEnvelope' was given to 'gps' (Gps) and 'wind' (Wind) by one commit: "
-        "'Wind' has 0 of the 3 fields of 'Gps'",
-    )
-    doubts = {use["name"]: use["doubt"] for use in one["history"]}
-    assert doubts == {"gps": None, "wind": "it was only read from files with syntax errors"}
-
-
 def test_against_a_branch_makes_its_own_old_cases_hints(repository: RepositoryBuilder, found: Found) -> None:
     """A tree without a table, whose past nobody can accept, passes; a case that the change adds is an error."""
     repository.commit("Drop the GPS", _envelope())
@@ -205,20 +191,6 @@ def test_pins_that_disagree(windy: Path, tmp_path: Path, run: Run, found: Found)
     assert matrix == ["1 rover/protos, same misread 1", "2 this checkout, misread 1 same"]
 
 
-def test_pins_of_a_renamed_package(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
-    """A package hides neither the envelope nor types that no file declares; uses of a scalar differ by their names."""
-    repository.commit("Time out", _envelope(_GPS, "uint32 timeout = 3;"))
-    text = _text(".rover.Wind wind = 2;", "uint32 temperature = 3;").replace("Imu imu", "rover.Imu imu")
-    repository.commit("Package", {ENVELOPE_FILE: text.replace("message PB", "package rover;\nmessage PB")})
-    (tmp_path / "pins.txt").write_text("rover main~1\nbasestation main\n")
-    pins = ("--message", "PBEnvelope", "--pins", tmp_path / "pins.txt")
-    _, out, _ = run("lint", "--history", repository.write(), *pins)
-    for number, before, today in ((2, "Gps gps", "Wind wind"), (3, "uint32 timeout", "uint32 temperature")):
-        said = f"`{before} = {number};` in 'rover', but `{today} = {number};` in this checkout and 'basestation'"
-        assert f"number {number} of 'rover.PBEnvelope' is {said}" in out
-    assert "number 1 of 'rover.PBEnvelope' is" not in out
-
-
 _UNKNOWN = "which this repository does not have"
 
 
@@ -281,27 +253,6 @@ def test_the_next_number_skips_what_is_closed(repository: RepositoryBuilder, run
 
 
 # --- what is not committed yet, and other states ---
-
-
-@pytest.fixture
-def root(repository: RepositoryBuilder) -> Path:
-    """A checked-out tree whose envelope lost its number 2."""
-    repository.commit("Take GPS away", _envelope())
-    return repository.write()
-
-
-@pytest.mark.parametrize("against", [(), ("--against", "HEAD")])
-def test_a_reuse_is_found_before_the_commit(root: Path, found: Found, against: tuple[str, ...]) -> None:
-    """What is only written on disk is an error at its line; before it was written, there was nothing."""
-    assert [one["id"] for one in found("--history", root, *_TREE, *against)[1]] == ["ENV107"]
-    (root / ENVELOPE_FILE).write_text(_text(_WIND))
-    code, all = found("--history", root, *_TREE, *against)
-    (one,) = (one for one in all if one["id"] == "HIS101")
-    assert (code, one["severity"], one["number"]) == (1, "error", 2)
-    gps, wind = one["history"]
-    assert (wind["first_commit"], wind["today"]) == (None, "in the working tree, not committed yet")
-    assert (gps["first_subject"], gps["last_subject"]) == ("Begin", "Take GPS away")
-    assert (root / wind["path"]).is_file()
 
 
 @pytest.mark.parametrize(

@@ -119,17 +119,6 @@ def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
     ]
 
 
-def test_a_number_of_two_earlier_payloads_is_two_facts(tmp_path: Path) -> None:
-    """The ledger has one payload for a number, the earlier state another: both were sent."""
-    context = Context(
-        _table(tmp_path, _IMU),
-        None,
-        Ledger(_published((1, "gps", "Gps"))),
-        earlier_entries=_published((1, "heat", "Heat"), file="before/mapping.yaml"),
-    )
-    assert [finding.also[0][0].file for finding in _found(context, "ENV102")] == ["before/mapping.yaml", "mapping.lock"]
-
-
 def test_an_earlier_state_is_not_where_a_number_is_missing(tmp_path: Path) -> None:
     """Nobody can mend the earlier state: the finding stands at the table, and names the place there."""
     earlier = _published((2, "gps", "Gps"), file="before/mapping.yaml")
@@ -266,27 +255,6 @@ def test_enum_values_are_siblings_of_their_enum(tmp_path: Path, enum: str, messa
     assert [finding.severity for finding in _found(context, "NAM103")] == ([Severity.ERROR] if collides else [])
     excluded = dataclasses.replace(context, files={}, excluded_files=files)
     assert [finding.severity for finding in _found(excluded, "NAM103")] == ([Severity.WARNING] if collides else [])
-
-
-# --- settings of the lint ---
-
-
-@pytest.mark.parametrize(
-    ("setting", "text"),
-    [
-        ("XYZ101: {severity: hint", "the lint has no rule 'XYZ101'"),
-        ("CNV101: {severity: hint", "the lint has no rule 'CNV101'"),
-        ("ENV101: {severity: warning", ""),
-        ("TAB107: {severity: warning", "TAB107 (topic-changed) has severity warning; 'warning' is not lower"),
-        ("TAB107: {severity: hint", ""),
-        ("TAB106: {severity: warning", "TAB106 (number-skipped) has severity hint; 'warning' is not lower"),
-        ('TAB106: {severity: "off"', ""),
-    ],
-)
-def test_settings_that_lower_nothing(tmp_path: Path, setting: str, text: str) -> None:
-    """A setting must name a rule of the lint, and less than what that rule says."""
-    table = _table(tmp_path, _IMU, f"lint:\n  {setting}, reason: agreed}}\n")
-    assert [f.message for f in _found(Context(table, None, Ledger()), "TAB108")] == ([text] if text else [])
 
 
 # --- sizes ---

@@ -135,17 +135,6 @@ def test_no_such_state(tree: Path, run: Run, state: str, said: str) -> None:
     assert (code, said in out, err) == (2, True, "")
 
 
-def test_a_branch_of_the_remote_is_offered(tree: Path, run: Run, tmp_path: Path) -> None:
-    """A clone of a CI server has no branch main of its own; the help names the one that it has."""
-    clone = tmp_path / "clone"
-    git(tmp_path, "clone", "--quiet", str(tree), str(clone))
-    git(clone, "switch", "--quiet", "--detach")
-    git(clone, "branch", "--quiet", "--delete", "--force", "main")
-    code, out, _ = run("lint", clone, *_MAIN)
-    help = "  help: write 'origin/main': this clone has 'main' only as a branch of the remote"
-    assert (code, help in out.splitlines()) == (2, True)
-
-
 @pytest.mark.parametrize(
     ("named", "said"),
     [
