@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from random import Random
 
-from random_trees import Changes, Member, State, Type, Use, merged
+from random_trees import Changes, State, Type, Use, merged
 from repositories import RepositoryBuilder, git
 
 Key = tuple[int, int]  # id of a type, and a number
@@ -26,8 +26,6 @@ class Truth:
     """The uses of each number at all commits."""
 
     ids: dict[str, int] = field(default_factory=dict)  # of types, by each full name that they ever had
-    _uses: defaultdict[Key, set[Use]] = field(default_factory=lambda: defaultdict(set))
-    _members: defaultdict[Key, set[Member]] = field(default_factory=lambda: defaultdict(set))
     _of_branch: defaultdict[str, defaultdict[Key, set[Use]]] = field(
         default_factory=lambda: defaultdict(lambda: defaultdict(set))
     )
@@ -39,8 +37,6 @@ class Truth:
         for id, one in after.types.items():
             for number, member in one.members.items():
                 if id not in before.types or before.types[id].members.get(number) != member:
-                    self._members[id, number].add(member)
-                    self._uses[id, number].add(member.use)
                     self._of_branch[branch][id, number].add(member.use)
 
     def merge(self, branch: str) -> None:
@@ -60,12 +56,6 @@ class Truth:
     def reused(self) -> set[Key]:
         """Numbers that had two meanings, or two formats on the wire, on main or today on main and an open branch."""
         return {key for key, uses in self._of_branch[_MAIN].items() if len(uses) > 1} | self._standing
-
-    @property
-    def doubtful(self) -> set[Key]:
-        """Numbers of which people may think one or the other."""
-        found = {key for key, members in self._members.items() if len({one.meaning for one in members}) > 1}
-        return {key for key in found if len(self._uses[key]) == 1}
 
 
 @dataclass

@@ -29,7 +29,6 @@ _QUANTITIES = [
 _ABBREVIATED = {"temperature": "temp", "position": "pos"}
 _OPPOSITE = {"left": "right", "front": "rear", "min": "max", "start": "stop", "x": "y", "read": "write"}
 _OPPOSITE |= {second: first for first, second in _OPPOSITE.items()}
-_DOUBTFUL = ("speed", "velocity")  # some readers take one for the other
 _ACTIVITIES = ["DRIVING", "CHARGING", "HOMING", "SLEEPING", "LIFTING", "TURNING", "DIGGING", "SCANNING", "FLYING"]
 _BOARDS = ["Arm", "Camera", "Sonar", "Lidar", "Pump", "Winch", "Valve", "Heater", "Beacon", "Radio", "Rover", "Crane"]
 _ROLES = ["Info", "Report", "Setup", "Sample", "Order", "Limits", "Frame", "Summary"]
@@ -64,7 +63,7 @@ class Meaning:
         ]
 
 
-Use = tuple[Meaning | int, str, bool]  # a meaning, a format on the wire, and True for a list
+Use = tuple[Meaning | int, str]  # a meaning, and a format on the wire
 
 
 @dataclass(frozen=True)
@@ -75,16 +74,12 @@ class Member:
     name: str
     type: str | int
     meaning: Meaning | int
-    repeated: bool = False
 
     @property
     def use(self) -> Use:
-        """What receivers make of the number; speed and velocity are one meaning."""
+        """What receivers make of the number."""
         wire = _NARROW.get(self.type, self.type) if isinstance(self.type, str) else "type"
-        meaning = self.meaning
-        if isinstance(meaning, Meaning) and meaning.quantity in _DOUBTFUL:
-            meaning = replace(meaning, quantity=_DOUBTFUL[0])
-        return meaning, wire, self.repeated
+        return self.meaning, wire
 
 
 @dataclass(frozen=True)
@@ -221,8 +216,7 @@ class State:
             package = self.files[one.file][1]
             nested = self.types[type].outer == one.id
             type = self.types[type].name if nested else self.full_name(type).removeprefix(f"{package}.")
-        words = ["repeated" if member.repeated else "", type, member.name, "=", str(member.number)]
-        return " ".join(word for word in words if word)
+        return f"{type} {member.name} = {member.number}".strip()
 
 
 def _spellings(one: Type) -> list[str]:
@@ -268,13 +262,11 @@ class Changes:
         self._names = [board + role for board in _BOARDS for role in _ROLES]
         random.shuffle(self._names)
         self._last_members: dict[tuple[int, int], Member] = {}  # by type and number
-        self._last_types: dict[int, tuple[Type, ...]] = {}  # each with the types inside
         self._meanings: defaultdict[int, set[Meaning | int]] = defaultdict(set)  # by type
 
     def remember(self, state: State) -> None:
         """Take note of the members and types of a state."""
         for id, one in state.types.items():
-            self._last_types[id] = (one, *state.inside(id))
             for number, member in one.members.items():
                 self._last_members[id, number] = member
                 self._meanings[id].add(member.meaning)
@@ -320,8 +312,7 @@ class Changes:
     def _meaning(self, one: Type) -> Meaning:
         if one.prefix:
             return Meaning(self.random.choice(_ACTIVITIES))
-        quantities = _DOUBTFUL if self.random.random() < 0.05 else _QUANTITIES
-        return Meaning(self.random.choice(_SUBJECTS), self.random.choice(quantities))
+        return Meaning(self.random.choice(_SUBJECTS), self.random.choice(_QUANTITIES))
 
     def _unused(self, one: Type, draw: Callable[[], Meaning]) -> Meaning | None:
         used = {(use.subject, use.quantity) for use in self._meanings[one.id] if isinstance(use, Meaning)}
@@ -350,7 +341,7 @@ class Changes:
         """Draw another name with the same meaning; payloads keep their name."""
         if not isinstance(old.meaning, Meaning) or not isinstance(old.type, str):
             return old
-        return replace(self._named(one, old.number, old.type, old.meaning), repeated=old.repeated)
+        return self._named(one, old.number, old.type, old.meaning)
 
     def _next_number(self, one: Type) -> int:
         """Return a number that the type never had."""
@@ -421,17 +412,6 @@ class Changes:
         drawn = self._member(state)
         return state.put(drawn[0].with_member(self._renamed(*drawn))) if drawn else None
 
-    def rename_in_doubt(self, state: State) -> State | None:
-        """Rename speed to velocity, or back."""
-
-        def edit(one: Type, old: Member) -> Member | None:
-            if not isinstance(old.meaning, Meaning) or old.meaning.quantity not in _DOUBTFUL:
-                return None
-            other = replace(old.meaning, quantity=_DOUBTFUL[old.meaning.quantity == _DOUBTFUL[0]])
-            return replace(old, meaning=other, name=other.names("")[0])
-
-        return self._edited(state, edit)
-
     def widen_member(self, state: State) -> State | None:
         """Change the type to one that reads the same bytes."""
         return self._edited(state, lambda one, old: replace(old, type=_WIDER.get(str(old.type), old.type)))
@@ -439,26 +419,6 @@ class Changes:
     def retype_member(self, state: State) -> State | None:
         """Change the type to one that reads other bytes, under the same name."""
         return self._edited(state, lambda one, old: replace(old, type="string"))
-
-    def repeat_member(self, state: State) -> State | None:
-        """Make a list of one value, or one value of a list."""
-        return self._edited(state, lambda one, old: replace(old, repeated=not old.repeated))
-
-    def swap_members(self, state: State) -> State | None:
-        """Exchange the numbers of two members."""
-        one = self._type(state)
-        if len(one.replaceable) < 2:
-            return None
-        first, second = self.random.sample(one.replaceable, 2)
-        return state.put(one.with_member(replace(first, number=second.number), replace(second, number=first.number)))
-
-    def renumber_member(self, state: State) -> State | None:
-        """Give a member a number that the type never had."""
-        drawn = self._member(state)
-        if drawn is None:
-            return None
-        one, member = drawn
-        return state.put(one.without(member.number).with_member(replace(member, number=self._next_number(one))))
 
     # --- types; those that move have members by which one recognizes them ---
 
@@ -501,19 +461,6 @@ class Changes:
         unused = [one for one in state.types.values() if not one.is_envelope and not state.is_used(one.id)]
         return state.without(self.random.choice(unused).id) if len(unused) > 1 else None
 
-    def restore_type(self, state: State) -> State | None:
-        """Declare a deleted type again, as it was."""
-        gone = [id for id in self._last_types if id not in state.types]
-        return state.put(*self._last_types[self.random.choice(gone)]) if gone else None
-
-    def replace_nested_type(self, state: State) -> State | None:
-        """Delete a nested type, and add another one of the same last name to another message in the same commit."""
-        nested = [one for one in state.types.values() if one.outer is not None and not state.is_used(one.id)]
-        if not nested or not state.messages():
-            return None
-        old, outer = self.random.choice(nested), self.random.choice(state.messages())
-        return state.without(old.id).put(self.new_type(old.keyword, outer.file, old.name, outer.id))
-
     # --- files ---
 
     def move_file(self, state: State) -> State | None:
@@ -530,13 +477,6 @@ class Changes:
             return None
         return state.with_file(id, state.files[id][0], self.random.choice(("", "rover", "link_v2", "fleet.core")))
 
-    def move_type(self, state: State) -> State | None:
-        """Move a type with the types in it to another file."""
-        one, file = self._type(state), self.random.choice(list(state.files))
-        if len(one.replaceable) < 2 or one.is_envelope or one.outer:
-            return None
-        return state.put(*(replace(each, file=file) for each in (one, *state.inside(one.id))))
-
     def move_into_the_root(self, state: State) -> State | None:
         """Move all files from elsewhere in the repository into the proto root."""
         return replace(state, root="protos")
@@ -549,22 +489,15 @@ _WEIGHTS: dict[Callable[[Changes, State], State | None], int] = {
     Changes.reuse_free_number: 24,
     Changes.replace_member: 6,
     Changes.rename_member: 8,
-    Changes.rename_in_doubt: 4,
     Changes.widen_member: 4,
     Changes.retype_member: 2,
-    Changes.repeat_member: 2,
-    Changes.swap_members: 2,
-    Changes.renumber_member: 4,
     Changes.rename_type: 12,
     Changes.nest_type: 11,
     Changes.add_type: 3,
     Changes.add_nested_type: 5,
     Changes.delete_type: 5,
-    Changes.restore_type: 3,
-    Changes.replace_nested_type: 4,
     Changes.move_file: 6,
     Changes.change_package: 6,
-    Changes.move_type: 4,
     Changes.move_into_the_root: 6,
 }
 """How often each change is drawn."""

@@ -17,7 +17,7 @@ import buf
 import pytest
 from buf import BufFinding, needs_buf
 from comparing import FAMILY, ROOT, changes_found, compiled
-from mutations import HARMLESS, MESSAGE_SETS, MUTATIONS, SEVERAL, Mutation, together, write
+from mutations import HARMLESS, MESSAGE_SETS, MUTATIONS, Mutation, together, write
 
 from roverlink.generator.diagnostics import Severity, Span
 from roverlink.generator.lint import rules
@@ -260,20 +260,6 @@ def test_harmless_mutations_find_nothing(tmp_path: Path) -> None:
     """What is harmless gives no finding of ours, and none of buf's."""
     pair = Pair(together(HARMLESS), tmp_path)
     assert (pair.ours, pair.theirs) == ([], [])
-
-
-@needs_buf
-def test_mutations_break_the_same_together(tmp_path: Path) -> None:
-    """Many mutations as one are as many findings of buf's, at the same places, each in its mutation's folder."""
-
-    def found(mutation: Mutation, folder: str, inside: str) -> set[tuple[str, int, int, str]]:
-        states = write(mutation.before, tmp_path / folder / "before"), write(
-            mutation.after, tmp_path / folder / "after"
-        )
-        return {(f"{inside}{one.path}", one.line, one.column, one.rule) for one in buf.breaking(*states)}
-
-    alone = [found(mutation, mutation.name, f"{mutation.name}/") for mutation in SEVERAL]
-    assert found(together(SEVERAL), "together", "") == set().union(*alone)
 
 
 @needs_buf

@@ -91,16 +91,6 @@ def test_no_cache_can_be_written(repository: Path, tmp_path: Path, monkeypatch: 
     assert _said(read_history(repository)) == first
 
 
-def test_a_relative_cache_folder_does_not_count(
-    repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """By the specification of XDG, the folder in the home is used instead."""
-    monkeypatch.setenv("XDG_CACHE_HOME", "cache")
-    monkeypatch.setenv("HOME", str(tmp_path))
-    read_history(repository)
-    assert len(list((tmp_path / ".cache" / "roverlink" / "history").iterdir())) == 1
-
-
 def test_the_cache_is_bounded(repository: Path, cache_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Files that were not used for long are removed, and a cache that is too large is not written."""
     other = cache_file.with_name("other.json")

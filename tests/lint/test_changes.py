@@ -4,32 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from case_file import CaseFile, case_files
 from comparing import FAMILY, TABLE, case_table, changes_found, compiled, found
+from golden_lint_cases import LintCase, lint_cases
 from hypothesis import given
 from hypothesis import strategies as st
 from mutations import BASE, MUTATIONS
 
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.lint.comparison import SchemaChange
-from roverlink.generator.lint.comparison.cardinality import (
-    EXPLICIT,
-    IMPLICIT,
-    MAP,
-    REPEATED,
-    REQUIRED,
-    broken_by_cardinality,
-)
-from roverlink.generator.lint.comparison.field_type_changes import broken_by_kind
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import from_within
-from roverlink.generator.lint.names.name_units import disagree, factor, measure
 from roverlink.generator.lint.names.name_words import words
 from roverlink.generator.lock import Ledger, read
 from roverlink.generator.protos.number_ranges import covers, missing, spelled
@@ -169,30 +158,9 @@ def test_a_schema_is_like_itself(base: Schema) -> None:
     assert changes_found([SchemaChange(_as_ledger(base), base, of_ledger=True)], base) == []
 
 
-def test_the_ledger_reports_no_deleted_types(base: Schema) -> None:
-    """What the ledger has and the schema has no more is none of these rules' business."""
-    nothing = Schema((), {}, {})
-    assert changes_found([SchemaChange(_as_ledger(base), nothing, of_ledger=True)], nothing) == []
-
-
-def test_order_does_not_matter(base: Schema) -> None:
-    """Nothing is found where fields, values and types stand in another order."""
-    turned = dataclasses.replace(
-        base,
-        messages={name: _turned(message) for name, message in reversed(base.messages.items())},
-        enums=dict(reversed(base.enums.items())),
-        extensions=base.extensions[::-1],
-    )
-    assert changes_found(base, turned) == []
-
-
-def _turned(message: ProtoMessage) -> ProtoMessage:
-    return dataclasses.replace(message, fields=message.fields[::-1], reserved=message.reserved[::-1])
-
-
 def test_a_fault_against_two_states_comes_once(tmp_path: Path) -> None:
     """What the ledger and another state both know is said once, with that state's place."""
-    chosen = ("int32_to_string", "field_deleted", "value_deleted", "singular_to_repeated", "moved_between_oneofs")
+    chosen = ("int32_to_string", "field_deleted", "value_deleted")
     for mutation in (one for one in MUTATIONS if one.name in chosen):
         before = compiled(mutation.before, tmp_path / mutation.name / "before", "earlier")
         after = compiled(mutation.after, tmp_path / mutation.name / "after")
@@ -269,24 +237,6 @@ def test_the_next_free_number(tmp_path: Path) -> None:
 
 # --- what holds for any ---
 
-_KINDS = "double float int32 int64 uint32 uint64 sint32 sint64 fixed32 fixed64 sfixed32 sfixed64 bool string bytes enum"
-_CARDINALITIES = (IMPLICIT, EXPLICIT, REQUIRED, REPEATED, MAP)
-
-
-@given(st.sampled_from(_KINDS.split()), st.sampled_from(_KINDS.split()))
-def test_types_break_both_ways(one: str, other: str) -> None:
-    """A type does not break itself, and what one breaks the way back breaks; but a string's bytes are always bytes."""
-    assert not broken_by_kind(one, one)
-    if {one, other} != {"string", "bytes"}:
-        assert broken_by_kind(one, other) is broken_by_kind(other, one)
-
-
-@given(st.sampled_from(_CARDINALITIES), st.sampled_from(_CARDINALITIES))
-def test_cardinalities_break_both_ways(one: str, other: str) -> None:
-    """A cardinality does not break itself, and what one breaks the way back breaks."""
-    assert not broken_by_cardinality(one, one)
-    assert broken_by_cardinality(one, other) is broken_by_cardinality(other, one)
-
 
 _RANGE = st.tuples(st.integers(1, 30), st.integers(0, 9)).map(lambda pair: (pair[0], pair[0] + pair[1]))
 
@@ -305,21 +255,6 @@ def test_ranges_as_they_are_written() -> None:
     assert spelled([(3, 3), (5, 9), (1000, 2**29 - 1)]) == "3, 5 to 9, 1000 to max"
 
 
-_WORDS = ["arm", "speed", "mm", "m", "deg", "rad", "x100", "delta", "per", "s", "2", "left"]
-_NAME = st.lists(st.sampled_from(_WORDS), min_size=1, max_size=5)
-
-
-@given(_NAME, _NAME)
-def test_units_and_words(one: list[str], other: list[str]) -> None:
-    """A name agrees with itself, and the way back has the inverse factor."""
-    measures = [measure(words("_".join(name))) for name in (one, other)]
-    assert not disagree(measures[0], measures[0])
-    assert measures[0].words
-    there, back = factor(*measures), factor(*measures[::-1])
-    assert (there is None) == (back is None)
-    assert there is None or back is None or math.isclose(there * back, 1)
-
-
 def test_words() -> None:
     """Names fall into words, be they in snake or in camel case."""
     names = ("accel_x", "accelX", "GPSInfo", "angleX100", "angle_x100", "accel_mps2", "max10")
@@ -336,18 +271,16 @@ def test_types_as_their_message_names_them() -> None:
 
 # --- what is to be written instead ---
 
-_CASES = case_files(Path(__file__).parent / "cases")
-_OF_CHANGES = [case for case in _CASES if any(path.startswith("before/") for path in case.inputs)]
-_BAD = [case for case in _OF_CHANGES if case.name.startswith(FAMILY) and "_bad" in case.name]
+_OF_CHANGES = [case for case in lint_cases() if "before" in case.entry]
+_BAD = [case for case in _OF_CHANGES if case.name.startswith(FAMILY) and "_bad_" in case.name]
 _SAID = re.compile(r"(?P<verb>remove )?`(?P<code>[^`]+;)`(?P<rest>[^`]*)")
 _ELSEWHERE = ("import ", "syntax ", "edition ", "extend ")
 _NOT_ALONE = (" for the whole file", " in place of message", " with its type")
 _NAMED = re.compile(r"(\w+) = (-?\d+)")
 
 
-def _files_of(case: CaseFile, state: str) -> dict[str, str]:
-    protos = {path: content for path, content in sorted(case.inputs.items()) if path.endswith(".proto")}
-    return {path.removeprefix(state): text.decode() for path, text in protos.items() if path.startswith(state)}
+def _files_of(folder: Path) -> dict[str, str]:
+    return {path.relative_to(folder).as_posix(): path.read_text() for path in sorted(folder.rglob("*.proto"))}
 
 
 def _cured(files: dict[str, str], schema: Schema, finding: Diagnostic) -> Iterator[dict[str, str]]:
@@ -391,10 +324,11 @@ def _without(inside: str, code: str, in_place: bool, help: str) -> str:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", _BAD, ids=lambda case: case.name)
-def test_what_is_to_be_written(case: CaseFile, tmp_path: Path) -> None:
+def test_what_is_to_be_written(case: LintCase, tmp_path: Path) -> None:
     """Each statement that a help says compiles where it is to be written, and cures without doing other harm."""
-    files = _files_of(case, "proto/")
-    before, after = (compiled(_files_of(case, state), tmp_path / state) for state in ("before/", "proto/"))
+    root = case.write(tmp_path / "case")
+    files = _files_of(root / "proto")
+    before, after = compiled(_files_of(root / "before"), tmp_path / "before"), compiled(files, tmp_path / "after")
     for count, finding in enumerate(changes_found(before, after)):
         for number, cured in enumerate(_cured(files, after, finding)):
             left = changes_found(before, compiled(cured, tmp_path / f"{count}_{number}"))

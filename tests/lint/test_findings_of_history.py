@@ -142,80 +142,11 @@ def test_replaced_contents_show_the_fields_that_differ(link: Link) -> None:
     ]
 
 
-def test_each_of_several_reuses_has_its_reason(link: Link) -> None:
-    """Three meanings are two changes, and each is explained."""
-    link.commit("Measure the wind", **_WINDY)
-    link.commit("Count", **_COUNT)
-    link.check_out()
-    (found,) = link.found()
-    assert found["message"] == (
-        "number 2 of 'PBEnvelope' was given to 'wind' (Wind) after 'gps' (Gps) was removed: 'Wind' has 0 of the 4 "
-        "fields of 'Gps'; it was given to 'count' (uint32) after 'wind' (Wind) was removed: a receiver of uint32 "
-        "misreads message"
-    )
-    assert [use["declaration"] for use in found["history"]] == ["Gps gps = 2;", "Wind wind = 2;", "uint32 count = 2;"]
-
-
-def test_values_and_labels_are_written_as_in_a_file(link: Link) -> None:
-    """A value of an enum has no type, and a list is called repeated."""
-    start = 'syntax = "proto3";\nenum Mode { MODE_OFF = 0; %s }\nmessage Arm { %s }\n'
-    link.commit("One", arm=start % ("MODE_DRIVE = 1;", "repeated int32 x = 1;"))
-    link.commit("Two", arm=start % ("MODE_SHUTDOWN = 1;", "int32 x = 1;"))
-    link.check_out()
-    found = {one["message_type"]: one for one in link.found(of=())}
-    assert [use["declaration"] for use in found["Mode"]["history"]] == ["MODE_DRIVE = 1;", "MODE_SHUTDOWN = 1;"]
-    assert "number 1 of 'Arm' was `repeated int32 x = 1;` and became `int32 x = 1;`: " in found["Arm"]["message"]
-
-
-def test_branches_are_named(link: Link) -> None:
-    """Meanings on two branches are said with their branches; a remote copy of a branch is not named beside it."""
-    link.repository.branch("wind")
-    link.repository.branch("side/count")
-    link.commit("Measure the wind", branch="wind", **_WINDY)
-    link.repository.remote_branch("wind")
-    link.commit("Count", branch="side/count", **_COUNT)
-    link.check_out()
-    (found,) = link.found()
-    assert "it is 'wind' (Wind) on the branch wind and 'count' (uint32) on the branch side/count: " in found["message"]
-    lines = link.run("history", "2", "protos", *_ENVELOPE)[1].splitlines()
-    exists = [line.strip() for line in lines if "exists" in line]
-    assert exists == ["exists on the branch wind", "exists on the branch side/count"]
-
-
-def test_what_is_staged_is_in_the_index(link: Link) -> None:
-    """A change that is not committed yet is said to be none, and where it is."""
-    root = link.check_out()
-    (root / "protos" / "e.proto").write_text(_link("uint32 count = 2;"))
-    git(root, "add", "--all")
-    assert [found["history"][1]["today"] for found in link.found()] == ["in the index, not committed yet"]
-    assert "now in the index, not committed yet" in link.text()
-    of_number = link.run("history", "2", "protos", *_ENVELOPE)[1]
-    assert of_number.endswith("  exists in the index, not committed yet\n")
-
-
-def test_another_state_shows_its_lines(link: Link) -> None:
-    """The source line is that of the ref, whatever the file on disk contains."""
-    link.commit("Measure the wind", **_WINDY)
-    (link.check_out() / "protos" / "e.proto").write_text("// nothing\n" * 20)
-    _, out, _ = link.run("lint", "protos", "--history", "main", *_ENVELOPE)
-    assert "protos/e.proto:8:17: error[HIS101]" in out
-    assert "\n8 |     Wind wind = 2;\n" in out
-
-
 # --- doubts ---
 
 
 def _doubts(link: Link) -> dict[str, str | None]:
     return {use["name"]: use["doubt"] for one in link.found() for use in one["history"]}
-
-
-def test_a_broken_state_that_is_no_evidence_is_no_doubt(link: Link) -> None:
-    """A state with syntax errors between two sound ones that declare the same does not make the finding doubtful."""
-    link.commit("Measure the wind", **_WINDY)
-    link.commit("Break it", e=("Wind wind = 2;", "Imu imu 3"), other="message {")
-    link.commit("Mend it", e=("Wind wind = 2;",), other=None)
-    link.check_out()
-    assert _doubts(link) == {"gps": None, "wind": None}
 
 
 def test_a_content_from_a_broken_file_is_a_doubt(link: Link) -> None:
@@ -309,14 +240,6 @@ def test_what_is_about_no_file_is_a_notification(tmp_path: Path, run: Run, monke
     assert (notification["descriptor"]["id"], notification["level"]) == ("STA103", "error")
     _, out, _ = run("lint", "empty", "--format", "github")
     assert out.startswith("::error title=STA103 no-protos::the folder contains no .proto file")
-
-
-def test_a_fatal_error_shows_its_file(link: Link) -> None:
-    """The path is right from the current folder, wherever the command line names the proto root."""
-    (link.check_out() / "protos" / "e.proto").write_text(_link("uint32 = 2;"))
-    for words in (["lint", "--history", "protos"], ["lint", "protos"]):
-        code, out, _ = link.run(*words, "--message", "Nobody")
-        assert (code, "protos/e.proto:7:" in out, "7 |     uint32 = 2;\n" in out) == (2, True, True)
 
 
 @pytest.mark.parametrize("format", ["text", "json", "github", "sarif", "junit"])

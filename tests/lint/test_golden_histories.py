@@ -72,19 +72,6 @@ def test_what_cannot_be_followed_is_said_once(
     assert [(one["id"], one["severity"], commit in _text(one)) for one in found] == [("STA108", "hint", True)]
 
 
-@pytest.mark.slow
-def test_files_of_many_megabytes_are_read(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A reuse in a file of 6 MB is found."""
-    repository, comments = RepositoryBuilder(tmp_path / "repository"), f"// {'-' * 117}\n" * 50_000
-    for fields in (["float voltage", "float current"], ["float voltage"], ["float voltage", "float humidity"]):
-        repository.commit("Change", {_ARM: comments + message("Arm", *fields)})
-    monkeypatch.chdir(repository.write())
-    found = _findings(["lint", "--history", "protos"], capsys)
-    assert [(one["severity"], one["message_type"], one["number"]) for one in found] == [("error", "Arm", 2)]
-
-
 @pytest.mark.parametrize("committed", [False, True], ids=["untracked", "committed"])
 def test_a_link_out_of_the_tree_is_named(
     committed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from random import Random
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from repositories import ENVELOPE_FILE, PAYLOADS, RepositoryBuilder, envelope, git, members, message
 
 from roverlink.generator.lint.history import History, Kind, Relation, Reuse, Usage, read_history
-from roverlink.generator.lint.history.branch_collisions import default_branch
-from roverlink.generator.lint.history.commits import PastRepository
 
-_EXAMPLES = settings(suppress_health_check=list(HealthCheck), derandomize=True, max_examples=20)
 _IMU = members("I1")[0]
 _LETTERS = {"Imu": "I", "Gps": "G", "Ph": "P", "LoadCell": "L"}
 _MAIN = ("refs/heads/main",)
@@ -111,39 +104,6 @@ def test_lives_of_numbers(repository: RepositoryBuilder, case: str) -> None:
     assert {reuse.relation for reuse in history.reuses("PBEnvelope")} <= {Relation.SUCCESSION}
 
 
-def test_likes_that_change_places_are_no_renames(repository: RepositoryBuilder) -> None:
-    """Two messages of the same fields that both go on are two; where one takes the other's number, that is a reuse."""
-    twins = {f"{name}.proto": message(name, "float base", "float elbow", "float grip") for name in ("Target", "Actual")}
-    before = envelope("Target arm_target = 1;", "Actual arm_actual = 2;")
-    after = envelope("Actual arm_actual = 1;", "Target arm_target = 2;")
-    history = _read(repository, {ENVELOPE_FILE: before, **twins}, {ENVELOPE_FILE: after})
-    assert _reuses(history) == [(1, Kind.REUSED), (2, Kind.REUSED)]
-
-
-@pytest.mark.parametrize(
-    ("path", "package"), [("link.proto", ""), (f"lib/{ENVELOPE_FILE}", ""), (ENVELOPE_FILE, "rover")]
-)
-def test_an_envelope_that_moves_is_one(repository: RepositoryBuilder, path: str, package: str) -> None:
-    """Whatever its file and its package are called, a life begins where it began, in the file of that time."""
-    repository.play("a: I1 G2")
-    head = f"\n\npackage {package};" if package else "\n"
-    files = {ENVELOPE_FILE: None, path: envelope(*members("I1 G2")).replace("\n", head, 1)}
-    history = _read(repository, files, {path: envelope(*members("I1 L2")).replace("\n", head, 1)})
-    for name in {"PBEnvelope", f"{package}.PBEnvelope".lstrip(".")}:
-        assert _lives(history, name) == "1: I a- / 2: G a-1 | L 1-"
-        reuse = _only(history.reuses(name))
-        assert (reuse.earlier.path, reuse.later.path) == (ENVELOPE_FILE, path)
-
-
-def test_two_messages_of_one_name(repository: RepositoryBuilder) -> None:
-    """Messages of two packages that stand beside each other are two, and their numbers do not collide."""
-    types = {"arm": "int32", "drive": "string"}
-    files = {f"{name}.proto": f"package {name};\nmessage Status {{ {type} x = 1; }}" for name, type in types.items()}
-    history = _read(repository, files)
-    assert history.messages == ("arm.Status", "drive.Status")
-    assert history.reuses("arm.Status") == history.reuses("drive.Status") == ()
-
-
 # --- branches ---
 
 
@@ -171,15 +131,6 @@ def test_a_branch_collides_with_the_default_one(repository: RepositoryBuilder) -
     assert {use.type: use.refs for use in collision.allocations} == refs
 
 
-def test_the_default_branch_is_the_remote_s(repository: RepositoryBuilder) -> None:
-    """Where a remote says which branch is its default one, that is believed."""
-    repository.play("a: I1")
-    repository.remote_branch("trunk")
-    root = repository.write()
-    git(root, "symbolic-ref", "refs/remotes/origin/HEAD", "refs/remotes/origin/trunk")
-    assert default_branch(PastRepository(root).refs()) == "refs/remotes/origin/trunk"
-
-
 def test_a_tag_makes_the_reuse_of_a_branch_public(repository: RepositoryBuilder) -> None:
     """What only an unmerged branch has done may still be changed, unless it was released under a tag."""
     repository.play("a: I1 / b on a: I1 G2 / side on b: I1 L2 / z on a: I1")
@@ -193,12 +144,6 @@ def test_a_tag_makes_the_reuse_of_a_branch_public(repository: RepositoryBuilder)
 
 _POSITION = message("Position", "double latitude", "double longitude", "uint32 satellites", "float altitude")
 _WHERE = envelope(_IMU, "Position where = 2;")
-_STEPS = ["heading", "speed", "battery", "voltage", "climb", "drift", "time_ms"]
-
-
-def _step(number: int, type: str) -> dict[str, str | None]:
-    fields = [f"float {name} = {_STEPS.index(name) + 1};" for name in _STEPS[number : number + 4]]
-    return {ENVELOPE_FILE: envelope(_IMU, f"{type} {type.lower()} = 2;"), "pose.proto": message(type, *fields)}
 
 
 @pytest.mark.parametrize(
@@ -241,12 +186,6 @@ def test_contents_of_payloads(
     ] == kinds
 
 
-def test_renames_in_steps(repository: RepositoryBuilder) -> None:
-    """A payload that is renamed and grows by turns stays itself, however little the last has of the first."""
-    history = _read(repository, *(_step(number, type) for number, type in enumerate(("Pose", "Track", "Course"))))
-    assert {kind for _, kind in _reuses(history)} == {Kind.RENAMED}
-
-
 def test_a_type_that_is_not_in_the_repository(repository: RepositoryBuilder) -> None:
     """Where a payload's file is missing, what its type stands for is not known."""
     load = {ENVELOPE_FILE: envelope(*members("L1")), **PAYLOADS}
@@ -254,53 +193,8 @@ def test_a_type_that_is_not_in_the_repository(repository: RepositoryBuilder) -> 
     assert (reuse.kind, reuse.old) == (Kind.REUSED, None)
 
 
-@pytest.mark.parametrize(
-    ("before", "after", "kinds"),
-    [
-        ("int32 speed = 1;", "int64 speed = 1;", []),
-        ("int32 speed = 1;", "optional int32 speed = 1;", []),
-        ("int32 speed = 1;", "float speed = 1;", [Kind.RETYPED]),
-        ("int32 speed = 1;", "int32 motor_speed = 1;", [Kind.RENAMED]),
-        ("int32 speed = 1;", "int32 voltage = 1;", [Kind.MEANING]),
-        ("int32 mode = 1;", "Mode mode = 1;", []),
-        ("int32 part = 1;", "Part part = 1;", [Kind.RETYPED]),
-        ("Part part = 1;", "Other part = 1;", [Kind.REUSED]),
-        ("Mode part = 1;", "Part part = 1;", [Kind.RETYPED]),
-        ("Part accel = 1;", "Part gyro = 1;", [Kind.MEANING]),
-        ("map<int32, Part> parts = 1;", "Part parts = 1;", [Kind.RETYPED]),
-    ],
-)
-def test_fields_of_payloads(repository: RepositoryBuilder, before: str, after: str, kinds: list[Kind]) -> None:
-    """Of a payload's field, the type has to read the old bytes, and the name has to be similar."""
-    types = "enum Mode { OFF = 0; }\nmessage Part { int32 a = 1; }\nmessage Other { string b = 1; }\n"
-    history = _read(repository, *({"a.proto": f"message A {{ {field} }}\n{types}"} for field in (before, after)))
-    assert [kind for _, kind in _reuses(history, "A")] == kinds
-
-
-def test_extensions(repository: RepositoryBuilder) -> None:
-    """A number of an extension is one of the message, wherever that is declared."""
-    base = 'syntax = "proto2";\npackage p;\nmessage Base { extensions 100 to 199; }\n'
-    extend = 'syntax = "proto2";\npackage p;\nimport "base.proto";\nextend Base { optional float speed = 100; }\n'
-    after = {"more.proto": extend.replace("speed", "current")}
-    reuse = _only(_read(repository, {"base.proto": base, "more.proto": extend}, after).reuses("p.Base"))
-    assert (reuse.number, reuse.earlier.name, reuse.later.name, reuse.kind) == (100, "speed", "current", Kind.MEANING)
-
-
-def test_values_of_enums(repository: RepositoryBuilder) -> None:
-    """The words that all values of an enum have do not make two of them alike."""
-    before = "enum ImuError { IMU_NONE = 0; IMU_TIMEOUT = 1; IMU_GYRO = 2; IMU_MAG = 3; IMU_X = 4; IMU_ALIAS = 4; }"
-    after = before.replace("IMU_TIMEOUT", "IMU_OVERHEATED").replace("IMU_GYRO", "IMU_GYRO_FAULT")
-    history = _read(repository, {"a.proto": before}, {"a.proto": after})
-    assert history.enums == ("ImuError",)
-    assert [(r.earlier.name, r.later.name, r.kind) for r in history.reuses("ImuError")] == [
-        ("IMU_TIMEOUT", "IMU_OVERHEATED", Kind.MEANING),
-        ("IMU_GYRO", "IMU_GYRO_FAULT", Kind.RENAMED),
-    ]
-
-
 # --- states that do not compile ---
 
-_BROKEN = "Imu imu 1"
 _CONFLICT = "<<<<<<< HEAD\n    Gps gps = 2;\n=======\n    LoadCell load_cell = 2;\n>>>>>>> side"
 
 
@@ -401,87 +295,3 @@ def test_progress_is_told(repository: RepositoryBuilder) -> None:
     told: list[tuple[int, int]] = []
     read_history(repository.write(), lambda done, total: told.append((done, total)))
     assert told == [(0, 149), (64, 149), (128, 149), (149, 149)]
-
-
-@pytest.mark.exhaustive
-def test_a_long_history(repository: RepositoryBuilder) -> None:
-    """Two thousand commits of which each gives a number of the envelope away are read and compared."""
-    uses = [f"Message{number} member_{number} = {number};" for number in range(1, 61)]
-    for step in range(2000):
-        uses[step % 60] = f"Message{step % 7} step_{step} = {step % 60 + 1};"
-        repository.commit(f"Step {step}", {ENVELOPE_FILE: envelope(*uses)})
-    assert len(_read(repository).reuses("PBEnvelope")) > 2000
-
-
-# --- made up at random ---
-
-
-def _random_history(random: Random, root: Path, change: Callable[[Random, set[str]], None]) -> dict[int, set[str]]:
-    """A repository of random commits and merges; the members of the envelope at each, by mark.
-
-    Each commit's subject is its mark. Each commit changes the members of its parents together, and stays a branch's tip
-    if nothing is built upon it.
-    """
-    repository, states = RepositoryBuilder(root), dict[int, set[str]]()
-    for mark in range(1, random.randint(3, 14)):
-        known = random.sample(sorted(states), k=min(len(states), random.choice([1, 1, 1, 2, 2, 3])))
-        states[mark] = set().union(*(states[parent] for parent in known))
-        change(random, states[mark])
-        text = envelope(*sorted(states[mark]))
-        repository.commit(str(mark), {ENVELOPE_FILE: text, **PAYLOADS}, branch=f"b{mark}", parents=known)
-    repository.write()
-    return states
-
-
-def _add_or_take(random: Random, uses: set[str]) -> None:
-    """Members come and go; each number has one meaning for ever."""
-    for number in range(1, 6):
-        if random.random() < 0.3:
-            uses ^= {f"Message{number} member_{number} = {number};"}
-
-
-@pytest.mark.exhaustive
-@_EXAMPLES
-@given(st.integers(0, 2**32))
-def test_histories_without_reuse_give_nothing(seed: int) -> None:
-    """However branches and merges bring members and take them away: if each keeps its number, nothing is found."""
-    with tempfile.TemporaryDirectory() as folder:
-        states = _random_history(Random(seed), Path(folder), _add_or_take)  # noqa: S311  # one draw a history
-        history = read_history(Path(folder))
-    assert (history.reuses("PBEnvelope"), history.collisions("PBEnvelope")) == ((), ())
-    assert history.commits == len(states)
-    tips: dict[int, set[str]] = {}
-    for mark, there in states.items():
-        for member in there:
-            tips.setdefault(int(member.split()[-1][:-1]), set()).add(f"refs/heads/b{mark}")
-    assert {number: set(usage.live_at) for number, (usage,) in history.numbers("PBEnvelope").items()} == tips
-
-
-def _give_away(random: Random, uses: set[str]) -> None:
-    """Numbers are given to whatever comes."""
-    kept = {use.split()[-1]: use for use in sorted(uses) if random.random() < 0.8}
-    type, number = random.choice(["Imu", "Gps", "Ph", "LoadCell"]), random.randint(1, 3)
-    kept[f"{number};"] = f"{type} {type.lower()} = {number};"
-    uses.clear()
-    uses.update(kept.values())
-
-
-@pytest.mark.exhaustive
-@_EXAMPLES
-@given(st.integers(0, 2**32))
-def test_every_use_is_found_where_it_came(seed: int) -> None:
-    """In any graph of commits, a use comes where a commit has it and no parent had; numbers of two uses are found."""
-    with tempfile.TemporaryDirectory() as folder:
-        states = _random_history(Random(seed), Path(folder), _give_away)  # noqa: S311  # one draw a history
-        history = read_history(Path(folder))
-        log = git(Path(folder), "log", "--all", "--format=%s %p").splitlines()
-        marks = dict(line.split() for line in git(Path(folder), "log", "--all", "--format=%h %s").splitlines())
-    parents = {int(words[0]): [int(marks[id]) for id in words[1:]] for words in map(str.split, log)}
-    came: dict[tuple[int, str], set[str]] = {}
-    for mark, there in states.items():
-        for type, _, _, number in map(str.split, there - set().union(*(states[parent] for parent in parents[mark]))):
-            came.setdefault((int(number[:-1]), type), set()).add(str(mark))
-    usages = [usage for usages in history.numbers("PBEnvelope").values() for usage in usages]
-    assert {(one.number, one.type): {each.came.subject for each in one.intervals} for one in usages} == came
-    numbers = [number for number, _ in came]
-    assert {reuse.number for reuse in history.reuses("PBEnvelope")} == {n for n in numbers if numbers.count(n) > 1}

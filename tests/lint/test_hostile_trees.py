@@ -202,47 +202,6 @@ def test_folders_that_multiply_through_links(project: Path) -> None:
     _expect(project, 2, "fatal[PRO102] the folder has more than 100000 entries", "lint")
 
 
-def test_folders_nested_deeper_than_python_calls(project: Path) -> None:
-    """A file below 1,500 folders is read like any other."""
-    folder = os.open(project / "proto", os.O_RDONLY)
-    for _ in range(1500):
-        os.mkdir("d", dir_fd=folder)
-        inner = os.open("d", os.O_RDONLY, dir_fd=folder)
-        os.close(folder)
-        folder = inner
-    with open(os.open("deep.proto", os.O_CREAT | os.O_WRONLY, dir_fd=folder), "w") as file:
-        file.write("\0")
-    os.close(folder)
-    done = _run(project, "lint")
-    # Python's rmtree, with which pytest removes old folders, calls itself for each level.
-    subprocess.run(["rm", "-r", project / "proto" / "d"], check=True)
-    assert done.returncode == 2
-    assert "/d/d/deep.proto: fatal[PRO102] the file is binary" in done.stdout
-
-
-def test_a_tree_with_too_many_bytes(project: Path) -> None:
-    """Many files that are each small enough are read up to 32 MiB; the first one that is left out is named."""
-    for number in range(6):
-        (project / "proto" / f"large{number}.proto").write_text('syntax = "proto3";\n//' + "x" * 7_000_000 + "\n")
-    _expect(project, 2, "proto/large5.proto: fatal[PRO102] the .proto files have more than 33554432 bytes", "lint")
-
-
-def test_hostile_files_among_the_pins(project: Path) -> None:
-    """A pipe, a device and a link out, as CMake files or as .gitmodules of a consumer, are named or left out."""
-    consumer = project / "consumer"
-    consumer.mkdir()
-    faults = {
-        f"CMakeLists{number}.cmake": _plant(consumer / f"CMakeLists{number}.cmake", kind)
-        for number, kind in enumerate(("pipe", "endless device", "link out of the repository", "100 MB"))
-    }
-    (consumer / ".gitmodules").symlink_to("/dev/zero")
-    subprocess.run([*_COMMIT, "--allow-empty"], cwd=project, check=True)
-    done = _run(project, "lint", "--pins", "consumer")
-    assert done.returncode == 2
-    for name, fault in faults.items():
-        assert f"consumer/{name}: fatal[PIN101] cannot be read: {fault}" in done.stdout
-
-
 def _commit_huge(project: Path, *names: str) -> None:
     """Commit files of 300 MB, and then their removal."""
     for name in names:
@@ -253,14 +212,6 @@ def _commit_huge(project: Path, *names: str) -> None:
     for name in names:
         (project / name).unlink()
     subprocess.run([*_COMMIT, "--all"], cwd=project, check=True)
-
-
-def test_a_huge_file_in_the_history(project: Path) -> None:
-    """A version of 300 MB that is no longer there is named as unread, and does not fill the memory."""
-    _commit_huge(project, "proto/huge.proto")
-    done = _run(project, "lint", "--history")
-    assert done.returncode == 1
-    assert "huge.proto: warning[STA106] some earlier versions of this file are binary, too large" in done.stdout
 
 
 def test_huge_files_in_an_earlier_state(project: Path) -> None:
@@ -324,13 +275,6 @@ def test_hostile_templates(project: Path, templates: Path, kind: str, name: str,
     _expect(project, 1, of_link if (templates / name).is_symlink() else fault, *_CHECK, start=place)
 
 
-def test_no_template_reads_gits_settings(project: Path) -> None:
-    """The folder `.git` is no folder of templates, even if a template is in it."""
-    (project / "mapping.yaml").write_text(_TABLE + "templates: [.git]\n")
-    (project / ".git" / "all.txt.j2").write_text("{% include 'config' %}\n")
-    _expect(project, 1, "", *_CHECK)
-
-
 # --- starting a project ---
 
 
@@ -347,28 +291,6 @@ def test_adoption_of_hostile_files(project: Path, kind: str) -> None:
     fault = _plant(project / "proto" / "probe.options", kind)
     done = _run(project, "init", "--from", "proto")
     assert f"proto/probe.options: error[NPB101] the file cannot be read: {fault}" in done.stdout
-
-
-@pytest.mark.parametrize("folder", ["proto/link", "../elsewhere"])
-def test_adoption_of_a_folder_out_of_the_repository(project: Path, folder: str) -> None:
-    """A folder outside the repository, be it through a link, is refused; nothing of it is read."""
-    (project / "mapping.yaml").unlink()
-    (project / "proto" / "link").symlink_to(project.parent / "elsewhere")
-    done = _run(project, "init", "--from", folder)
-    assert done.returncode in (1, 2)
-    assert "is outside the git repository" in done.stderr
-    assert not (project / "mapping.yaml").exists()
-
-
-@pytest.mark.parametrize("name", ["mapping.lock", "proto/board.proto"])
-@_EACH_KIND
-def test_a_new_project_beside_hostile_files(project: Path, kind: str, name: str) -> None:
-    """A hostile file in the place of one that `roverlink init` keeps is named with the reason; nothing is written."""
-    for path in ("mapping.yaml", "mapping.lock", "proto/probe.proto", "proto/envelope.proto"):
-        (project / path).unlink()
-    fault = _plant(project / name, kind)
-    _expect(project, 2, fault, "init", start=f"{name}: ")
-    assert not (project / "mapping.yaml").exists()
 
 
 # --- nothing is run ---

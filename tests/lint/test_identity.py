@@ -209,19 +209,6 @@ def test_the_working_tree_and_the_index_are_the_newest_states(
     assert usage.live_at == ("the working tree",)
 
 
-def test_another_newest_state(repository: RepositoryBuilder) -> None:
-    """A ref is judged without the commits that were built upon it; other branches still count."""
-    begin = repository.commit("Begin", {_HOME: POSE})
-    repository.commit("Lose z", {_HOME: WITHOUT_Z})
-    repository.branch("release")
-    repository.commit("Reuse", {_HOME: REUSED})
-    repository.commit("Side", {_HOME: POSE.replace("float east", "bytes raw")}, branch="side", parents=[begin])
-    root = repository.write()
-    assert _reused(read_history(root)) == {("Pose", 2), ("Pose", 3)}
-    assert _reused(read_history(root, newest="release")) == {("Pose", 2)}
-    assert read_history(root, newest="release").commits == 3
-
-
 def test_a_merge_that_is_not_committed_yet(repository: RepositoryBuilder) -> None:
     """Both sides are the past of the merge that is being made, even with conflicts."""
     begin = repository.commit("Begin", {_HOME: POSE})

@@ -85,26 +85,6 @@ def test_an_envelope_is_suggested(repository: Path, run: Run, command: tuple[str
     assert f"  help: {help}\n" in out + err
 
 
-def test_a_reuse_in_a_file_that_does_not_compile(repository: Path, run: Run) -> None:
-    """A type whose file has a syntax error exists today: the finding shows its place, and offers no `--accept`."""
-    env = Path("protos/env.proto")
-    env.write_text(
-        env.read_text().replace("Motor motor = 3;", "Imu other = 2; Motor motor = 3;") + "message Broken {\n"
-    )
-    code, out, _ = run("lint", "protos", "--message", "Env", "--history")
-    (finding,) = (one for one in out.split("\n\n") if "[HIS101]" in one)
-    assert code == 1
-    assert finding.startswith("protos/env.proto:5:44: error[HIS101] number 2 of 'rover.Env' was given to 'other' (Imu)")
-    assert finding.endswith("  help: correct the errors in this file, and run the lint again")
-    assert "does not exist" not in finding
-
-
-def test_messages_with_a_oneof_are_suggested_first(repository: Path, run: Run) -> None:
-    """Of several similar names, the message with a oneof is more likely the envelope."""
-    Path("protos/more.proto").write_text('syntax = "proto3";\npackage rover;\nmessage Envo {}\n')
-    assert "help: use --message rover.Env or --message rover.Envo\n" in run("lint", "protos", "--message", "Envoy")[1]
-
-
 def test_next_number_says_if_the_message_has_no_oneof(repository: Path, run: Run) -> None:
     """A message without a oneof may be the wrong one, so it is said that all its fields count."""
     assert run("next-number", "protos", "--message", "Motor") == (
@@ -116,12 +96,6 @@ def test_next_number_says_if_the_message_has_no_oneof(repository: Path, run: Run
 
 
 # --- folders ---
-
-
-def test_a_folder_that_an_option_swallowed(repository: Path, run: Run) -> None:
-    """`--pins` takes all that follows, so the error says where PROTO_ROOT belongs."""
-    code, _, err = run("lint", "--pins", "boards.txt", "protos", "--message", "Env")
-    assert (code, "write it right after the command" in err) == (2, True)
 
 
 def test_a_proto_file_in_place_of_its_folder(repository: Path, run: Run) -> None:
@@ -169,27 +143,6 @@ def test_without_git_the_cause_is_in_the_message(
     assert "  help: install git, and run the command in a clone of the repository\n" in out + err
 
 
-# --- pins ---
-
-
-def test_a_list_of_pins_that_does_not_exist(repository: Path, run: Run) -> None:
-    """A wrong path of the pins gives an error with a help, and no table, because there is only one state."""
-    code, out, _ = run("lint", "protos", "--message", "Env", "--pins", "boards.txt")
-    assert (code, out) == (
-        2,
-        "boards.txt: fatal[PIN101] cannot be read: No such file or directory\n"
-        "  help: correct the path; --pins takes folders of projects, and files of lines `name commit`\n\n"
-        "1 fatal error\n",
-    )
-
-
-def test_a_list_of_pins_with_colons(repository: Path, run: Run) -> None:
-    """A line `rover: main~1` names the project `rover`, and no line of the table ends with a space."""
-    Path("boards.txt").write_text("rover: main~1\narm=main\n")
-    _, out, _ = run("lint", "protos", "--message", "Env", "--pins", "boards.txt")
-    assert ("1 rover " in out, [line for line in out.splitlines() if line != line.rstrip()]) == (True, [])
-
-
 # --- places in earlier commits ---
 
 
@@ -207,9 +160,3 @@ def test_git_show_takes_the_places_of_earlier_commits(
     places = set(re.findall(r"^  (\S+:\S+\.proto):\d+:\d+: ", out, re.MULTILINE))
     assert places
     assert {git(repository, "show", place) for place in places} == {_ENV}
-
-
-def test_git_show_takes_the_places_of_history(repository: Path, run: Run) -> None:
-    """`history` prints the place in the commit that added a payload as a path from the top of the repository."""
-    added = run("history", "2", "protos", "--message", "Env")[1].splitlines()[1]
-    assert re.fullmatch(r"  added [0-9a-f]{10} \d{4}-\d\d-\d\d Begin \(protos/env.proto:6\)", added)

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import re
-import shlex
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import pytest
 from repositories import ENVELOPE_FILE, RepositoryBuilder, envelope, git, message
@@ -56,27 +53,6 @@ def windy(repository: RepositoryBuilder) -> Path:
 # --- history ---
 
 
-def test_a_number_that_was_reused_is_found_with_its_whole_life(repository: RepositoryBuilder, found: Found) -> None:
-    """Deleted in one commit and given away two commits later: who held it, and by which commits it came and went."""
-    repository.commit("Take GPS away", _envelope())
-    repository.commit("Write about it", {"README.md": "Nothing."})
-    repository.commit("Measure the wind", _envelope(_WIND))
-    root = repository.write()
-    commits = dict(line.split(" ", 1)[::-1] for line in git(root, "log", "--format=%H %s").splitlines())
-    code, (one,) = found("--history", root, *_TREE)
-    assert (code, one["id"], one["name"], one["severity"]) == (1, "HIS101", "number-reused-in-history", "error")
-    assert (one["message_type"], one["number"], one["path"], one["line"]) == ("PBEnvelope", 2, ENVELOPE_FILE, 10)
-    keys = ("type", "name", "first_commit", "last_commit", "declaration", "path", "line", "first_author")
-    assert [tuple(use[key] for key in keys) for use in one["history"]] == [
-        ("Gps", "gps", commits["Begin"], commits["Take GPS away"], _GPS, ENVELOPE_FILE, 10, "A B"),
-        ("Wind", "wind", commits["Measure the wind"], None, _WIND, ENVELOPE_FILE, 10, "A B"),
-    ]
-    assert one["message"] == (
-        "number 2 of 'PBEnvelope' was given to 'wind' (Wind) after 'gps' (Gps) was removed: "
-        "'Wind' has 0 of the 3 fields of 'Gps'"
-    )
-
-
 @pytest.mark.parametrize(
     ("files", "said"),
     [
@@ -93,21 +69,6 @@ def test_what_became_of_the_number_is_said(
     repository.commit("Close it", files)
     code, (one,) = found("--history", repository.write(), *_TREE)
     assert (code, one["number"], said in one["message"]) == (1, 2, True)
-
-
-def test_a_message_that_changed_its_package_is_found_once(repository: RepositoryBuilder, found: Found) -> None:
-    """Under the name that it has today; where it is gone, under one of those that it had."""
-    repository.commit("Measure the wind", _envelope(_WIND))
-    text = _text(_WIND).replace("message PB", "package rover;\nmessage PB")
-    repository.commit("Have a package", {ENVELOPE_FILE: text})
-    root = repository.write()
-    (one,) = (one for one in found("--history", root, *_TREE)[1] if one["id"] == "HIS101")
-    assert (one["message_type"], one["number"]) == ("rover.PBEnvelope", 2)
-    assert "was given to 'wind' (Wind)" in one["message"]
-    for file in root.rglob("*.proto"):
-        file.unlink()
-    gone = [one["message_type"] for one in found("--history", root, *_TREE)[1] if one["id"] == "HIS101"]
-    assert gone == ["rover.PBEnvelope"]
 
 
 def test_a_mere_rename_and_a_replaced_content_are_other_rules(repository: RepositoryBuilder, found: Found) -> None:
@@ -129,30 +90,6 @@ def test_a_mere_rename_and_a_replaced_content_are_other_rules(repository: Reposi
     ]
     code, against = found("--history", root, *_TREE, "--against", "base")
     assert (code, ("HIS103", "error") in [(one["id"], one["severity"]) for one in against]) == (1, True)
-
-
-def test_states_with_errors_are_read_and_said_to_be_doubtful(repository: RepositoryBuilder, found: Found) -> None:
-    """A state with conflict markers counts; the declaration that only this state has is said to be doubtful."""
-    repository.commit("Merge badly", _envelope("<<<<<<< HEAD", _GPS, "=======", _WIND, ">>>>>>> side"))
-    repository.commit("Mend it", _envelope(_GPS))
-    code, (one,) = found("--history", repository.write(), *_TREE)
-    assert (code, one["message"]) == (
-        1,
-        "number 2 of 'PBEnvelope' was given to 'gps' (Gps) and 'wind' (Wind) by one commit: "
-        "'Wind' has 0 of the 3 fields of 'Gps'",
-    )
-    doubts = {use["name"]: use["doubt"] for use in one["history"]}
-    assert doubts == {"gps": None, "wind": "it was only read from files with syntax errors"}
-
-
-def test_what_a_terminal_would_obey_is_not_repeated(repository: RepositoryBuilder, run: Run) -> None:
-    """A subject line with control characters colours no terminal, and breaks no report."""
-    repository.commit("Measure \x1b[31mthe\x01 wind", _envelope(_WIND))
-    root = repository.write()
-    _, out, _ = run("lint", "--history", root, *_TREE, "--format", "junit")
-    assert "Measure \ufffd[31mthe\ufffd wind" in "".join(ElementTree.fromstring(out).itertext())  # noqa: S314  # ours
-    _, out, _ = run("lint", "--history", root, *_TREE)
-    assert all(line.isprintable() for line in out.splitlines())
 
 
 def test_against_a_branch_makes_its_own_old_cases_hints(repository: RepositoryBuilder, found: Found) -> None:
@@ -190,13 +127,6 @@ def test_a_shallow_clone_says_how_deep_it_could_look(windy: Path, tmp_path: Path
     assert run("next-number", root, *_TREE)[1] == "4\n"
 
 
-def test_an_empty_repository(tmp_path: Path, run: Run) -> None:
-    """Nothing to look at is exit code 2 with the reason, never a clean bill."""
-    git(tmp_path, "init", "--quiet")
-    code, out, _ = run("lint", "--history", tmp_path, *_TREE)
-    assert (code, "STA103" in out) == (2, True)
-
-
 def test_a_question_about_the_envelope_needs_one(windy: Path, run: Run, tmp_path: Path) -> None:
     """Pins and the history of an envelope that never was have no answer: exit code 2, not a clean bill."""
     (tmp_path / "pins.txt").write_text("rover main\n")
@@ -224,20 +154,6 @@ def test_branches_that_took_one_number(repository: RepositoryBuilder, run: Run, 
     ]
     assert one["help"] == "keep the number for one of them, and give the other one the number 4, which no branch uses"
     assert run("lint", root, *_TREE)[0] == 0
-
-
-def test_branches_that_gave_one_number_to_one_type(repository: RepositoryBuilder, found: Found) -> None:
-    """Two new payloads are two, though of one type; one that both branches renamed is not."""
-    for name in ("rear", "front"):
-        repository.branch(name, 1)
-        text = _text(_GPS, f"Imu {name} = 3;").replace("imu = 1", f"imu_{name[0]} = 1")
-        repository.commit(name, {ENVELOPE_FILE: text}, branch=name)
-    code, (one,) = found(repository.write(), "--branches", *_TREE)
-    assert (code, one["number"], one["message"]) == (
-        1,
-        3,
-        "number 3 of 'PBEnvelope' is 'front' (Imu) on the branch front and 'rear' (Imu) on the branch rear",
-    )
 
 
 def _cmake(folder: Path, text: str) -> Path:
@@ -273,30 +189,6 @@ def test_pins_that_disagree(windy: Path, tmp_path: Path, run: Run, found: Found)
     lines = [" ".join(line.split()) for line in run("lint", windy, *_TREE, "--pins", *sources)[1].splitlines()]
     matrix = [line for line in lines if re.fullmatch(r"\d+ .*(same|misread \d+)", line)]
     assert matrix == ["1 rover/protos, same misread 1", "2 this checkout, misread 1 same"]
-
-
-def test_pins_of_a_renamed_package(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
-    """A package hides neither the envelope nor types that no file declares; uses of a scalar differ by their names."""
-    repository.commit("Time out", _envelope(_GPS, "uint32 timeout = 3;"))
-    text = _text(".rover.Wind wind = 2;", "uint32 temperature = 3;").replace("Imu imu", "rover.Imu imu")
-    repository.commit("Package", {ENVELOPE_FILE: text.replace("message PB", "package rover;\nmessage PB")})
-    (tmp_path / "pins.txt").write_text("rover main~1\nbasestation main\n")
-    pins = ("--message", "PBEnvelope", "--pins", tmp_path / "pins.txt")
-    _, out, _ = run("lint", "--history", repository.write(), *pins)
-    for number, before, today in ((2, "Gps gps", "Wind wind"), (3, "uint32 timeout", "uint32 temperature")):
-        said = f"`{before} = {number};` in 'rover', but `{today} = {number};` in this checkout and 'basestation'"
-        assert f"number {number} of 'rover.PBEnvelope' is {said}" in out
-    assert "number 1 of 'rover.PBEnvelope' is" not in out
-
-
-def test_pins_in_variables(windy: Path, tmp_path: Path, run: Run) -> None:
-    """What CMake's `set` makes of a tag is what counts; a `#` in a string begins no comment."""
-    declared = 'FetchContent_Declare(protos GIT_REPOSITORY "x#y" GIT_TAG ${PROTOS_TAG})'
-    board = _cmake(tmp_path / "board", f'set(PROTOS_TAG "main" CACHE STRING "of the protos")\n{declared}\n')
-    (tmp_path / "pins.txt").write_text("rover main~1\n")
-    code, out, _ = run("lint", windy, *_TREE, "--pins", board, tmp_path / "pins.txt")
-    said = "`Gps gps = 2;` in 'rover', but `Wind wind = 2;` in this checkout and 'board/protos'"
-    assert (code, said in out) == (1, True)
 
 
 _UNKNOWN = "which this repository does not have"
@@ -360,75 +252,7 @@ def test_the_next_number_skips_what_is_closed(repository: RepositoryBuilder, run
     assert run("next-number", root, *_TREE)[:2] == (0, "3\n")
 
 
-def test_the_life_of_one_number(windy: Path, run: Run) -> None:
-    """What it stood for, from which commit to which; and exit code 1 for a number that never was."""
-    code, out, _ = run("history", "2", windy, *_TREE)
-    assert (code, out.splitlines()[0]) == (0, "Gps gps")
-    assert "Begin (components/common/envelope.proto:10)" in out
-    assert out.endswith("  exists on the branch main\n")
-    assert run("history", "9", windy, *_TREE)[:2] == (1, "PBEnvelope never used the number 9 in 2 commits\n")
-
-
 # --- what is not committed yet, and other states ---
-
-
-@pytest.fixture
-def root(repository: RepositoryBuilder) -> Path:
-    """A checked-out tree whose envelope lost its number 2."""
-    repository.commit("Take GPS away", _envelope())
-    return repository.write()
-
-
-@pytest.mark.parametrize("against", [(), ("--against", "HEAD")])
-def test_a_reuse_is_found_before_the_commit(root: Path, found: Found, against: tuple[str, ...]) -> None:
-    """What is only written on disk is an error at its line; before it was written, there was nothing."""
-    assert [one["id"] for one in found("--history", root, *_TREE, *against)[1]] == ["ENV107"]
-    (root / ENVELOPE_FILE).write_text(_text(_WIND))
-    code, all = found("--history", root, *_TREE, *against)
-    (one,) = (one for one in all if one["id"] == "HIS101")
-    assert (code, one["severity"], one["number"]) == (1, "error", 2)
-    gps, wind = one["history"]
-    assert (wind["first_commit"], wind["today"]) == (None, "in the working tree, not committed yet")
-    assert (gps["first_subject"], gps["last_subject"]) == ("Begin", "Take GPS away")
-    assert (root / wind["path"]).is_file()
-
-
-@pytest.mark.slow
-def test_a_hook_refuses_the_commit_of_a_reuse(root: Path) -> None:
-    """The hook looks at the index: what is not staged does not matter, neither a reuse nor its correction."""
-    good = _text().replace("{\n", "{\n  reserved 2;\n", 1)
-    (root / ENVELOPE_FILE).write_text(good)
-    hook = root / ".git" / "hooks" / "pre-commit"
-    command = shlex.join([sys.executable, "-m", "roverlink", "lint", ".", *_TREE, "--history"])
-    hook.write_text(f"#!/bin/sh\n{command} >&2\n")
-    hook.chmod(0o755)
-    (root / "README.md").write_text("Text.")
-    git(root, "add", "--all")
-    (root / ENVELOPE_FILE).write_text(_text(_WIND))
-    commit = (*_IDENTITY, "commit", "--quiet", "--message", "Change")
-    git(root, *commit)
-    refused = r"(?s)number 2 of 'PBEnvelope' was given to 'wind'.*give 'wind' the number 3"
-    with pytest.raises(AssertionError, match=refused):
-        git(root, *commit, "--all")
-    git(root, "add", "--all")
-    (root / ENVELOPE_FILE).write_text(good)
-    with pytest.raises(AssertionError, match=r"now in the index, not committed yet"):
-        git(root, *commit)
-
-
-def test_the_history_of_another_state(repository: RepositoryBuilder, run: Run, found: Found) -> None:
-    """`--history REF` checks the files of the ref, and no commit that was built upon it."""
-    repository.commit("Take GPS away", _envelope())
-    repository.branch("release")
-    repository.commit("Measure the wind", _envelope(_WIND))
-    root = repository.write()
-    assert [one["id"] for one in found(root, *_TREE, "--history", "release")[1]] == ["ENV107"]
-    code, (one,) = found(root, *_TREE, "--history", "main")
-    assert (code, one["number"]) == (1, 2)
-    (root / ENVELOPE_FILE).write_text(_text())
-    assert run("lint", root, *_TREE, "--history", "main")[0] == 1
-    code, out, _ = run("lint", root, "--history", "nowhere")
-    assert (code, "fatal[STA101] 'nowhere' is not a folder, a file, or a git ref" in out) == (2, True)
 
 
 @pytest.mark.parametrize(

@@ -80,16 +80,6 @@ def test_the_judgement_is_that_of_against(edits: list[Mutation], tmp_path: Path)
     assert ours == _gravest(_by_the_rules(before, after))
 
 
-def test_text_that_became_bytes_is_misread_by_the_older_program(tmp_path: Path) -> None:
-    """`--against` asks if new programs read old bytes; consumers send in both directions."""
-    (edit,) = (one for one in MUTATIONS if one.name == "string_to_bytes")
-    before, after = compiled(edit.before, tmp_path / "before"), compiled(edit.after, tmp_path / "after")
-    for states in ((before, after), (after, before)):
-        (found,) = misreadings(SchemaChange(*states), "rover.Telemetry", "rover.Telemetry")
-        assert found.certain
-    assert _by_the_rules(before, after) == set()
-
-
 def test_a_state_is_the_same_as_itself(tmp_path: Path) -> None:
     """No message of a schema is misread by itself, and none by what the tolerant parser makes of its files."""
     files = {path: text for path, text in BASE.items() if path != MODERN}  # it has presence as an option
@@ -171,16 +161,6 @@ def test_a_finding_names_declarations_commits_and_what_to_do(arms: Arms) -> None
         "build the other projects from this checkout before they exchange messages with it, "
         "or put back `float voltage = 1;` and give the new declaration a number of its own"
     )
-
-
-def test_a_broken_commit_is_read_as_far_as_possible(arms: Arms) -> None:
-    """A pinned commit does not compile: a hint says so, and the declarations count."""
-    arms.commit("Break", "float humidity", "float current", "Unknown thing")
-    arms.commit("Repair", "float voltage", "float current")
-    found = arms.found("arm main~1")
-    hint = f"'arm.proto' does not compile at {arms.id('main~1')} 2026-02-05 Break, and was read as far as possible"
-    assert ("hint", hint) in {(one["severity"], one["message"]) for one in found}
-    assert {(one["severity"], one["number"]) for one in found if one["id"] == "PIN102"} == {("error", 1)}
 
 
 @pytest.mark.parametrize("width", [40, 120])

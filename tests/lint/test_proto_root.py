@@ -53,20 +53,6 @@ def test_other_files_elsewhere_do_not_count(repository: RepositoryBuilder, found
     assert found(repository.write() / "proto", "--history") == (0, [])
 
 
-def test_a_branch_without_the_move_still_counts(repository: RepositoryBuilder, found: Found) -> None:
-    """What a branch did to the file at its former path, after the others had moved it, is part of its history."""
-    begin = repository.commit("Begin", {"api/pose.proto": WITHOUT_Z})
-    moved = repository.commit("Move", {"api/pose.proto": None, "proto/pose.proto": WITHOUT_Z})
-    side = repository.commit("Reuse", {"api/pose.proto": REUSED}, branch="side", parents=[begin])
-    repository.delete_branch("side")
-    files = {"api/pose.proto": None, "proto/pose.proto": POSE}
-    repository.commit("Merge", files, parents=[side, moved])
-    _, (one,) = found(repository.write() / "proto", "--history")
-    assert _ids([one]) == [("HIS101", "Pose", 3)]
-    ends = {use["name"]: use.get("last_subject") for use in one["history"]}
-    assert ends == {"z": None, "label_text": "Merge"}
-
-
 @pytest.mark.parametrize("staged", [True, False])
 def test_a_move_that_is_not_committed_yet(repository: RepositoryBuilder, found: Found, staged: bool) -> None:
     """The file is followed before the commit, too, whether git was told of the move or not."""
@@ -79,18 +65,6 @@ def test_a_move_that_is_not_committed_yet(repository: RepositoryBuilder, found: 
         (root / "api" / "pose.proto").rename(root / "proto" / "pose.proto")
     (root / "proto" / "pose.proto").write_text(REUSED)
     assert _ids(found(root / "proto", "--history")[1]) == [("HIS101", "Pose", 3)]
-
-
-def test_what_cannot_be_followed_is_told_once(repository: RepositoryBuilder, found: Found) -> None:
-    """Files that one commit copies and another one deletes are a hint, with the commit that copied them."""
-    others = {name: message(name.title(), "bool on", "float level") for name in ("lamp", "horn")}
-    repository.commit("Begin", {"api/pose.proto": POSE, **{f"api/{name}.proto": others[name] for name in others}})
-    copied = {"proto/pose.proto": POSE, **{f"proto/{name}.proto": others[name] for name in others}}
-    repository.commit("Copy", copied)
-    repository.commit("Delete", {"api/pose.proto": None, **{f"api/{name}.proto": None for name in others}})
-    code, (one,) = found(repository.write() / "proto", "--history")
-    assert (code, one["id"], one["severity"]) == (0, "STA108", "hint")
-    assert "Copy was not read, nor that of 2 other files: the commit copied it from 'api/" in one["message"]
 
 
 # --- the wrong root ---
@@ -118,23 +92,6 @@ def test_a_wrong_root_is_one_line_that_names_the_right_one(tree: Path, run: Run,
     imports = f"3 of 3 imports, such as 'common/header.proto' in '{file}', are not found from here"
     assert (code, said) == (2, f"{root}: fatal[STA107] {imports}; they start at 'proto'")
     assert help == ["  help: give the folder 'proto' as the proto root", "", "1 fatal error"]
-
-
-def test_a_wrong_root_in_a_table(tree: Path, run: Run) -> None:
-    """The finding stands at the root in mapping.yaml."""
-    (tree / "mapping.yaml").write_text("version: 1\nproto:\n  root: proto/sensors\n")
-    code, out, _ = run("lint")
-    assert (code, "mapping.yaml:3:9: fatal[STA107] 3 of 3 imports" in out) == (2, True)
-
-
-def test_a_root_above_two_right_ones(tree: Path, run: Run) -> None:
-    """Both are named."""
-    (tree / "proto").rename(tree / "board")
-    (tree / "rover" / "parts").mkdir(parents=True)
-    (tree / "rover" / "parts" / "arm.proto").write_text('syntax = "proto3";\n')
-    (tree / "rover" / "all.proto").write_text('syntax = "proto3";\nimport "parts/arm.proto";\n')
-    code, out, _ = run("lint", ".")
-    assert (code, "they start at 'board' and 'rover'" in out) == (2, True)
 
 
 def test_a_missing_file_is_no_wrong_root(tree: Path, run: Run) -> None:

@@ -1,7 +1,7 @@
 """Precision and recall of the lint's errors on histories made up at random, of which the truth is known.
 
 Counted are errors about a number. A number is given away if it had two meanings, or two formats on the wire, at any
-commit or in the uncommitted change. Numbers in doubt count as neither. To look into a seed, write its `RandomHistory`.
+commit or in the uncommitted change. To look into a seed, write its `RandomHistory`.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def judge(seed: int) -> list[Verdict]:
     names = {id: name for name, id in truth.ids.items()}
     found = {(truth.ids.get(name, -1), number) for name, number in errors}
     sorts = {_RIGHT: found & truth.reused, _MISSED: truth.reused - found}
-    sorts[_FALSE] = found - truth.reused - truth.doubtful
+    sorts[_FALSE] = found - truth.reused
     return [
         (sort, seed, f"{names.get(id, 'a type that never was')} {number}")
         for sort, keys in sorts.items()
@@ -64,14 +64,7 @@ def _assert_figures(verdicts: Iterable[list[Verdict]]) -> None:
     assert right / (right + missed) >= 0.97
 
 
-def test_every_seed_is_one_history(tmp_path: Path) -> None:
-    """A seed gives the same commits and the same truth each time."""
-    one, same, other = (RandomHistory(seed, tmp_path / str(index)) for index, seed in enumerate((7, 7, 8)))
-    assert one.truth == same.truth
-    assert one.truth != other.truth
-
-
-@pytest.mark.parametrize("seeds", [range(3), pytest.param(range(20), marks=pytest.mark.slow)], ids=["few", "some"])
+@pytest.mark.parametrize("seeds", [range(2), pytest.param(range(20), marks=pytest.mark.slow)], ids=["few", "some"])
 def test_figures_on_few_histories(seeds: range) -> None:
     """Of the errors 95 % are right, and 97 % of the numbers given away have one."""
     _assert_figures(map(judge, seeds))

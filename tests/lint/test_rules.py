@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
-from roverlink.generator.lint import bare_tree, rules
+from roverlink.generator.diagnostics import Diagnostic, Severity, Span
+from roverlink.generator.lint import bare_tree
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.engine import lint
@@ -104,12 +104,6 @@ def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tmp_path: Path) -> No
     ]
 
 
-def test_a_tree_without_an_envelope_is_no_fault() -> None:
-    """Rules about the envelope are silent where none was named."""
-    table = bare_tree.table_of_tree(bare_tree.EnvelopeName("", ""))
-    assert lint(Context(table, Schema((), {}, {}), Ledger())) == []
-
-
 # --- what was published ---
 
 
@@ -123,17 +117,6 @@ def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
         "mapping.yaml:8:14 field 2 was published for 'gps' (Gps), but is given to Wind here",
         "mapping.lock:6:3 field 3 was published as 'heat' (Heat), but is missing in mapping.yaml",
     ]
-
-
-def test_a_number_of_two_earlier_payloads_is_two_facts(tmp_path: Path) -> None:
-    """The ledger has one payload for a number, the earlier state another: both were sent."""
-    context = Context(
-        _table(tmp_path, _IMU),
-        None,
-        Ledger(_published((1, "gps", "Gps"))),
-        earlier_entries=_published((1, "heat", "Heat"), file="before/mapping.yaml"),
-    )
-    assert [finding.also[0][0].file for finding in _found(context, "ENV102")] == ["before/mapping.yaml", "mapping.lock"]
 
 
 def test_an_earlier_state_is_not_where_a_number_is_missing(tmp_path: Path) -> None:
@@ -179,15 +162,6 @@ def test_new_numbers_follow_the_largest_old_one(
     assert {finding.severity for finding in found} <= {Severity.HINT}
 
 
-def test_numbers_that_are_retired_or_in_a_comment_are_not_skipped(tmp_path: Path) -> None:
-    """Both were used, or will be."""
-    rows = _IMU + _GPS.replace("2,", "4,") + "retired:\n  - {number: 2, name: wind, proto: Wind}\n"
-    files = {"envelope.proto": parse(_envelope("Imu imu = 1;", "\n// Heat heat = 3;\n"))}
-    context = Context(_table(tmp_path, rows), None, Ledger(_published((1, "imu", "Imu"))), files)
-    assert _said(context, "TAB106") == []
-    assert _said(dataclasses.replace(context, files={}), "TAB106") != []
-
-
 # --- the envelope's file ---
 
 
@@ -197,16 +171,6 @@ def test_our_envelope_is_compared_only_where_it_was_read(tmp_path: Path) -> None
     assert _said(context, "ENV105") == []
     stale = dataclasses.replace(context, files={"envelope.proto": parse(_envelope("Imu imu = 2;"))})
     assert _said(stale, "ENV105") == ["mapping.yaml:7:14 member 'imu' has the number 2, not 1"]
-
-
-def test_our_envelope_is_compared_although_it_does_not_compile(tmp_path: Path) -> None:
-    """A payload that was deleted breaks the stale file; what the table says otherwise is found all the same."""
-    envelope = parse('import "gone.proto"; message Envelope { oneof payload { .old.Gone imu = 1; Gps gps = 2; } }')
-    files = {"envelope.proto": envelope, "payloads.proto": parse(_PAYLOADS)}
-    context = Context(_table(tmp_path, _IMU + _GPS), Schema((), {}, {}), Ledger(), files)
-    assert _said(context, "ENV105") == [
-        "mapping.yaml:7:35 member 1 of the envelope has the type 'old.Gone', but the row says 'Imu'"
-    ]
 
 
 def test_an_envelope_of_another_owner_that_does_not_compile_is_not_missing(tmp_path: Path) -> None:
@@ -293,88 +257,16 @@ def test_enum_values_are_siblings_of_their_enum(tmp_path: Path, enum: str, messa
     assert [finding.severity for finding in _found(excluded, "NAM103")] == ([Severity.WARNING] if collides else [])
 
 
-@pytest.mark.parametrize(
-    ("proto", "direction", "contradicts"),
-    [
-        ("BoardImu", "board_to_ros", False),
-        ("BoardImu", "ros_to_base", True),
-        ("rover.BoardImu", "base_to_ros", True),
-        ("BoardImu", "spare_to_ros", False),
-        ("Imu", "base_to_ros", False),
-    ],
-)
-def test_direction_and_prefix(tmp_path: Path, proto: str, direction: str, contradicts: bool) -> None:
-    """A message of another peer's is one in whatever package; a name without any prefix is nobody's."""
-    row = f"  - {{number: 1, name: imu, proto: {proto}, topic: imu, direction: {direction}}}\n"
-    said = _said(Context(_table(tmp_path, row), None, Ledger()), "TAB105")
-    column = row.index(direction) + 1
-    message = f"'imu' has direction '{direction}', but '{proto}' has the prefix of the peer 'board'"
-    assert said == ([f"mapping.yaml:7:{column} {message}"] if contradicts else [])
-
-
-# --- settings of the lint ---
-
-
-def test_a_row_lowers_what_is_about_it_alone(tmp_path: Path) -> None:
-    """The finding of one row goes, the same of another one stays."""
-    off = ', lint: {TAB107: {severity: "off", reason: agreed}}}'
-    table = _table(tmp_path, _IMU.replace("}", off) + _GPS)
-    ledger = Ledger(_published((1, "imu", "Imu"), (2, "gps", "Gps"), topic="old"))
-    assert [finding.number for finding in _found(Context(table, None, ledger), "TAB107")] == [2]
-
-
-@pytest.mark.parametrize(
-    ("setting", "text"),
-    [
-        ("XYZ101: {severity: hint", "the lint has no rule 'XYZ101'"),
-        ("CNV101: {severity: hint", "the lint has no rule 'CNV101'"),
-        ("ENV101: {severity: warning", ""),
-        ("TAB107: {severity: warning", "TAB107 (topic-changed) has severity warning; 'warning' is not lower"),
-        ("TAB107: {severity: hint", ""),
-        ("TAB106: {severity: warning", "TAB106 (number-skipped) has severity hint; 'warning' is not lower"),
-        ('TAB106: {severity: "off"', ""),
-    ],
-)
-def test_settings_that_lower_nothing(tmp_path: Path, setting: str, text: str) -> None:
-    """A setting must name a rule of the lint, and less than what that rule says."""
-    table = _table(tmp_path, _IMU, f"lint:\n  {setting}, reason: agreed}}\n")
-    assert [f.message for f in _found(Context(table, None, Ledger()), "TAB108")] == ([text] if text else [])
-
-
-def test_a_fatal_rule_cannot_be_lowered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What could not be looked at is no matter of opinion."""
-    module = rules.modules()["TAB108"]
-    known = {"LED101": Rule("LED101", "unreadable-ledger", "It cannot be read.", Severity.FATAL)}
-    monkeypatch.setattr(module, "_rules", lambda: known)
-    table = _table(tmp_path, _IMU, 'lint:\n  LED101: {severity: "off", reason: agreed}\n')
-    (finding,) = module.check(Context(table, None, Ledger()))
-    assert finding.message == "LED101 (unreadable-ledger) is fatal, so its severity cannot be lowered"
-
-
 # --- sizes ---
 
 _NOTE = 'syntax = "proto3";\nmessage Note {\n  string text = 1;\n  uint32 count = 2;\n  repeated float more = 3;\n}\n'
 _TO_BASE = "  - {number: 1, name: note, proto: Note, topic: note, direction: ros_to_base}\n"
-_FORWARDED = _TO_BASE.replace("ros_to_base", "spare_to_ros, forward: [base]")
 
 
 def _sized(folder: Path, rows: str, bounds: Mapping[str, FieldBounds], outside: str = "") -> Context:
     files = {"payloads.proto": _NOTE, "envelope.proto": _envelope("Note note = 1;", outside=outside)}
     given = Bounds(fields={("Note", name): bound for name, bound in bounds.items()})
     return Context(_table(folder, rows), _schema(folder / "proto", files), Ledger(), bounds=given)
-
-
-def test_sizes_are_not_looked_at_where_they_are_not_known(tmp_path: Path) -> None:
-    """Without nanopb's options nothing is said of bounds."""
-    assert _said(dataclasses.replace(_sized(tmp_path, _TO_BASE, {}), bounds=None), "FIX101", "FIX102", "FIX103") == []
-
-
-@pytest.mark.parametrize("rows", [_TO_BASE, _FORWARDED, _TO_BASE + _TO_BASE.replace("1,", "2,")])
-def test_a_payload_without_bounds_is_found_once(tmp_path: Path, rows: str) -> None:
-    """At its first field without one; a peer with a largest size may also get it by `forward`."""
-    (finding,) = _found(_sized(tmp_path, rows, {}), "FIX101", "FIX102")
-    assert (finding.rule.id, finding.type, finding.number) == ("FIX101", "Note", 1)
-    assert str(finding.span) == "proto/payloads.proto:3:3"
 
 
 @pytest.mark.parametrize(
@@ -432,12 +324,3 @@ def test_bounds_that_shrank(
     assert said == ([f"'Note.{text}"] if text else [])
     unknown = dataclasses.replace(change, bounds_before=None)
     assert _found(dataclasses.replace(context, changes=(unknown,)), "FIX103") == []
-
-
-def test_a_renamed_field_keeps_its_bound(tmp_path: Path) -> None:
-    """Fields are the same by their numbers; their bounds go by their names."""
-    context = _sized(tmp_path, _TO_BASE, {"text": FieldBounds(max_length=9)})
-    before = _schema(tmp_path / "before", {"payloads.proto": _NOTE.replace("text", "words")})
-    bounds = Bounds(fields={("Note", "words"): FieldBounds(max_length=10)})
-    changed = dataclasses.replace(context, changes=(SchemaChange(before, before, bounds_before=bounds),))
-    assert [(f.type, f.number) for f in _found(changed, "FIX103")] == [("Note", 1)]

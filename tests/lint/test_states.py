@@ -91,13 +91,6 @@ def test_a_change_is_found_against_every_kind_of_state(tree: Path, run: Run, fou
     assert f"main:envelope.proto:8:5: published here ({id} 2026-02-03 0)" in run("lint", "protos", *_MAIN)[1]
 
 
-def test_a_line_that_is_not_committed_has_no_commit(tree: Path, run: Run) -> None:
-    """Of a working copy's own line, nothing is made up."""
-    (tree / "again.proto").write_text('syntax = "proto3";\n\npackage again;\n\nmessage Imu {}\n')
-    code, out, _ = run("lint", "protos", *_TREE)
-    assert (code, "  protos/again.proto:5:1: first declared here\n" in out) == (1, True)
-
-
 def test_a_ref_sees_the_folder_it_is_asked_for(tree: Path, found: Found) -> None:
     """A tree that is a folder within the repository is compared with that folder, and with nothing beside it."""
     (tree / "sub").mkdir()
@@ -142,32 +135,6 @@ def test_no_such_state(tree: Path, run: Run, state: str, said: str) -> None:
     assert (code, said in out, err) == (2, True, "")
 
 
-@pytest.mark.parametrize(("root", "said"), [("empty", "the folder contains no .proto file"), ("nowhere", "")])
-def test_no_such_tree(tree: Path, run: Run, root: str, said: str) -> None:
-    """A tree with nothing to look at is not a clean one, nor is one that is not there."""
-    Path("empty").mkdir()
-    code, out, _ = run("lint", root, *_TREE)
-    assert (code, f"fatal[STA103] {said}" in out) == (2, True)
-
-
-def test_a_branch_of_the_remote_is_offered(tree: Path, run: Run, tmp_path: Path) -> None:
-    """A clone of a CI server has no branch main of its own; the help names the one that it has."""
-    clone = tmp_path / "clone"
-    git(tmp_path, "clone", "--quiet", str(tree), str(clone))
-    git(clone, "switch", "--quiet", "--detach")
-    git(clone, "branch", "--quiet", "--delete", "--force", "main")
-    code, out, _ = run("lint", clone, *_MAIN)
-    help = "  help: write 'origin/main': this clone has 'main' only as a branch of the remote"
-    assert (code, help in out.splitlines()) == (2, True)
-
-
-def test_the_rest_is_looked_at_without_the_other_state(tree: Path, found: Found) -> None:
-    """Where there is no such state, it is one finding among those of the present, in any format."""
-    _replace(tree, "imu.proto", "latitude = 1;", "latitude = 1;\n  // double age = 2;\n  float hdop = 2;")
-    code, all = found("protos", "--against", "mian", *_TREE)
-    assert (code, _said(all, "id", "severity")) == (2, [("STA101", "fatal"), ("ENV109", "warning")])
-
-
 @pytest.mark.parametrize(
     ("named", "said"),
     [
@@ -210,12 +177,6 @@ def test_an_envelope_named_without_its_package(tree: Path, run: Run, found: Foun
     (tree / "other.proto").write_text('syntax = "proto3";\n\npackage other;\n\nmessage Envelope {}\n')
     code, out, _ = run("lint", "protos", *_TREE)
     assert (code, "help: use --message rover.Envelope or --message other.Envelope" in out) == (2, True)
-
-
-def test_numbers_and_texts_are_members_of_a_tree_s_envelope(tree: Path, found: Found) -> None:
-    """An envelope that carries more than messages agrees with itself."""
-    _replace(tree, "envelope.proto", "Gps gps = 2;", "Gps gps = 2;\n    uint32 timeout = 3;\n    string text = 4;")
-    assert found("protos", *_TREE) == (0, [])
 
 
 def test_a_state_that_does_not_compile(tree: Path, found: Found) -> None:

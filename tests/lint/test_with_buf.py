@@ -66,7 +66,6 @@ messages:
 """
 _ENVELOPE = 'syntax = "proto3";\nimport "imu.proto";\nmessage Envelope { oneof payload { rover.Imu imu = 1; } }\n'
 
-_BUF = buf.executable() or ""
 
 Run = Callable[..., tuple[int, str, str]]
 Found = Callable[..., tuple[int, dict[str, dict[str, Any]]]]
@@ -222,25 +221,6 @@ def test_exit_codes(lint: Run, tmp_path: Path) -> None:
     assert 'after: warning[FILE_NO_DELETE] Previously present file "gone.proto" was deleted.\n' in lint()[1]
 
 
-@needs_buf
-def test_deletion_with_care(by_rule: Found, tmp_path: Path) -> None:
-    """A reserved field that is gone is buf's, beside one whose number is not reserved, which is ours."""
-    gone = _BEFORE.replace("  int32 turns = 2;\n  float speed = 3;\n", '  reserved 2;\n  reserved "turns";\n')
-    write({"imu.proto": gone}, tmp_path / "after")
-    assert {id: one["number"] for id, one in by_rule()[1].items()} == {"FIELD_NO_DELETE": 2, "WIR102": 3}
-
-
-@needs_buf
-def test_reserved_names_are_for_buf_and_numbers_are_ours(lint: Run, tmp_path: Path) -> None:
-    """Of what is not reserved any more, the numbers are said once."""
-    for name, reserved in (("before", 'reserved 8, 20 to 29;\n  reserved "old";'), ("after", "reserved 22 to 25;")):
-        write({"imu.proto": _BEFORE.replace("{\n", f"{{\n  {reserved}\n", 1)}, tmp_path / name)
-    found = json.loads(lint("--format", "json")[1])
-    said = 'Previously present reserved name "old" on message "Imu" was deleted.'
-    assert [one["message"] for one in found if one["id"] != "WIR106"] == [said]
-    assert [one["id"] for one in found].count("WIR106") == 2
-
-
 # --- other states, and what is around ---
 
 
@@ -336,14 +316,6 @@ def test_buf_is_not_there(lint: Run, run: Run, other_bin: Path) -> None:
         "1 fatal error\n",
         "",
     )
-
-
-@needs_buf
-def test_a_buf_on_the_path(by_rule: Found, other_bin: Path, tmp_path: Path) -> None:
-    """It need not be installed with pip."""
-    (tmp_path / "nowhere").mkdir()
-    (tmp_path / "nowhere" / "buf").symlink_to(_BUF)
-    assert "FIELD_SAME_TYPE" in by_rule()[1]
 
 
 _FAILURES = {
