@@ -268,3 +268,10 @@ def test_words_without_effect(run: Run, arguments: list[str], said: str) -> None
     """What would not be looked at is not taken without a word."""
     code, out, err = run(*arguments)
     assert (code, out, said in err) == (2, "", True)
+
+
+@pytest.mark.parametrize("question", [[], ["--branches"]])
+def test_accepting_needs_the_history(question: list[str], run: Run) -> None:
+    """Nothing is accepted where nobody asked what there is."""
+    code, out, _ = run("lint", *question, "--accept")
+    assert (code, "fatal[RET102]" in out) == (2, True)
