@@ -139,6 +139,7 @@ def test_a_group_is_told_by_its_two_ends(project: Path, done: Start) -> None:
     ("message", "expected"),
     [
         (wrappers_pb2.Int64Value(value=-1), "value = 1: -1"),
+        (wrappers_pb2.Int64Value(value=5), "value = 1: 5"),
         (wrappers_pb2.UInt64Value(value=2**64 - 1), "value = 1: 18446744073709551615"),
         (wrappers_pb2.DoubleValue(value=0.1), "value = 1: 0.1"),
         (wrappers_pb2.FloatValue(value=0.1), "value = 1: 0.1"),

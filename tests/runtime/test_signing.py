@@ -134,9 +134,10 @@ def test_timestamps_follow_a_clock_that_is_set_later() -> None:
 
 def test_a_sender_without_a_clock_continues_from_what_it_has_verified() -> None:
     """The bridge has no clock; after one command of the basestation, the basestation accepts its datagrams."""
-    rover = Computer(wall=0).clock()
-    basestation = Computer().clock()
+    computer = Computer(wall=0)
+    rover, basestation = computer.clock(), Computer().clock()
     _verifier(0, rover).verify(Signer(NUMBER, KEY, basestation).sign(b"\x6a\0"), {"basestation"})
+    computer.steady += 5
     answer = Signer(NUMBER, Key(2, "ros", bytes(32)), rover).sign(b"\x6a\0")
     assert _verdict(Verifier(NUMBER, [(Key(2, "ros", bytes(32)), NOW - 100)], basestation), answer, "ros") == "accepted"
 
