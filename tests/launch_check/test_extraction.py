@@ -64,6 +64,7 @@ Server::Server(const rclcpp::NodeOptions & options)
   pub_ = create_publisher<std_msgs::msg::Bool>("say \\" + " + frame_, depth_);
   pub_ = create_publisher<std_msgs::msg::Empty>(text.str().c_str(), 1);
   pub_ = create_publisher<std_msgs::msg::Empty>(known_later(1), 1);
+  pub_ = create_publisher<std_msgs::msg::Char>("bare");
 }
 Base::Base(const std::string & name, const rclcpp::NodeOptions & options) : Node(name, options) {
   declare_parameter("count", 9);
@@ -131,6 +132,7 @@ def test_topics_have_types_and_qos(catalogue: dict[str, Any]) -> None:
     assert catalogue["classes"]["my_layers::Server"]["endpoints"] == [
         dict(zip(keys, values))
         for values in (
+            ("publisher", "bare", "std_msgs/msg/Char", "reliable", "volatile"),
             ("publisher", "rocks/base_link", "std_msgs/msg/Empty", "reliable", "volatile"),
             ("publisher", "rocks/map", "nav_msgs/msg/OccupancyGrid", "reliable", "transient_local"),
             ("publisher", 'say " + base_link', "std_msgs/msg/Bool", "reliable", "volatile"),
