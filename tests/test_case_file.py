@@ -52,5 +52,7 @@ def test_cases_are_tidy() -> None:
 def test_every_shared_file_is_used() -> None:
     """No file is left in tests/shared/ that no case uses."""
     texts = "".join(path.read_text(encoding="utf-8") for path in {case.path for case in _CASES})
+    lint = "".join(path.read_text(encoding="utf-8") for path in _TESTS.glob("lint/cases/*.yaml"))
+    texts += "".join(f"use: shared/ledgers/{name}.lock as " for name in re.findall(r"ledger: (\w+)", lint))
     shared = [path.relative_to(_TESTS).as_posix() for path in (_TESTS / "shared").rglob("*") if path.is_file()]
     assert [path for path in shared if f"use: {path} as " not in texts] == []

@@ -97,6 +97,7 @@ def test_values_as_people_read_them() -> None:
     """Each kind of value is told as a .proto file's author would write it."""
     for message, expected in (
         (wrappers_pb2.Int64Value(value=-1), "-1"),
+        (wrappers_pb2.Int64Value(value=5), "5"),
         (wrappers_pb2.UInt64Value(value=2**64 - 1), "18446744073709551615"),
         (wrappers_pb2.DoubleValue(value=0.1), "0.1"),
         (wrappers_pb2.FloatValue(value=0.1), "0.1"),

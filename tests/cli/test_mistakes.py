@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from needs import NO_AV, NO_ONNX, NO_OPENCV
+from needs import NO_AV, NO_FOXGLOVE, NO_ONNX, NO_OPENCV
 from running import exit_code, record_one_message
 
 _HERE = Path(__file__).parent
@@ -88,6 +88,8 @@ def test_a_line_that_cannot_be_obeyed_is_told(
         pytest.importorskip(package, reason=reason)
     if packages and not (folder / "camera.yml").exists():
         _write_pictures(folder)
+    if "--foxglove" in line:
+        pytest.importorskip("foxglove", reason=NO_FOXGLOVE)
     if "--pipeline" in line and shutil.which("gst-launch-1.0") is None:
         pytest.skip("need GStreamer (apt-get install gstreamer1.0-tools)")
     side = "--side 0.15 --landmarks landmarks.yaml"

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 import websockets
 from linked import TABLE, write_project
-from needs import needs_dds
+from needs import NO_FOXGLOVE, needs_dds
 from polling import wait_until
 from programs import Start
 from prometheus_client.parser import text_string_to_metric_families
@@ -86,6 +86,7 @@ def _crossed(families: dict[str, Any]) -> dict[str, float]:
 
 def test_a_running_bridge_tells_what_it_does(bridge: Bridge) -> None:
     """Metrics count what crosses, a client of Foxglove gets every topic with its schema; every log line is JSON."""
+    pytest.importorskip("foxglove", reason=NO_FOXGLOVE)
     foxglove = ("--foxglove", 0, "--foxglove-address", _EVERY_ADDRESS)
     program, port = bridge("--no-diagnostics", "--metrics", 0, *foxglove, "--log-format", "json")
     page, address = (

@@ -127,9 +127,9 @@ def test_the_rover_stands_before_it_drives_in_the_other_direction() -> None:
 def test_a_board_that_is_too_fast_gets_less() -> None:
     """A board chooses its speed by itself. The measured speed is fed back, so that its mean is the wanted one."""
     rover = _Rover()
-    rover.localized = PlanarPose(), "map", 0.0
     rover.speed, left, driven = 0.0, 0.0, []
-    for _ in range(400):
+    for number in range(400):
+        rover.localized = (PlanarPose(), "map", 0.0) if number % 2 else None  # a speed counts until the next one
         rover.control.drive(0.2, 0.0, rover.now)
         command = rover.tick()
         left = command.distance_to_go if command else left

@@ -59,6 +59,14 @@ _CASES: Mapping[str, Case] = {
     "a whole number in place of a floating point number": _controller(
         "controller_frequency: 20", finding="p.yaml:3:5: PAR103 write 20.0"
     ),
+    "whole numbers in a list of floating point numbers": (
+        {
+            "a_launch.yaml": "launch:\n  - node: {pkg: nav2_velocity_smoother, exec: velocity_smoother, "
+            "name: velocity_smoother, param: [{from: p.yaml}]}\n",
+            "p.yaml": _parameters("velocity_smoother", "max_velocity: [1, 0, 2]"),
+        },
+        ["p.yaml:3:5: PAR103 write [1.0, 0.0, 2.0]"],
+    ),
     "a parameter one level too high": _controller(
         "acc_lim_theta: 0.5", finding="p.yaml:3:5: PAR102 it belongs to 'FollowPath.acc_lim_theta'"
     ),
@@ -126,9 +134,13 @@ _CASES: Mapping[str, Case] = {
     "a remapping without effect": (
         {
             "a_launch.yaml": "launch:\n  - node:\n      pkg: rtabmap_slam\n      exec: rtabmap\n      remap:\n"
-            "        - {from: rgb/image_raw, to: a}\n"
+            "        - {from: rgb/image_raw, to: a}\n        - {from: /rgb/image_raw, to: a}\n        - {from: a}\n"
         },
-        ["a_launch.yaml:6:18: TOP101 did you mean 'rgb/image'?"],
+        [
+            "a_launch.yaml:5:7: LCH103",
+            "a_launch.yaml:6:18: TOP101 did you mean 'rgb/image'?",
+            "a_launch.yaml:7:18: TOP101 did you mean '/rgb/image'?",
+        ],
     ),
     "a topic that is spelled in two ways": (
         {
@@ -355,7 +367,7 @@ _RTABMAP_NODE = "  - node: {pkg: rtabmap_slam, exec: rtabmap}\n"
 @pytest.mark.parametrize(
     ("name", "text", "code", "message"),
     [
-        ("a_launch.yaml", "launch:\n  - node: {pkg: a", 2, "not valid YAML"),
+        ("a_launch.yaml", "launch:\n  - node: {pkg: a: b", 2, "a_launch.yaml:2:18: fatal[LCH101] not valid YAML: "),
         ("a_launch.yaml", "nodes: []\n", 2, "the file has no list 'launch'"),
         ("a_launch.yaml", "<launch><node></launch>", 2, "not valid XML"),
         ("a_launch.yaml", "launch:\n  - include: {file: missing_launch.yaml}\n", 2, "missing_launch.yaml"),

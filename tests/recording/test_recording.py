@@ -282,6 +282,7 @@ def test_a_defect_of_the_recorder_does_not_reach_the_bridge(tmp_path: Path, capl
         received([b"late"])
     assert "the recording failed (TypeError" in caplog.text
     assert writing.lost == 1
+    assert (tmp_path / "run.mcap").read_bytes().endswith(b"\x89MCAP0\r\n")  # the file has an end
 
 
 def test_any_cut_and_any_damage_is_read_up_to_there_or_told(tmp_path: Path) -> None:

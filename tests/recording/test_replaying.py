@@ -170,6 +170,7 @@ def _retype(files: Any) -> None:
     [
         (_rename, {"acceleration_x": 1.5}, {"accel_x": 1.5}),  # protobuf itself keeps them compatible
         (_swap, {"accel_x": 1.0, "accel_y": 2.0}, {"accel_x": 1.0, "accel_y": 2.0}),
+        (_swap, {}, {}),  # an empty payload is still there
         (_retype, {"accel_x": 1.5, "accel_y": "up", "accel_z": 3.0}, {"accel_x": 1.5, "accel_z": 3.0}),
     ],
 )

@@ -184,6 +184,14 @@ def test_loss_and_round_trip_are_measured() -> None:
         assert report.clock_offset_us == pytest.approx(-wall_us, abs=500_000)
 
 
+def test_no_two_link_messages_have_the_same_time() -> None:
+    """An echo names a link message by its time, also on a computer whose clock has not moved."""
+    board = _board(_DRIVE_ROWS)
+    for time_us, sent in ((5, 0), (6, 1)):
+        board.write(5)
+        assert board.sent_before(time_us) == sent
+
+
 def test_lost_commands_are_counted_by_what_the_board_received() -> None:
     """The board tells how many datagrams came before the link message that it answers; the rest is lost."""
     with _rig() as rig:

@@ -99,6 +99,25 @@ def test_timestamps_rise_whatever_the_clock_does() -> None:
     assert third == NOW + 5 * TICKS_PER_SECOND
 
 
+def test_timestamps_follow_a_clock_that_is_set_later() -> None:
+    """A computer without a battery starts in 1970 and gets the time from the network."""
+    computer = Computer(wall=0)
+    clock = computer.clock()
+    assert clock.next() == 1
+    computer.wall = 1_795_000_000
+    assert clock.next() == NOW
+
+
+def test_a_sender_without_a_clock_continues_from_what_it_has_verified() -> None:
+    """The bridge has no clock; after one command of the basestation, the basestation accepts its datagrams."""
+    computer = Computer(wall=0)
+    rover, basestation = computer.clock(), Computer().clock()
+    _verifier(0, rover).verify(Signer(NUMBER, KEY, basestation).sign(b"\x6a\0"), {"basestation"})
+    computer.steady += 5
+    answer = Signer(NUMBER, Key(2, "ros", bytes(32)), rover).sign(b"\x6a\0")
+    assert _verdict(Verifier(NUMBER, [(Key(2, "ros", bytes(32)), NOW - 100)], basestation), answer, "ros") == "accepted"
+
+
 def test_the_largest_timestamp_ends_the_key_without_an_error() -> None:
     """In the year 2104, a signer repeats the last timestamp, which is refused, instead of failing."""
     signer = Signer(NUMBER, KEY, SigningClock(2**48 - 2))

@@ -286,6 +286,7 @@ def test_a_silent_topic_does_not_fill_the_memory() -> None:
     waiting = [(0, stamp) for stamp in range(100)]
     assert _run([*waiting, (1, 94), (1, 96)], 2, 0, queue=5) == [(96, 96)]
     assert _run([*waiting, (1, 97)], 2, 0, queue=5) == [(97, 97)]
+    assert _run([*((1, stamp) for stamp in range(100)), (0, 94), (0, 96)], 2, 0, queue=5) == [(96, 96)]
 
 
 @pytest.mark.parametrize("slop", [0, 5])
