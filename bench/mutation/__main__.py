@@ -18,7 +18,9 @@ from bench.mutation.mutants import Mutant, sample
 
 FOLDERS = {"generator": 112, "roverlink": 65, "vision": 53, "runtime": 51, "launch_check": 29, "driving": 10}
 """Mutants of each folder, in proportion to its lines of code."""
-EXAMPLE = "example: python -m bench.mutation --again build/mutation/before.json --json build/mutation/after.json"
+BASELINE = Path(__file__).parent / "baseline.jsonl"
+"""The verdicts of an earlier suite on the sample of seed 36: what later ones have to notice as well."""
+EXAMPLE = "example: python -m bench.mutation --out build/mutation/after.jsonl --workers 3"
 
 
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
@@ -28,9 +30,16 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
         "notice. The default tests that cover the line judge.",
         epilog=EXAMPLE,
     )
-    parser.add_argument("--seed", type=int, default=36, help="seed of the sample (default: %(default)s)")
-    parser.add_argument("--again", type=Path, metavar="FILE", help="judge the mutants of an earlier result again")
-    parser.add_argument("--json", type=Path, default=Path("build/mutation/result.json"), metavar="FILE", help="result")
+    parser.add_argument(
+        "--seed", type=int, help="draw a new sample with this seed (default: judge that of the baseline)"
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("build/mutation/verdicts.jsonl"),
+        metavar="FILE",
+        help="a line of JSON for each verdict (default: %(default)s)",
+    )
     parser.add_argument(
         "--recorded", type=Path, metavar="DIR", help="folder with coverage and junit.xml of an earlier run of the tests"
     )
@@ -40,9 +49,13 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
 
 
 def main(words: Sequence[str]) -> int:
-    """Judge the sample; the exit code is 1 if a folder kills fewer mutants than in the result of ``--again``."""
+    """Judge the sample; the exit code is 1 if a folder kills fewer mutants than in the baseline."""
     options = _arguments(words)
-    earlier = [_verdict(entry) for entry in json.loads(options.again.read_text())] if options.again else []
+    lines = BASELINE.read_text(encoding="utf-8").splitlines() if options.seed is None else []
+    earlier = [_verdict(json.loads(line)) for line in lines]
+    for verdict in [verdict for verdict in earlier if not verdict.mutant.is_sound(ROOT)]:
+        print(f"left out, for the code has changed: {verdict.mutant.path}:{verdict.mutant.line}")
+        earlier.remove(verdict)
     mutants = [verdict.mutant for verdict in earlier] or sample(ROOT, FOLDERS, options.seed)
     folder = options.recorded or ROOT / "build" / "mutation"
     if not options.recorded:
@@ -61,13 +74,13 @@ def main(words: Sequence[str]) -> int:
             places.put(place)
 
     verdicts: dict[Mutant, Verdict] = {}
-    options.json.parent.mkdir(parents=True, exist_ok=True)
+    options.out.parent.mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor(options.workers) as pool:
         while left := [mutant for mutant in mutants if mutant not in verdicts]:
             for verdict in _with_progress(pool.map(judge, left), len(left)):
                 verdicts[verdict.mutant] = verdict
-                text = json.dumps([asdict(each) for each in verdicts.values()], indent=1)
-                options.json.write_text(text, encoding="utf-8")
+                text = "".join(json.dumps(asdict(each)) + "\n" for each in verdicts.values())
+                options.out.write_text(text, encoding="utf-8")
             # A killer that fails without a fault, too, says nothing: its mutants are judged once more without it.
             killed_by = sorted({verdict.killer for verdict in verdicts.values()} - {"", "timeout"})
             place = places.get()
