@@ -18,17 +18,22 @@ from building import missing  # noqa: E402
 from golden import case  # noqa: E402
 from needs import NO_ROS  # noqa: E402
 
-_CASES = [
-    *("any_of", "awkward_names", "cpp_handlers", "enums", "maps", "nested", "oneofs", "presence", "scalars"),
-    *("standard_absences", "standard_axes", "standard_enums", "standard_euler", "standard_lists"),
-    *("standard_own_messages", "standard_times", "standard_units", "well_known"),
-]
+_SOME = ("cpp_handlers", "oneofs", "standard_euler", "standard_lists", "well_known")
+_OTHERS = (
+    *("any_of", "awkward_names", "enums", "maps", "nested", "presence", "scalars", "standard_absences"),
+    *("standard_axes", "standard_enums", "standard_own_messages", "standard_times", "standard_units"),
+)
 """What has a conversion of its own, and compiles with the protoc of Debian 12, which knows no editions."""
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(bool(missing()), reason=NO_ROS)
-@pytest.mark.parametrize("name", _CASES)
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(pytest.param(name, marks=pytest.mark.slow) for name in _SOME),
+        *(pytest.param(name, marks=pytest.mark.exhaustive) for name in _OTHERS),
+    ],
+)
 def test_cpp_handlers_give_what_python_handlers_give(name: str, tmp_path: Path) -> None:
     """Any payload becomes the same serialized message, any message the same payload; both refuse the same."""
     project = case(name).write_inputs(tmp_path)

@@ -89,7 +89,7 @@ def test_corners_are_better_than_those_of_apriltag() -> None:
     assert ours.rotation_median < other.rotation_median
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_intervals_of_all_lenses_hold_the_truth() -> None:
     """From images, with a narrow, a wide and a fisheye lens."""
     ours = [run for run in measure_lenses(2) if run.contestant == OURS]
