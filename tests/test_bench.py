@@ -34,7 +34,7 @@ def _contestants(tmp_path: Path, programs: str) -> set[tuple[str, str]]:
     return {(point["setting"], point["contestant"]) for point in report["sections"]["bridging"]["points"]}
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_bench_measures_every_section_without_compilers(tmp_path: Path) -> None:
     """Load and observers are then in Python."""
     programs = tmp_path / "bin"

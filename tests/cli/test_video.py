@@ -201,7 +201,7 @@ def test_running_streams_are_changed(start: Start, called: Called, images: Path)
     assert "front.rate: 30.0" in changed()
     for change, problem in (
         ("front.bitrate=5", "stream front: the bitrate is 5 and the least one 150 kbit/s; both must be from 10"),
-        ("vidoe.rate=5", "no sender has a stream 'vidoe'; did you mean "),
+        ("frotn.rate=5", "no sender has a stream 'frotn'; did you mean 'front'?"),
     ):
         code, _, errors = called("video", "set", change, "--middleware", "dds")
         assert code == 2

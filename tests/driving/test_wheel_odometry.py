@@ -332,7 +332,7 @@ def _straight(link: FaultyLink) -> None:
     link.run(205)
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("drive", [_straight, lambda link: _arcs(link, 100, True), lambda link: _stream(link, 100)])
 def test_a_hundred_metres_with_slip(drive: Callable[[FaultyLink], object]) -> None:
     """The figures of docs/odometry.md: of 100 drives, 95 drift less than 3 %, and the covariance is honest."""

@@ -21,7 +21,7 @@ def test_everything_adds_up_with_everything_switched_on(done: Start, tmp_path: P
     """Signatures, link messages, a learned address, rate limits and attacks: every datagram is found by its reason."""
     write_project(tmp_path / "rover")
     scenarios = chain.from_iterable(("--scenario", name) for name in reversed(SCENARIOS))
-    options = ("--project", tmp_path / "rover", "--bridge", "memory", "--seconds", 3, "--rate", 500, "--json")
+    options = ("--project", tmp_path / "rover", "--bridge", "memory", "--seconds", 10, "--rate", 500, "--json")
     code, output, errors = done("simulate", *options, *scenarios)
     assert code == 0, output + errors
     account = json.loads(output)

@@ -46,7 +46,7 @@ def test_poses_are_as_accurate_as_promised() -> None:
     check(48, 12, 100 * 11 / 12 - 0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("side_px", GOALS)
 def test_poses_are_as_accurate_as_promised_over_many(side_px: int) -> None:
     """Two hundred poses reach the goals, and the NEES its band."""
@@ -108,7 +108,7 @@ def test_the_shipped_model_is_small_and_names_its_classes() -> None:
     assert ObjectDetector(PATH).class_names == CLASSES
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_shipped_model_finds_the_objects_of_other_scenes() -> None:
     """With another seed than that of the training, mAP50 is at least 0.9 and IDF1 0.95.
 

@@ -66,7 +66,7 @@ def test_a_rendered_rock_has_its_size() -> None:
     assert 0.5 < found.valid < 1
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_sizes_are_as_accurate_as_promised() -> None:
     """Ellipsoids and irregular rocks all have a result; the depth at the two pixels alone is far worse."""
     found = list(rocks.measure_rocks(60, list(GOALS)))
