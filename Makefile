@@ -48,7 +48,7 @@ dist: $(VENV)/ready-dist  ## build the sdist, and from it the wheel, in dist/
 test-dist: dist  ## the wheel and the sdist in an empty environment and an empty folder: the three jobs of the README
 	$(BIN)/python tests/distribution/smoke.py dist/roverlink-*
 
-ros-package: $(VENV)/ready  ## build generated/ros and navigation with colcon and rosidl, which have to be installed, and use them
+ros-package: $(VENV)/ready-dev  ## build generated/ros and navigation with colcon and rosidl, which have to be installed, and use them
 	$(BIN)/python tests/ros/build.py
 
 soak: $(VENV)/ready  ## five minutes of datagrams for the sample rover, and five with all of the table switched on: each accounted for, in flat memory
