@@ -29,6 +29,7 @@ from bench.video.radio_link import HOST, RadioLink
 from generated.messages import DrivingBoardMotorMessage
 from generated.registry import REGISTRY
 from roverlink.console import isolate_ros
+from roverlink.dds_domain import UNTIL_EXIT
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.handler import Qos
@@ -36,8 +37,6 @@ from roverlink.runtime.interfaces.geometry_msgs import Twist, Vector3
 from roverlink.runtime.middleware import Middleware, NodeIdentity
 from roverlink.simulation.bridge_host import BridgeProcess
 
-_HELD = ExitStack()
-"""The DDS domain, until the process ends."""
 _PERIOD_S = 0.05
 _START_S = 30.0
 _SPEED = 0.3
@@ -224,7 +223,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the tables to FILE")
     options = parser.parse_args(words)
     found = [name for name, package in (("dds", "cyclonedds"), ("rclpy", "rclpy")) if find_spec(package)]
-    isolate_ros(_HELD)
+    isolate_ros(UNTIL_EXIT)
     progress = Console(stderr=True, highlight=False, markup=False)
     of_latency, of_stops = list[Sequence[str]](), list[Sequence[str]]()
     try:

@@ -4,7 +4,6 @@ import importlib.util
 import os
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from bench.errors import BenchError
 from bench.native import Programs, build, missing_packages
 from bench.process import Child
 from bench.wire import compile_python, envelope_closure
-from roverlink.dds_domain import claim_domain
+from roverlink.dds_domain import UNTIL_EXIT, claim_domain
 
 # Loopback has no multicast, so discovery needs an explicit peer.
 CYCLONEDDS_ON_LOOPBACK = (
@@ -22,8 +21,6 @@ CYCLONEDDS_ON_LOOPBACK = (
     "<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address='localhost'/></Peers></Discovery>"
     "</Domain></CycloneDDS>"
 )
-_HELD = ExitStack()
-"""The DDS domain, until the process ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +82,7 @@ def prepare(
 
 def _environment() -> dict[str, str]:
     # A domain of our own: no robot on the network listens to it, and two benchmarks at once do not share it.
-    return {**os.environ, "CYCLONEDDS_URI": CYCLONEDDS_ON_LOOPBACK, "ROS_DOMAIN_ID": str(claim_domain(_HELD))}
+    return {**os.environ, "CYCLONEDDS_URI": CYCLONEDDS_ON_LOOPBACK, "ROS_DOMAIN_ID": str(claim_domain(UNTIL_EXIT))}
 
 
 def _programs(

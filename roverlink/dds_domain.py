@@ -8,6 +8,8 @@ from contextlib import ExitStack
 # first participant. The ports of domains above 100 are in the range that Linux gives to any program.
 _FIRST_PORT, _PORTS, _FIRST_PARTICIPANT = 7400, 250, 10
 _DOMAINS = range(1, 101)
+UNTIL_EXIT = ExitStack()
+"""Holds a domain as long as the process runs."""
 
 
 def claim_domain(held: ExitStack) -> int:

@@ -1,1 +1,1 @@
-"""How many small faults in the code the tests notice."""
+"""Mutation run: small faults in the code, and the tests that notice them."""

@@ -43,7 +43,9 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--recorded", type=Path, metavar="DIR", help="folder with coverage and junit.xml of an earlier run of the tests"
     )
-    parser.add_argument("--budget", type=float, default=30.0, help="seconds of tests for a mutant (default: 30)")
+    parser.add_argument(
+        "--budget", type=float, default=20.0, help="seconds of tests for a mutant (default: 20, as in the baseline)"
+    )
     parser.add_argument("--workers", type=int, default=2, help="mutants at once (default: %(default)s)")
     return parser.parse_args(words)
 

@@ -38,7 +38,7 @@ source =
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the tests said about a mutant."""
+    """Judgement of the tests about a mutant."""
 
     mutant: Mutant
     tests: int

@@ -6,7 +6,6 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -15,13 +14,11 @@ from bench.errors import BenchError
 from bench.process import Child
 from bench.result import Group, SectionResult, Table
 from bench.vision.image_tools import RATE_HZ, SIZE
-from roverlink.dds_domain import claim_domain
+from roverlink.dds_domain import UNTIL_EXIT, claim_domain
 
 GOAL_PERCENT = 15
 _ENCODINGS = ("bgr8", "rgb8")
 _START_S = 30.0
-_HELD = ExitStack()
-"""The DDS domain, until the process ends."""
 _TOOL = ("-m", "bench.vision.image_tools")
 
 
@@ -40,7 +37,7 @@ def measure(seconds: float, out: Path, say: Callable[[str], None]) -> SectionRes
     """Measure each receiver for some seconds, one after the other; `out` is the folder for their logs."""
     environment = {
         **os.environ,
-        "ROS_DOMAIN_ID": str(claim_domain(_HELD)),
+        "ROS_DOMAIN_ID": str(claim_domain(UNTIL_EXIT)),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     results = []
