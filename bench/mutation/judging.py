@@ -107,7 +107,8 @@ def _passed_tests(report: Path) -> list[tuple[str, float]]:
 def record(root: Path, out: Path) -> None:
     """Run the default tests once, and write which lines each of them runs."""
     out.mkdir(parents=True, exist_ok=True)
-    config, data = out / "coverage.ini", out / "coverage"
+    # Coverage removes old data first: every file whose name begins with that of the data and a dot.
+    config, data = out / "recording.ini", out / "coverage"
     config.write_text(_CONFIG, encoding="utf-8")
     options = [
         "--cov",
@@ -118,7 +119,7 @@ def record(root: Path, out: Path) -> None:
     ]
     command = [sys.executable, "-m", "pytest", "-q", "-n", "auto", "--dist", "worksteal", *options]
     done = subprocess.run(command, cwd=root, env={**os.environ, "MUTATION_DATA": str(data)}, check=False)  # noqa: S603
-    if not data.exists():
+    if done.returncode not in (0, 1):  # 1: some tests failed, which do not judge
         raise BenchError(f"the tests were not recorded (exit code {done.returncode}); pip install 'pytest-cov>=7'")
 
 
