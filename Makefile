@@ -12,7 +12,7 @@ SOAK_FAULTS := $(addprefix --scenario ,reboot old-schema malformed padded lossy)
 FUZZ_SECONDS ?= 60
 # Without the compiled modules, each program that a test starts compiles all of roverlink again.
 unexport PYTHONDONTWRITEBYTECODE
-HAND_WRITTEN := generator runtime vision driving launch_check navigation roverlink bench tests docs
+HAND_WRITTEN := generator runtime roverlink rover check_launch bench tests docs conftest.py
 
 .PHONY: help demo test test-all exhaustive test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision bench-video mutation pictures generate docs docs-reference clean
 
@@ -33,7 +33,7 @@ exhaustive: $(VENV)/ready-full  ## thousands of random histories, every change o
 	$(MAKE) soak SOAK_SECONDS=3600
 
 test-vision: $(VENV)/ready-vision  ## the tests of the camera programs; OPENCV=4.8 with that version of OpenCV
-	$(PYTEST) tests/vision tests/cli/test_aruco_track.py tests/cli/test_aruco_calibrate.py tests/cli/test_objects_*.py tests/cli/test_video.py
+	$(PYTEST) rover/tests/vision rover/tests/programs/test_aruco_track.py rover/tests/programs/test_aruco_calibrate.py rover/tests/programs/test_objects_*.py rover/tests/programs/test_video.py
 
 test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2=jazzy for one of them
 	$(PYTHON) tests/ros2/run.py $(ROS2)
@@ -41,14 +41,14 @@ test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2
 test-aarch64:  ## roverlink from its wheel on an aarch64 that QEMU emulates; needs root
 	tests/aarch64/run.sh
 
-dist: $(VENV)/ready-dist  ## build the sdist, and from it the wheel, in dist/
-	rm -f dist/roverlink-*.whl dist/roverlink-*.tar.gz
-	$(BIN)/python -m build --outdir dist
+dist: $(VENV)/ready-dist  ## build the sdists of the three products, and from them the wheels, in dist/
+	rm -f dist/*.whl dist/*.tar.gz
+	for product in . rover check_launch; do $(BIN)/python -m build --outdir dist $$product || exit 1; done
 
 test-dist: dist  ## the wheel and the sdist in an empty environment and an empty folder: the three jobs of the README
-	$(BIN)/python tests/distribution/smoke.py dist/roverlink-*
+	$(BIN)/python tests/distribution/smoke.py dist
 
-ros-package: $(VENV)/ready-dev  ## build generated/ros and navigation with colcon and rosidl, which have to be installed, and use them
+ros-package: $(VENV)/ready-dev  ## build generated/ros and rover/navigation with colcon and rosidl, which have to be installed, and use them
 	$(BIN)/python tests/ros/build.py
 
 soak: $(VENV)/ready  ## five minutes of datagrams for the sample rover, and five with all of the table switched on: each accounted for, in flat memory
@@ -73,17 +73,17 @@ bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise
 	$(BIN)/python -m bench
 
 bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on rendered frames, beside OpenCV (OPENCV=4.8: that version)
-	$(BIN)/python -m bench.vision
+	$(BIN)/python -m rover.bench.vision
 
 bench-video: $(VENV)/ready-bench-video  ## video on loopback and on bad links, beside GStreamer, which has to be installed
-	$(BIN)/python -m bench.video
+	$(BIN)/python -m rover.bench.video
 
 mutation: $(VENV)/ready-full  ## small faults in a sample of places: how many of them the tests notice
 	$(BIN)/python -m bench.mutation
 
 pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md, docs/objects.md, docs/calibration.md and docs/operations.md (with Chromium), and the recording for the first
-	$(BIN)/python -m bench.vision.pictures
-	$(BIN)/python -m bench.vision.page_pictures
+	$(BIN)/python -m rover.bench.vision.pictures
+	$(BIN)/python -m rover.bench.vision.page_pictures
 	$(BIN)/python -m bench.link_page_pictures
 
 generate: $(VENV)/ready  ## compile mapping.yaml
@@ -97,7 +97,7 @@ docs-reference: $(VENV)/ready  ## write the reference tables in docs/ from the c
 	$(BIN)/python docs/site/committed_tables.py
 
 clean:  ## remove what was made here, the environment included
-	rm -rf $(VENV) .ros2 .aarch64 build dist/roverlink-* .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .ros2 .aarch64 build dist/*.whl dist/*.tar.gz .mypy_cache .pytest_cache .ruff_cache .hypothesis
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
@@ -107,25 +107,25 @@ $(VENV)/bin/python:
 		{ rm -rf $(VENV); echo "$(PYTHON) cannot make environments; on Debian and Ubuntu: apt-get install python3-venv"; exit 2; }
 
 # What each environment needs, and its size on the disk in megabytes.
-$(VENV)/ready: EXTRAS = standard
+$(VENV)/ready: PACKAGES = '.[standard]'
 $(VENV)/ready: SIZE = 200
-$(VENV)/ready-demo: EXTRAS = standard,detect,video
+$(VENV)/ready-demo: PACKAGES = '.[standard]' './rover[detect,video]'
 $(VENV)/ready-demo: SIZE = 750
-$(VENV)/ready-dev: EXTRAS = dev
+$(VENV)/ready-dev: PACKAGES = '.[dev]' './rover[vision]' ./check_launch
 $(VENV)/ready-dev: SIZE = 550
-$(VENV)/ready-full: EXTRAS = full
+$(VENV)/ready-full: PACKAGES = '.[full]' './rover[train,fusion,video]' ./check_launch
 $(VENV)/ready-full: SIZE = 1700
-$(VENV)/ready-vision: EXTRAS = dev,detect,fusion,video
+$(VENV)/ready-vision: PACKAGES = '.[dev]' './rover[detect,fusion,video]' ./check_launch
 $(VENV)/ready-vision: SIZE = 1000
-$(VENV)/ready-docs: EXTRAS = docs
+$(VENV)/ready-docs: PACKAGES = '.[docs]' ./rover ./check_launch
 $(VENV)/ready-docs: SIZE = 200
-$(VENV)/ready-fuzz: EXTRAS = fuzz
+$(VENV)/ready-fuzz: PACKAGES = '.[fuzz]'
 $(VENV)/ready-fuzz: SIZE = 150
-$(VENV)/ready-bench: EXTRAS = bench
+$(VENV)/ready-bench: PACKAGES = '.[bench]' ./rover
 $(VENV)/ready-bench: SIZE = 450
-$(VENV)/ready-bench-vision: EXTRAS = detect,bench
+$(VENV)/ready-bench-vision: PACKAGES = '.[bench]' './rover[detect]'
 $(VENV)/ready-bench-vision: SIZE = 850
-$(VENV)/ready-bench-video: EXTRAS = video,bench
+$(VENV)/ready-bench-video: PACKAGES = '.[bench]' './rover[video]'
 $(VENV)/ready-bench-video: SIZE = 750
 
 $(VENV)/ready-dist: | $(VENV)/bin/python
@@ -134,7 +134,7 @@ $(VENV)/ready-dist: | $(VENV)/bin/python
 	@touch $@
 
 # Not --quiet: pip shows the progress of each download.
-$(addprefix $(VENV)/,ready ready-demo ready-dev ready-full ready-vision ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml | $(VENV)/bin/python
-	@echo "installing roverlink with [$(EXTRAS)] in $(VENV): about $(SIZE) MB on the disk; the first time, this can take minutes"
-	@$(BIN)/python -m pip install --disable-pip-version-check --editable '.[$(EXTRAS)]' $(OPENCV_PIN)
+$(addprefix $(VENV)/,ready ready-demo ready-dev ready-full ready-vision ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml rover/pyproject.toml check_launch/pyproject.toml | $(VENV)/bin/python
+	@echo "installing in $(VENV): about $(SIZE) MB on the disk; the first time, this can take minutes"
+	@$(BIN)/python -m pip install --disable-pip-version-check $(addprefix --editable ,$(PACKAGES)) $(OPENCV_PIN)
 	@touch $@

@@ -11,8 +11,8 @@ from tempfile import TemporaryDirectory
 
 from bench.errors import BenchError
 from bench.followed_page import FollowedPage, followed_page
-from bench.vision.browser import Visitor, browser
 from bench.watched_link import WatchedLink, watched_link
+from rover.bench.vision.browser import Visitor, browser
 
 FOLDER = Path("docs/operations")
 SCREEN, TABLET, PHONE = (1280, 1560), (768, 820), (390, 1100)

@@ -11,43 +11,25 @@ import importlib
 import os
 import signal
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 
-COMMANDS = (
-    "init",
-    "generate",
-    "add",
-    "lint",
-    "explain",
-    "retire",
-    "next-number",
-    "history",
-    "run",
-    "send",
-    "listen",
-    "echo",
-    "pub",
-    "simulate",
-    "record",
-    "replay",
-    "export",
-    "info",
-    "top",
-    "doctor",
-    "link",
-    "aruco",
-    "rocks",
-    "objects",
-    "video",
-    "drive",
-    "odometry",
-    "fuse",
-    "check-launch",
-    "mission",
-    "demo",
-)
-"""Names of all commands, in the order in which ``roverlink --help`` lists them."""
+GROUPS = {
+    "the table": ("init", "add", "generate", "lint", "explain", "number"),
+    "the bridge": ("run", "link", "send", "listen", "echo", "pub", "simulate", "demo"),
+    "watching and recording": ("top", "doctor", "record", "recording"),
+}
+"""Names of roverlink's own commands by their job, in the order in which ``roverlink --help`` lists them."""
+ELSEWHERE = {
+    "roverkit": (
+        *("aruco", "objects", "rocks", "video"),
+        *("drive", "odometry", "fuse", "mission", "simulate-rover"),
+    ),
+    "check-launch": ("check-launch",),
+}
+"""Names of the commands that other packages of this repository add."""
+ENTRY_POINTS = "roverlink.commands"
+"""Group of entry points of the packages that add commands: each is a module with a function ``add``."""
 
 
 _COMPLETION = "_ARGCOMPLETE"
@@ -58,11 +40,14 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Parse a command line, and return its options; their attribute ``run`` is the function of the command.
 
     ``argv`` is the command line without the program's name; None for that of this process. Exits with code 2 if the
-    command line has a mistake, and with code 0 after ``--help``, ``--version`` or a completion.
+    command line has a mistake or is empty, and with code 0 after ``--help``, ``--version`` or a completion.
     """
     if _COMPLETION in os.environ:
         _complete()
     own, ros = list(sys.argv[1:] if argv is None else argv), list[str]()
+    if not own:
+        command_line(["--help"]).print_help()
+        raise SystemExit(2)
     if "--ros-args" in own:
         from roverlink.runtime.ros_arguments import ros_args
 
@@ -175,6 +160,9 @@ class _Parser(argparse.ArgumentParser):
         if action.choices is None or value in action.choices:
             return
         if action is self._commands:
+            package = next((name for name, commands in ELSEWHERE.items() if value in commands), None)
+            if package and not self.prog.count(" "):
+                raise argparse.ArgumentError(None, f"{value!r} is a command of {package}: pip install {package}")
             raise argparse.ArgumentError(None, f"unknown command {_with_hint(value, action.choices)}")
         raise argparse.ArgumentError(action, f"unknown value {_with_hint(value, action.choices)}")
 
@@ -198,24 +186,53 @@ def command_line(arguments: Sequence[str] | None = None) -> argparse.ArgumentPar
 def _parser(arguments: Sequence[str] | None, parser_class: type[argparse.ArgumentParser]) -> argparse.ArgumentParser:
     parser = parser_class(
         prog="roverlink",
+        usage="roverlink [--version] [--help] command ...",
         description="Bridge between protobuf datagrams over UDP and ROS 2 topics. The table mapping.yaml lists the "
-        "bridged messages: each row has a protobuf message, its field number in the envelope, a ROS 2 topic and a "
-        "direction. `roverlink generate` compiles the table into code, and `roverlink run` runs the bridge. "
+        "bridged messages:\neach row has a protobuf message, its field number in the envelope, a ROS 2 topic and a "
+        "direction.\n`roverlink generate` compiles the table into code, and `roverlink run` runs the bridge.\n"
         "`roverlink COMMAND --help` explains a command.",
         epilog="example: roverlink generate && roverlink run",
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="show the version of roverlink and exit")
     parser.set_defaults(takes_ros_args=False, runs_until_stopped=False)
     commands = parser.add_subparsers(required=True, metavar="command", parser_class=parser_class)
+    own = {name: f"roverlink.commands.{name.replace('-', '_')}" for group in GROUPS.values() for name in group}
     # Only the first argument names a command: `roverlink explain run` calls `explain`.
-    imported = COMMANDS if arguments is None else tuple(name for name in COMMANDS if name in arguments[:1])
-    if not imported and any(_asks_for_help(argument) for argument in arguments or ()):
-        imported = COMMANDS
-    for name in imported:
-        importlib.import_module(f"roverlink.commands.{name.replace('-', '_')}").add(commands)
-    for name in () if imported else COMMANDS:
-        commands.add_parser(name, help="")  # without a help, zsh would show the completion as `None`
+    first = next(iter(arguments or ()), "")
+    if first in own:
+        importlib.import_module(own[first]).add(commands)
+        return parser
+    from roverlink.installed_packages import entry_points  # slow
+
+    added = {entry.name: entry for entry in entry_points(ENTRY_POINTS)}
+    if first in added:
+        added[first].load().add(commands)
+    elif arguments is None or any(_asks_for_help(argument) for argument in arguments):
+        for module in own.values():
+            importlib.import_module(module).add(commands)
+        for entry in added.values():
+            entry.load().add(commands)
+        packages = {name: entry.dist.name if entry.dist else "" for name, entry in added.items()}
+        parser.epilog = _lists(commands.choices, packages) + str(parser.epilog)
+        parser.formatter_class = argparse.RawDescriptionHelpFormatter
+        commands.help = argparse.SUPPRESS
+    else:
+        for name in (*own, *added):
+            commands.add_parser(name, help="")  # without a help, zsh would show the completion as `None`
     return parser
+
+
+def _lists(parsers: Mapping[str, argparse.ArgumentParser], packages: Mapping[str, str]) -> str:
+    """Return the lists of the commands by their job, then of those that other packages have added."""
+    from roverlink.console import SUMMARY
+
+    groups = {**GROUPS, **{f"from {package}": () for package in packages.values()}}
+    for name, package in packages.items():
+        groups[f"from {package}"] += (name,)
+    return "".join(
+        f"{group}:\n" + "".join(f"  {name:<15} {parsers[name].get_default(SUMMARY)}\n" for name in names) + "\n"
+        for group, names in groups.items()
+    )
 
 
 def _asks_for_help(argument: str) -> bool:

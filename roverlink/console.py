@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib
 import json
 import logging
 import math
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -32,6 +33,8 @@ INTERRUPTED = 130
 TABLE = "mapping.yaml"
 """File name of the table, which lists the bridged messages."""
 _A_YEAR_S = 366 * 24 * 3600
+SUMMARY = "summary"
+"""Default of a command's parser that is the line about the command in the help of the whole command line."""
 Subparsers = Any  # argparse names its type only in private
 
 
@@ -67,7 +70,28 @@ def command(commands: Subparsers, name: str, help: str, example: str, descriptio
         epilog=f"example: {example}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.set_defaults(**{SUMMARY: help})
     return parser
+
+
+def command_group(
+    commands: Subparsers,
+    name: str,
+    help: str,
+    example: str,
+    description: str,
+    package: str,
+    subcommands: Iterable[str],
+) -> None:
+    """Add a command with subcommands to the command line; see `command`.
+
+    Each of the ``subcommands`` is a module of ``package``, whose function ``add`` adds it. The name has ``-`` where the
+    module has ``_``.
+    """
+    parser = command(commands, name, help, example, description)
+    choices = parser.add_subparsers(required=True, metavar="command")
+    for module in subcommands:
+        importlib.import_module(f"{package}.{module}").add(choices)
 
 
 def add_project(parser: argparse.ArgumentParser) -> None:

@@ -124,7 +124,7 @@ def beside(uses: Sequence[Use], sources: Sources, width: int) -> list[str]:
     from rich.cells import cell_len, set_cell_size
 
     if len(uses) > _MOST_USES:
-        first = f"... and {len(uses) - _MOST_USES} earlier declarations, which `roverlink history` lists"
+        first = f"... and {len(uses) - _MOST_USES} earlier declarations, which `roverlink number history` lists"
         return [first, *beside(uses[-_MOST_USES:], sources, width)]
     if not uses:
         return []

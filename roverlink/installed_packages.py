@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
+from collections.abc import Collection
 
 
 def installed_version(package: str) -> str | None:
@@ -15,6 +16,11 @@ def installed_version(package: str) -> str | None:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
         return None
+
+
+def entry_points(group: str) -> Collection[importlib.metadata.EntryPoint]:
+    """Return the entry points of a group that installed packages declare, sorted by name."""
+    return sorted(importlib.metadata.entry_points(group=group), key=lambda entry: entry.name)
 
 
 def git_source(package: str) -> str:

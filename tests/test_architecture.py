@@ -134,7 +134,7 @@ def test_the_ir_depends_on_no_format() -> None:
 
 def test_the_renderer_does_not_use_what_it_judges() -> None:
     """Frames of known truth come from code that the tracker does not share."""
-    assert _imports("roverlink.vision.images.rendering") == {"roverlink.vision.opencv"}
+    assert _imports("roverkit.vision.images.rendering") == {"roverkit.vision.opencv"}
 
 
 @pytest.mark.parametrize("folder", LINKED)

@@ -57,7 +57,9 @@ def test_three_streams_need_no_more_memory_over_time(tmp_path: Path) -> None:
     pytest.importorskip("av", reason=NO_AV)
     result = tmp_path / "result.json"
     options = ("--only", "long", "--long", "60", "--json", str(result))
-    done = subprocess.run([sys.executable, "-m", "bench.video", *options], cwd=ROOT, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "rover.bench.video", *options], cwd=ROOT, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     medians = json.loads(result.read_text())["sections"]["long"]["medians_of_second_and_last_quarter"]
     for name, (early, late) in medians.items():

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import groupby
 
+from check_launch.rules.launch_rules import launch_rules
+
 from roverlink.generator.diagnostics import Rule
 from roverlink.generator.rule_catalogue import rules
-from roverlink.launch_check.rules.launch_rules import launch_rules
 
 INDEX = "reference/rules/index.md"
 _RULES = dict(sorted({**rules(), **launch_rules()}.items()))

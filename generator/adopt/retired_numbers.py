@@ -43,7 +43,7 @@ def read_past(root: Path, tree: Tree, rows: list[DraftRow], report: Callable[[in
     taken |= {distinct(tree.oneof): "the oneof is"}
     retired = []
     for number, of_number in sorted(usages.items()):
-        # A number that another branch uses today is not retired; `roverlink next-number` takes it into account.
+        # A number that another branch uses today is not retired; `roverlink number next` takes it into account.
         if number not in today and not any(usage.live_at for usage in of_number):
             retired.append(_retired(number, of_number, taken))
     reused = {one.number for one in history.reuses(tree.envelope.full_name) if one.certain}

@@ -78,11 +78,11 @@ The numbers of the payloads are field numbers of the envelope, so the lint has t
 
 Bad::
 
-    $ roverlink next-number proto
+    $ roverlink number next proto
 
 Good::
 
-    $ roverlink next-number proto --message PBEnvelope
+    $ roverlink number next proto --message PBEnvelope
 """,
     Severity.FATAL,
 )

@@ -59,7 +59,7 @@ def check_peers(table: Table) -> Iterator[Diagnostic]:
     for peer in table.peers:
         if peer.sign and table.signing is None and "signing" not in table.spans:
             message = f"datagrams of the peer {peer.name!r} must be signed, but the table has no `signing`"
-            help = "add `signing: {number: N}`; `roverlink next-number` prints the number"
+            help = "add `signing: {number: N}`; `roverlink number next` prints the number"
             yield SIGN_WITHOUT_SIGNING.at(peer.at("sign"), message, help)
         if peer.source_rate is not None and not peer.sources:
             message = f"the peer {peer.name!r} has a `source_rate`, but no `sources`"

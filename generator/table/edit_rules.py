@@ -7,17 +7,17 @@ from roverlink.generator.diagnostics import Rule, Severity
 NO_SUCH_ROW = Rule(
     "RET101",
     "no-such-row",
-    """`roverlink retire` names a number that no row has.
+    """`roverlink number retire` names a number that no row has.
 
 No row is changed, because the number may be a typing error.
 
 Bad::
 
-    $ roverlink retire 7     # the rows have 1, 2 and 3
+    $ roverlink number retire 7     # the rows have 1, 2 and 3
 
 Good::
 
-    $ roverlink retire 3
+    $ roverlink number retire 3
 """,
 )
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from roverlink.commands.generate import print_changes, report
-from roverlink.commands.next_number import print_skipped
+from roverlink.commands.number.next import print_skipped
 from roverlink.console import OK, Subparsers, add_table, command, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
@@ -27,7 +27,7 @@ def add(commands: Subparsers) -> None:
         "roverlink add container_info --proto ContainerBoardInfo --direction hardware_to_ros",
         "Add a row to mapping.yaml, so that the bridge converts a message that you have declared in a .proto file,\n"
         "and run `roverlink generate`. The comments and the layout of mapping.yaml do not change.\n\n"
-        "The row gets the number that `roverlink next-number` prints. If another repository owns the envelope\n"
+        "The row gets the number that `roverlink number next` prints. If another repository owns the envelope\n"
         "(`owner: proto`), the row gets the number that this payload has in that envelope. The output lists the\n"
         "changed files and the number.",
     )

@@ -7,21 +7,20 @@ import contextlib
 import importlib.util
 import tempfile
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.console import Console
 from rich.live import Live
 
 from roverlink import topic_types
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, isolate_ros, project_folder, seconds
-from roverlink.demo.demo_rover import DemoRover
-from roverlink.driving.rover_model import STEP_NS
 from roverlink.generated_code import load_project
 from roverlink.generator.example_payloads import payload_at
-from roverlink.runtime import Registry, SetupError
+from roverlink.installed_packages import entry_points
+from roverlink.runtime import Registry
 from roverlink.runtime.client import BlockingPeer, Received
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.registry import AnyHandler
@@ -30,14 +29,10 @@ from roverlink.runtime.text.values import message_to_values, payload_to_values
 from roverlink.simulation import crossings
 from roverlink.simulation.bridge_host import bridge_with
 from roverlink.simulation.crossings import Crossing
+from roverlink.simulation.demo_parts import ENTRY_POINTS, STEP_NS, DemoPart, DemoSetting, OpenParts
+from roverlink.simulation.pace import Pace
 from roverlink.simulation.peers import on_loopback
 from roverlink.simulation.simulated_keys import make_throw_away_keys
-from roverlink.simulation.simulated_rover import Pace
-
-if TYPE_CHECKING:
-    from roverlink.demo.camera_program import CameraProgram
-    from roverlink.demo.camera_stream import CameraStream
-    from roverlink.demo.marker_camera import MarkerCamera
 
 _RATE_HZ = 20.0
 _REFRESH_HZ = 4
@@ -53,12 +48,12 @@ def add(commands: Subparsers) -> None:
         "run the bridge with simulated boards and a simulated basestation, and show the traffic live",
         "roverlink demo --seconds 5",
         "Run the bridge with simulated boards, a simulated basestation and a ROS 2 node on this computer, to see what\n"
-        "roverlink does without a rover. No message leaves this computer. A simulated rover drives as the messages on\n"
-        "drive_motor say; its wheels slip, and its boards measure. If OpenCV is installed, the images of its camera\n"
-        "are rendered, and roverlink computes its position from the markers in them. With ONNX Runtime, another\n"
-        "camera detects the parts of a rendered panel. With PyAV, a page in the browser shows the video of the\n"
-        "rover's camera, as it arrives at the basestation, and a map with the true path of the rover, the path that\n"
-        "its camera gives, and that of its wheel odometry.\n\n"
+        "roverlink does without a rover. No message leaves this computer. If roverkit is installed, a simulated rover\n"
+        "drives as the messages on drive_motor say; its wheels slip, and its boards measure. With OpenCV, the images\n"
+        "of its camera are rendered, and its position is computed from the markers in them. With ONNX Runtime,\n"
+        "another camera detects the parts of a rendered panel. With PyAV, a page in the browser shows the video of\n"
+        "the rover's camera, as it arrives at the basestation, and a map with the true path of the rover, the path\n"
+        "that its camera gives, and that of its wheel odometry.\n\n"
         "The live table has a row for each message of mapping.yaml: its number, its direction, messages a second,\n"
         "messages since the start, and the last value. The last lines say how many of these messages were bridged,\n"
         "and what the bridge counted. Exit code 0: each message of mapping.yaml was bridged at least once; 1: one or\n"
@@ -83,19 +78,13 @@ def run(arguments: argparse.Namespace) -> int:
     project = project_folder(arguments.project)
     registry = load_project(project)
     console = Console()
-    rover = _rover(console, registry)
     with contextlib.ExitStack() as stack:
         # The demo's messages must not reach a real rover in the same network.
         isolate_ros(stack)
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="roverlink-demo-")))
-        # The rover's camera is the second one: the first renders all its images at once, which would hold it up.
-        objects = _object_camera(console, project, arguments.middleware, _new(folder / "objects"), stack)
-        markers = stream = None
-        if rover is not None:
-            markers = _rover_camera(console, project, arguments.middleware, _new(folder / "markers"), rover, stack)
-        if rover is not None and markers is not None:
-            stream = _stream(console, markers, rover, stack)
-        cameras = [camera for camera in (markers, objects) if camera is not None]
+        say = partial(console.print, soft_wrap=True, markup=False)
+        setting = DemoSetting(project, registry, arguments.middleware, folder, say)
+        parts = [part for open_parts in _extensions() for part in open_parts(setting, stack)]
         keys = make_throw_away_keys(registry, folder)
         peers = {peer.name: stack.enter_context(_on_loopback(peer.name, registry, keys)) for peer in registry.peers}
         given = on_loopback(registry, {name: peers[name.peer].port for name in registry.ends})
@@ -104,14 +93,11 @@ def run(arguments: argparse.Namespace) -> int:
         for peer in peers.values():
             peer.direct_to("127.0.0.1", host.port)
         middleware = stack.enter_context(host.middleware(topic_types.identity("demo")))
-        rig = _Rig(registry, middleware, peers, rover, {row for camera in cameras for row in camera.rows})
-        for camera in cameras if arguments.middleware == "memory" else ():
-            camera.publish_on(middleware, registry, topic_types.full_topic)
+        rig = _Rig(registry, middleware, peers, parts)
         _show(rig, console, arguments.seconds, f"roverlink over {arguments.middleware}")
         account = host.stop()  # at once: the commanding topics are silent from now on, and the watchdogs would fire
-        for part in (rover, *cameras, stream):
-            if part is not None:
-                console.print(part.stop(), soft_wrap=True)
+        for part in parts:
+            say(part.stop())
     missing = [crossing.handler.route.name for crossing in rig.crossings if not crossing.count]
     crossed = sum(crossing.count for crossing in rig.crossings)
     console.print(
@@ -125,72 +111,10 @@ def run(arguments: argparse.Namespace) -> int:
     return FINDINGS if missing else OK
 
 
-def _rover(console: Console, registry: Registry) -> DemoRover | None:
-    """Return the simulated rover. If the table lacks one of its rows, the user is told."""
-    try:
-        return DemoRover(registry)
-    except SetupError as error:
-        console.print(f"running without a rover: {error}", soft_wrap=True, markup=False)
-        return None
-
-
-def _new(folder: Path) -> Path:
-    folder.mkdir()
-    return folder
-
-
-def _object_camera(
-    console: Console, project: Path, middleware: str, folder: Path, stack: contextlib.ExitStack
-) -> CameraProgram | None:
-    """Start the camera that sees objects, with its files in a folder.
-
-    Without OpenCV or ONNX Runtime, the user is told what is missing.
-    """
-    try:
-        from roverlink.demo.object_camera import ObjectCamera
-
-        return stack.enter_context(ObjectCamera(project, middleware, folder))
-    except SetupError as error:
-        console.print(f"running without a camera that sees objects: {error}", soft_wrap=True, markup=False)
-        return None
-
-
-def _rover_camera(
-    console: Console, project: Path, middleware: str, folder: Path, rover: DemoRover, stack: contextlib.ExitStack
-) -> MarkerCamera | None:
-    """Start the camera of the rover, with its files in a folder. Without OpenCV, the user is told what is missing."""
-    try:
-        from roverlink.demo.marker_camera import MarkerCamera
-        from roverlink.demo.rover_images import RoverImages
-
-        images = stack.enter_context(RoverImages(rover, folder))
-        camera = MarkerCamera(project, middleware, folder, rover, images)
-        stack.enter_context(camera)
-    except SetupError as error:
-        console.print(f"running without a camera on the rover: {error}", soft_wrap=True, markup=False)
-        return None
-    return camera
-
-
-def _stream(
-    console: Console, camera: MarkerCamera, rover: DemoRover, stack: contextlib.ExitStack
-) -> CameraStream | None:
-    """Start the video of a camera, and the page that shows it and the paths of the rover.
-
-    Without PyAV, the user is told what is missing.
-    """
-    try:
-        from roverlink.demo.camera_stream import CameraStream
-        from roverlink.demo.demo_page import demo_handler
-        from roverlink.video.video_page import StreamsServer
-    except SetupError as error:
-        console.print(f"running without video: {error}", soft_wrap=True, markup=False)
-        return None
-    stream = stack.enter_context(CameraStream(camera.images.url("video")))
-    streams = {stream.received.name: stream.received}
-    page = stack.enter_context(StreamsServer("127.0.0.1", 0, streams, demo_handler(rover.driven)))
-    console.print(f"page with the video of the camera and the paths of the rover: {page.url}", soft_wrap=True)
-    return stream
+def _extensions() -> Iterator[OpenParts]:
+    """Yield the functions of installed packages that add parts to the demo."""
+    for entry in entry_points(ENTRY_POINTS):
+        yield entry.load()
 
 
 def _on_loopback(peer: str, registry: Registry, keys: Mapping[str, Path]) -> BlockingPeer:
@@ -206,17 +130,15 @@ class _Rig:
         registry: Registry,
         middleware: Middleware,
         peers: dict[str, BlockingPeer],
-        rover: DemoRover | None,
-        published_elsewhere: Collection[str],
+        parts: Sequence[DemoPart],
     ) -> None:
         """Create the ROS 2 publishers and subscribers.
 
-        ``peers`` holds a program in place of each peer with all its boards. ``published_elsewhere`` holds the names of
-        rows on whose topics another program publishes. This object sends example values for all rows but these, and
-        those of the rover.
+        ``peers`` holds a program in place of each peer with all its boards. This object sends example values for all
+        rows but those of the ``parts``.
         """
-        self._peers, self._rover = peers, rover
-        self._elsewhere = {*published_elsewhere, *(rover.rows if rover else ())}
+        self._peers, self._parts = peers, parts
+        self._elsewhere = {row for part in parts for row in part.rows}
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
         self._inbound = [
             handler
@@ -228,8 +150,8 @@ class _Rig:
         self._by_number = {crossing.handler.route.number: crossing for crossing in self.crossings}
         for crossing in self.crossings:
             self._join(crossing, middleware)
-        if rover is not None:
-            rover.join(middleware)
+        for part in parts:
+            part.join(middleware)
 
     def _join(self, crossing: Crossing, middleware: Middleware) -> None:
         """Create the ROS 2 node's subscriber for a row that comes from a peer, or its publisher for a row to a peer."""
@@ -253,7 +175,7 @@ class _Rig:
     def send(self, seconds: float) -> None:
         """Send one datagram for each row that comes from a peer; publish one message for each row that goes to a peer.
 
-        The values in the messages depend on ``seconds``, the time since the start. The messages of the rover are not
+        The values in the messages depend on ``seconds``, the time since the start. The messages of the parts are not
         among them; see `step`.
         """
         for handler in self._inbound:
@@ -262,19 +184,19 @@ class _Rig:
             publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
 
     def step(self) -> None:
-        """Read the payloads that have arrived, and advance the rover's time by a step.
+        """Read the payloads that have arrived, and advance the time of the parts by a step.
 
         Payloads at the simulated peers are counted by row, or as forwarded.
         """
         for name, peer in self._peers.items():
             for received in peer.arrived():
                 self._take(name, received)
-        if self._rover is not None:
-            self._rover.step(self._peers[self._rover.peer])
+        for part in self._parts:
+            part.step(self._peers)
 
     def _take(self, peer: str, received: Received) -> None:
-        if self._rover is not None and peer == self._rover.peer:
-            self._rover.receive(received)
+        for part in self._parts:
+            part.receive(peer, received)
         crossing = self._by_number.get(received.number)
         if crossing is None:
             return  # a link message of the bridge
@@ -285,10 +207,7 @@ class _Rig:
 
 
 def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
-    pace, steps = (
-        Pace(1.0, lambda _: console.print("this computer is too slow, so the time of the rover has paused")),
-        0,
-    )
+    pace, steps = Pace(1.0, lambda _: console.print("this computer is too slow: the simulated time has paused")), 0
     start = time.monotonic()
     next_send = next_report = start
     with Live(console=console, refresh_per_second=_REFRESH_HZ, auto_refresh=False) as live:

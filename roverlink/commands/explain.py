@@ -10,9 +10,12 @@ from typing import Any
 from roverlink.console import FINDINGS, OK, Subparsers, add_table, command, table_file
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Rule
-from roverlink.generator.rule_catalogue import rules as all_rules
-from roverlink.launch_check.rules.launch_rules import launch_rules
+from roverlink.generator.rule_catalogue import rules as own_rules
+from roverlink.installed_packages import entry_points
 from roverlink.runtime.core.errors import SetupError, nearest
+
+RULES = "roverlink.rules"
+"""Group of entry points; each is a function that returns the rules of a package by their ids."""
 
 
 def add(commands: Subparsers) -> None:
@@ -39,9 +42,14 @@ def add(commands: Subparsers) -> None:
     parser.set_defaults(run=run)
 
 
+def all_rules() -> dict[str, Rule]:
+    """Return the rules of the lint, and those of installed packages such as check-launch, by their ids."""
+    return dict(own_rules()) | {id: rule for entry in entry_points(RULES) for id, rule in entry.load()().items()}
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Print the facts about a row, or the documentation of a rule, or without an argument one line for each rule."""
-    rules = {**all_rules(), **launch_rules()}
+    rules = all_rules()
     if arguments.what is None:
         for rule in rules.values():
             print(f"{rule.id} {rule.severity.value:<8} {rule.name}")

@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
         datagram = registry.datagram(handler.route.name, payload)
     except ConversionError as error:
         raise SetupError(f"cannot send {error}") from error
-    host, port = destination_of(arguments.to)
+    host, port = udp.destination_of(arguments.to)
     # Payloads of the other direction can be sent too, to test what the bridge does with them.
     name, keys = handler.route.peer, arguments.key_file
     with BlockingPeer.open(
@@ -95,17 +95,6 @@ def _assignments(texts: list[str]) -> dict[str, str]:
             raise SetupError(f"the field {path!r} is assigned more than once")
         found[path] = value
     return found
-
-
-def destination_of(text: str) -> tuple[str, int]:
-    """Return the IPv4 address and the port for a text ``HOST:PORT``, such as ``rover.local:5000``.
-
-    Raises `SetupError` if the text has another form or the host does not resolve.
-    """
-    host, separator, port = text.rpartition(":")
-    if not separator or not host or not port.isdecimal() or not 0 < int(port) < 65_536:
-        raise SetupError(f"{text!r} is not of the form HOST:PORT, such as 127.0.0.1:5000")
-    return udp.resolve(host, int(port))
 
 
 def _send(datagram: bytes, peer: BlockingPeer, count: int, rate: float) -> None:

@@ -15,7 +15,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from roverlink import topic_types
-from roverlink.commands.send import destination_of
 from roverlink.console import (
     FINDINGS,
     OK,
@@ -33,10 +32,10 @@ from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry, SetupError, Translator
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.middleware import Middleware, Publisher
+from roverlink.runtime.net import udp
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.simulation.bridge_host import BridgeHost, bridge_with
 from roverlink.simulation.peers import Arrivals, Senders
-from roverlink.simulation.rover_options import add_rover_options, check_rover_options
 from roverlink.simulation.run_account import RunTotals, predict, resident_bytes, sent_to_peers
 from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions
 from roverlink.simulation.simulated_keys import SimulatedKeys, make_throw_away_keys
@@ -68,9 +67,6 @@ def add(commands: Subparsers) -> None:
         "datagrams sent, or if the memory of the bridge grows.\n\n"
         "Peers that must sign (table key `sign`) use the keys in the files of --key-file. With --bridge, the bridge\n"
         "gets these files, too; without --key-file, the command makes keys for this run alone.\n\n"
-        "With --rover, the command is the boards of one rover. It drives the arcs that ROS 2 sends, its wheels slip,\n"
-        "and its boards report progress, motors, IMU and GPS. The topic ground_truth/odometry has its true pose.\n"
-        "The scenarios lossy, stale, padded and malformed change its datagrams; reboot restarts its driving board.\n\n"
         "scenarios:\n" + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
     )
     add_project(parser)
@@ -119,7 +115,6 @@ def add(commands: Subparsers) -> None:
         "file with the keys of a peer or board that must sign; with --to, a copy of the bridge's file; may be repeated",
     )
     parser.add_argument("--json", action="store_true", help="print the report as a JSON object")
-    add_rover_options(parser)
     parser.set_defaults(run=run, runs_until_stopped=True)
 
 
@@ -128,12 +123,7 @@ def _summary(name: str) -> str:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate the peers, or a rover. With ``--bridge``, the exit code is 1 if the bridge's counts do not add up."""
-    check_rover_options(arguments)
-    if arguments.rover:
-        from roverlink.simulation.simulated_rover import simulate_rover  # only here, so that the help comes at once
-
-        return simulate_rover(arguments)
+    """Simulate the peers. With ``--bridge``, the exit code is 1 if the bridge's counts do not add up."""
     registry = load_project(project_folder(arguments.project))
     longest = parameters.defaults(registry)["max_datagram"]
     hertz = arguments.rate or _RATE_OF_A_ROW_HZ * sum(handler.route.inbound for handler in registry.handlers)
@@ -167,7 +157,7 @@ def _throw_away_keys(registry: Registry, bridge: str | None, stack: contextlib.E
 
 def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:
     totals = RunTotals()
-    with Senders(*destination_of(arguments.to)) as senders, contextlib.suppress(KeyboardInterrupt):
+    with Senders(*udp.destination_of(arguments.to)) as senders, contextlib.suppress(KeyboardInterrupt):
         for _ in _play(stream, arguments.seconds, senders, totals, world):
             pass
     if arguments.json:

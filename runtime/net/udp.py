@@ -150,6 +150,17 @@ def resolve(host: str, port: int) -> tuple[str, int]:
     return min(found, key=lambda address: hosts.family_of(address) != socket.AF_INET)[0], port
 
 
+def destination_of(text: str) -> tuple[str, int]:
+    """Return the IPv4 address and the port for a text ``HOST:PORT``, such as ``rover.local:5000``.
+
+    Raises `SetupError` if the text has another form or the host does not resolve.
+    """
+    host, separator, port = text.rpartition(":")
+    if not separator or not host or not port.isdecimal() or not 0 < int(port) < 65_536:
+        raise SetupError(f"{text!r} is not of the form HOST:PORT, such as 127.0.0.1:5000")
+    return resolve(host, int(port))
+
+
 def reader(sock: socket.socket, size: int) -> Callable[[], Batch]:
     """Return a function that reads the datagrams that have arrived at a socket, without blocking.
 

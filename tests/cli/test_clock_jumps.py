@@ -135,12 +135,12 @@ def _said(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
 
 def test_info_says_where_the_clock_jumped(run: Path, jump: int, capsys: pytest.CaptureFixture[str]) -> None:
     """The duration is that of the run; the jump is told with its size, both times and its place."""
-    output = _said(capsys, "info", run)
+    output = _said(capsys, "recording", "info", run)
     assert "start     2026-05-31 12:00:00, for 99.0 s" in output
     size, to = ("+3652 days, 0:00:00", "2036-05-30 ") if jump > 0 else ("-1:00:00", "2026-05-31 11:00:50")
     assert f"clock     jumped by {size}, from 2026-05-31 12:00:50 to {to}" in output
     assert ", 50.0 s after the first message\n" in output
-    (told,) = json.loads(_said(capsys, "info", run, "--json"))["clock_jumps"]
+    (told,) = json.loads(_said(capsys, "recording", "info", run, "--json"))["clock_jumps"]
     assert (told["after_seconds"], told["by_seconds"]) == (50.0, jump / 1e9)
 
 
@@ -148,7 +148,7 @@ def test_an_export_has_both_times_and_says_where_they_part(
     run: Path, jump: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A column counts on steadily, another shows what the clock showed; a note names the jump."""
-    assert main(["export", str(run), "--topic", "imu_data"]) == 0
+    assert main(["recording", "export", str(run), "--topic", "imu_data"]) == 0
     assert re.search(r"the computer's clock jumped by .*, 50.0 s after the first message;", capsys.readouterr().err)
     with run.with_suffix(".imu_data.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -158,7 +158,7 @@ def test_an_export_has_both_times_and_says_where_they_part(
 
 def test_a_replay_keeps_order_and_pace(run: Path, capsys: pytest.CaptureFixture[str], peer: socket.socket) -> None:
     """A hundred seconds, a thousand times as fast, are a tenth of a second; a decade would be days."""
-    output = _said(capsys, "replay", run, "--speed", 1000, *_to(peer))
+    output = _said(capsys, "recording", "replay", run, "--speed", 1000, *_to(peer))
     took = float(output.removeprefix(f"replayed {_COUNT} datagrams in ").removesuffix(" s\n"))
     assert 0.09 <= took < PATIENCE_S
     assert _numbers(peer, _COUNT) == list(range(_COUNT))
@@ -167,9 +167,11 @@ def test_a_replay_keeps_order_and_pace(run: Path, capsys: pytest.CaptureFixture[
 @pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
 def test_a_replay_begins_where_it_is_told(run: Path, capsys: pytest.CaptureFixture[str], peer: socket.socket) -> None:
     """What was before is left out; a start after the end is an error that names the length."""
-    assert _said(capsys, "replay", run, "--start", 90, "--speed", 1000, *_to(peer)).startswith("replayed 10 datagrams")
+    assert _said(capsys, "recording", "replay", run, "--start", 90, "--speed", 1000, *_to(peer)).startswith(
+        "replayed 10 datagrams"
+    )
     assert _numbers(peer, 10) == list(range(90, _COUNT))
-    assert main(["replay", str(run), "--start", "1000", *_to(peer)]) == 2
+    assert main(["recording", "replay", str(run), "--start", "1000", *_to(peer)]) == 2
     assert capsys.readouterr().err == "roverlink: --start 1000: the recording has only 99.0 s\n"
 
 
@@ -180,7 +182,7 @@ def test_a_replay_publishes_the_clock(run: Path, start: Start, jump: int) -> Non
     """Nodes hear the time of the run as its clock showed it, jump included, so that it fits the stamps of messages."""
     options = ("--as", "ros", "--clock", "--topic", "imu_data", "--middleware", "dds")
     listener = start("echo", "clock", "--type", "rosgraph_msgs/msg/Clock", "--json", "--middleware", "dds")
-    replay = start("replay", run, *options, "--speed", 20, "--loop", "--wait", 0)
+    replay = start("recording", "replay", run, *options, "--speed", 20, "--loop", "--wait", 0)
 
     def jumped() -> bool:
         stamps = _stamps(listener.output)
@@ -193,7 +195,7 @@ def test_a_replay_publishes_the_clock(run: Path, start: Start, jump: int) -> Non
     for stamp in stamps:
         assert 0 <= stamp - _BEGIN <= 51 * _SECOND or 0 <= stamp - _BEGIN - jump - 49 * _SECOND <= 51 * _SECOND
     assert definition_of(Clock) == definition_of(from_rosbags.message_type("rosgraph_msgs/msg/Clock"))
-    assert main(["replay", str(run), "--clock"]) == 2
+    assert main(["recording", "replay", str(run), "--clock"]) == 2
 
 
 def _stamps(lines: list[str]) -> list[int]:
@@ -204,7 +206,7 @@ def _stamps(lines: list[str]) -> list[int]:
 @pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
 def test_a_replay_shows_its_progress_and_obeys_keys(run: Path, peer: socket.socket) -> None:
     """The arrows seek, space pauses and continues, and at the end the terminal is as it was."""
-    with Terminal("replay", run, *_to(peer)) as terminal:
+    with Terminal("recording", "replay", run, *_to(peer)) as terminal:
         terminal.wait_for(r"0\.\d of 99\.0 s \(0%\); space pauses, arrow keys seek")
         assert _numbers(peer, 1) == [0]
         terminal.type(" ")

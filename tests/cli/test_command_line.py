@@ -73,7 +73,7 @@ def test_an_option_may_be_shortened_and_what_follows_two_dashes_is_a_value() -> 
 @pytest.mark.parametrize(
     ("shell", "line", "expected"),
     [
-        ("bash", "roverlink re", {"retire", "record", "replay"}),
+        ("bash", "roverlink re", {"record", "recording"}),
         ("zsh", "roverlink lint --format ", {"text", "json", "github", "sarif", "junit"}),
     ],
 )

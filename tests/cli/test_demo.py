@@ -17,13 +17,13 @@ from typing import Any
 import pytest
 from needs import NO_AV, needs_dds
 from rich.console import Console
+from roverkit.demo.demo_rover import DemoRover
+from roverkit.demo.shuttle import START, Shuttle
+from roverkit.simulation.rover_model import RoverModel
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
 from roverlink.console import isolate_ros
-from roverlink.demo.demo_rover import DemoRover
-from roverlink.demo.shuttle import START, Shuttle
-from roverlink.driving.rover_model import RoverModel
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import SetupError
 from roverlink.runtime.client import Received
@@ -77,7 +77,7 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
 @pytest.mark.skipif(not importlib.util.find_spec("av"), reason=NO_AV)
 def test_the_page_shows_the_video_of_the_camera_and_the_paths_of_the_rover(start: Start) -> None:
     """The video as it arrives; the true path and both estimated ones, landmarks; the end of the demo is told."""
-    from tests.vision.browsing import visiting  # it needs OpenCV
+    from rover.tests.vision.browsing import visiting  # it needs OpenCV
 
     demo = start("demo", "--seconds", 120, "--middleware", "memory")
     told = "page with the video of the camera and the paths of the rover: http"

@@ -39,11 +39,13 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize(
-    "command", [["generate"], ["generate", "--check"], ["lint"], ["retire", "2"], ["explain", "imu"]], ids=" ".join
+    "command",
+    [["generate"], ["generate", "--check"], ["lint"], ["number", "retire", "2"], ["explain", "imu"]],
+    ids=" ".join,
 )
 def test_all_commands_show_the_line(project: Path, command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     """The text is the same, whichever command found the mistake; another folder names the file from there."""
-    if command[0] == "retire":
+    if "retire" in command:
         row = "  - {number: 2, name: old, proto: Imu, topic: old, direction: board_to_ros}\n"
         (project / "mapping.yaml").write_text(_TABLE + row, encoding="utf-8")
     assert main(command) == 1

@@ -65,7 +65,7 @@ def test_the_history_of_the_number(called: Called) -> None:
 
 def test_what_is_missing_is_told_beside_what_is_there(project: Path, called: Called) -> None:
     """A number that is retired says so; without generated code there is no example; a wrong table is told instead."""
-    assert called("retire", "13", folder=project)[0] == 0
+    assert called("number", "retire", "13", folder=project)[0] == 0
     said = "13 is retired: it was 'imu_info' (SensorBoardIMUInfo)"
     assert called("explain", "13", folder=project) == (1, said, "")
     shutil.rmtree(project / "generated")

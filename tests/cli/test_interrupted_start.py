@@ -17,7 +17,7 @@ _ROOT = Path(__file__).parents[2]
 _WINDOW_S = 0.5
 _TIMES = 20
 _COMMANDS = [
-    *("--version", "--help", "generate --check", "lint", "lint --history", "explain imu_info", "next-number"),
+    *("--version", "--help", "generate --check", "lint", "lint --history", "explain imu_info", "number", "next"),
     *("history 20", "listen --port 0", "echo imu_data --middleware memory", "simulate --to 127.0.0.1:9"),
     *("simulate --bridge memory", "top --once --middleware memory", "doctor --json", "init {tmp}/project"),
     *("demo --seconds 2", "aruco board --help", "aruco track --help"),
@@ -77,7 +77,7 @@ def test_ctrl_c_at_any_moment_of_the_start_ends_a_command_cleanly(
 
 def test_a_program_in_the_background_of_a_script_goes_on_at_ctrl_c(environment: dict[str, str]) -> None:
     """A command that was started with SIGINT ignored, as a shell script does with `&`, is not ended by it."""
-    line = f"trap '' INT; echo started; exec {sys.executable} -m roverlink next-number"
+    line = f"trap '' INT; echo started; exec {sys.executable} -m roverlink number next"
     with subprocess.Popen(["sh", "-c", line], stdout=subprocess.PIPE, text=True, env=environment, cwd=_ROOT) as program:
         assert program.stdout
         assert program.stdout.readline() == "started\n"

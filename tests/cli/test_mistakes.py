@@ -64,8 +64,7 @@ def _write_pictures(folder: Path) -> None:
     """Write the images and the files of the camera; this needs OpenCV."""
     import cv2
     import numpy as np
-
-    from roverlink.demo.field import write_cameras, write_field
+    from roverkit.demo.field import write_cameras, write_field
 
     cv2.imwrite(str(folder / "images" / "0.png"), np.full((480, 640, 3), 128, np.uint8))
     write_field(folder)

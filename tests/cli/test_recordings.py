@@ -91,7 +91,7 @@ def test_a_replay_reproduces_the_original_datagrams(
     run: Path, peer: socket.socket, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """As board, the bridge's port gets byte by byte what it got in the run."""
-    assert main(["replay", str(run), "--speed", "100", "--to", f"127.0.0.1:{peer.getsockname()[1]}"]) == 0
+    assert main(["recording", "replay", str(run), "--speed", "100", "--to", f"127.0.0.1:{peer.getsockname()[1]}"]) == 0
     output, errors = capsys.readouterr()
     assert output.startswith(f"replayed {_COUNT} datagrams in ")
     assert errors == ""
@@ -100,7 +100,7 @@ def test_a_replay_reproduces_the_original_datagrams(
 
 def test_a_replay_begins_again_until_it_is_interrupted(run: Path, start: Start, peer: socket.socket) -> None:
     """With `--loop`, the first datagram follows the last."""
-    program = start("replay", run, "--speed", 100, "--loop", "--to", f"127.0.0.1:{peer.getsockname()[1]}")
+    program = start("recording", "replay", run, "--speed", 100, "--loop", "--to", f"127.0.0.1:{peer.getsockname()[1]}")
     received = [peer.recv(65_536) for _ in range(2 * _COUNT + 1)]
     assert received[_COUNT] == received[2 * _COUNT] == _datagram(0)
     assert program.interrupt() == 0
@@ -108,12 +108,12 @@ def test_a_replay_begins_again_until_it_is_interrupted(run: Path, start: Start, 
 
 def test_what_is_in_a_recording(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """For people, and as JSON; with the table's fingerprint, and whether the run was ended."""
-    assert main(["info", str(run)]) == 0
+    assert main(["recording", "info", str(run)]) == 0
     output = capsys.readouterr().out
     assert f"table     {REGISTRY.fingerprint}" in output
     assert "/imu_data" in output
     assert "not at all" not in output
-    assert main(["info", str(run.with_suffix(".datagrams.mcap")), "--json"]) == 0
+    assert main(["recording", "info", str(run.with_suffix(".datagrams.mcap")), "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
     assert facts["complete"] is True
     assert {topic["topic"]: topic["count"] for topic in facts["topics"] if topic["count"]} == {
@@ -128,7 +128,7 @@ def test_a_topic_as_csv_and_parquet(run: Path, capsys: pytest.CaptureFixture[str
     file = run.with_suffix(f".imu_data.{format}")
     if format == "parquet":
         parquet = pytest.importorskip("pyarrow.parquet", reason=NO_PYARROW)
-    assert main(["export", str(run), "--topic", "imu_data", "--to", format]) == 0
+    assert main(["recording", "export", str(run), "--topic", "imu_data", "--to", format]) == 0
     assert capsys.readouterr().out.startswith(f"wrote {_COUNT} messages of imu_data to {file}")
     rows = [*csv.DictReader(file.open())] if format == "csv" else parquet.read_table(file).to_pylist()
     payload = payload_at(REGISTRY.by_name["imu_info"].payload_type, 0.1 * (_COUNT - 1))
@@ -144,9 +144,9 @@ def test_an_export_that_fails_leaves_what_was_there(run: Path, tmp_path: Path) -
     kept = tmp_path / "kept.csv"
     kept.write_text("precious")
     before = set(tmp_path.iterdir())
-    assert main(["export", str(run), "--topic", "imu_dat", "--out", str(kept)]) == 2
+    assert main(["recording", "export", str(run), "--topic", "imu_dat", "--out", str(kept)]) == 2
     assert kept.read_text() == "precious"
     assert set(tmp_path.iterdir()) == before
-    assert main(["export", str(run), "--topic", "imu_data", "--out", str(kept)]) == 0
+    assert main(["recording", "export", str(run), "--topic", "imu_data", "--out", str(kept)]) == 0
     assert kept.read_text().startswith("time_ns,")
     assert set(tmp_path.iterdir()) == before

@@ -60,7 +60,7 @@ def test_a_proto_becomes_the_message_beside_it(
 @_NEEDS_OPENCV
 def test_the_mission_of_the_page_can_be_read(tmp_path: Path) -> None:
     """With the landmarks of the page about markers."""
-    from roverlink.mission.mission_file import read_mission
+    from roverkit.mission.mission_file import read_mission
 
     (mission,) = (one.text for one in blocks(_DOCS / "navigation.md") if one.text.startswith("# mission.yaml"))
     (tmp_path / "mission.yaml").write_text(mission)
@@ -71,9 +71,9 @@ def test_the_mission_of_the_page_can_be_read(tmp_path: Path) -> None:
 @_NEEDS_OPENCV
 def test_the_files_of_the_page_about_cameras_are_read(tmp_path: Path) -> None:
     """The landmarks, boards and cameras that docs/vision.md shows are taken as they stand."""
-    from roverlink.vision import read_landmarks
-    from roverlink.vision.camera.cameras_file import read_cameras
-    from roverlink.vision.markers.boards import read_boards
+    from roverkit.vision import read_landmarks
+    from roverkit.vision.camera.cameras_file import read_cameras
+    from roverkit.vision.markers.boards import read_boards
 
     for text in (block.text for block in blocks(_DOCS / "vision.md") if block.language == "yaml"):
         (tmp_path / text.partition("\n")[0].removeprefix("# ")).write_text(text, encoding="utf-8")

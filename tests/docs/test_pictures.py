@@ -25,7 +25,7 @@ def test_the_pictures_of_vision_are_what_the_programs_draw(tmp_path: Path) -> No
     """With the files beside them."""
     pytest.importorskip("cv2", reason=NO_OPENCV)
     pytest.importorskip("matplotlib", reason="need matplotlib (pip install matplotlib)")
-    from bench.vision.pictures import main
+    from rover.bench.vision.pictures import main
 
     shown = ROOT / "docs" / "vision"
     assert main(["--quick", "--out", str(tmp_path)]) == 0

@@ -9,12 +9,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from check_launch.rules.launch_rules import launch_rules
 from page import ROOT
 
 from roverlink.command_line import COMMANDS
 from roverlink.generator.ir import interfaces, model
 from roverlink.generator.rule_catalogue import rules
-from roverlink.launch_check.rules.launch_rules import launch_rules
 
 
 def _build(project: Path, site: Path) -> subprocess.CompletedProcess[str]:

@@ -13,10 +13,10 @@ import pytest
 import yaml
 from needs import NO_OPENCV
 from page import ROOT
+from roverkit.driving.drive_control import State
+from roverkit.driving.drive_parameters import PARAMETERS
 
 from roverlink.command_line import COMMANDS
-from roverlink.drive.drive_parameters import PARAMETERS
-from roverlink.driving.drive_control import State
 from roverlink.generator.emit import targets
 from roverlink.generator.table import Table, reader
 from roverlink.generator.table.parts import object_of
@@ -94,7 +94,7 @@ def test_driving_lists_parameters_and_states() -> None:
 @_NEEDS_OPENCV
 def test_rocks_lists_the_reasons() -> None:
     """In the table, and in the proposed enum."""
-    from roverlink.vision.rocks import Unmeasurable
+    from roverkit.rocks import Unmeasurable
 
     page, reasons = _page("docs/rocks.md"), [reason.value for reason in Unmeasurable]
     assert re.findall(r"^\| `(\w+)` \| [^|]* \|$", page, re.MULTILINE) == reasons
@@ -104,18 +104,18 @@ def test_rocks_lists_the_reasons() -> None:
 @_NEEDS_OPENCV
 def test_navigation_lists_rules_and_arguments() -> None:
     """Every rule of a mission and every argument of the launch file, in any order."""
-    from roverlink.mission.mission_file import GoalRules
+    from roverkit.mission.mission_file import GoalRules
 
     page, rules = "docs/navigation.md", ["on_failure" if one.name == "stops" else one.name for one in fields(GoalRules)]
     listed = [rule.partition(":")[0] for rule in _rows(page, "rule, at the top or in a goal")]
     assert sorted(listed) == sorted(rules)
-    launch = yaml.safe_load(_page("navigation/launch/slam_launch.yaml"))["launch"]
+    launch = yaml.safe_load(_page("rover/navigation/launch/slam_launch.yaml"))["launch"]
     declared = [entry["arg"]["name"] for entry in launch if "arg" in entry]
     assert sorted(_rows(page, "argument")) == sorted(declared)
 
 
 def test_vision_lists_the_topics() -> None:
-    """Those of `roverlink.vision.ros.publishing` and `rover_pose`, with their types."""
+    """Those of `roverkit.vision.ros.publishing` and `rover_pose`, with their types."""
     code = "".join(_page(f"vision/ros/{name}.py") for name in ("publishing", "rover_pose"))
     topics = dict(re.findall(r"^\| (\S+) +\| (\w+/\w+)", code, re.MULTILINE))
     listed = dict(re.findall(r"^\| `([\w/]+)` \| `(\w+/\w+)`", _page("docs/vision.md"), re.MULTILINE))

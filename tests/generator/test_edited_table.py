@@ -1,4 +1,4 @@
-"""`roverlink add` and `roverlink retire`: one row more or less in the table, whose other lines stay as they were."""
+"""`roverlink add` and `roverlink number retire`: one row more or less in the table; its other lines stay the same."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_a_row_is_added_and_generated(two_payloads: Path, capsys: pytest.Capture
     assert [(row.number, row.name, row.topic) for row in rows] == [(1, "a", "a"), (2, "b", "b"), (3, "again", "t")]
     assert (two_payloads / "generated" / "handlers" / "again.py").is_file()
     with inside(two_payloads):
-        main(["retire", "3"])
+        main(["number", "retire", "3"])
     assert _add(two_payloads, "c") == 0
     assert "c has the number 4" in capsys.readouterr().err
 
@@ -218,7 +218,7 @@ def test_a_number_that_no_row_has() -> None:
 def test_retiring_generates(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The envelope reserves number and name, the ledger says so, the handler goes; the drift check is content."""
     with inside(project):
-        assert main(["retire", "2"]) == 0
+        assert main(["number", "retire", "2"]) == 0
     assert "changed mapping.yaml" in capsys.readouterr().out
     envelope = (project / "proto" / "envelope.proto").read_text()
     assert "reserved 2;" in envelope
@@ -233,6 +233,6 @@ def test_what_cannot_be_generated_is_not_retired(tmp_path: Path, capsys: pytest.
     project = case("env101_number_taken").write_inputs(tmp_path / "project")
     before = snapshot(project)
     with inside(project):
-        assert main(["retire", "1"]) == 1
+        assert main(["number", "retire", "1"]) == 1
     assert "nothing was written" in capsys.readouterr().err
     assert snapshot(project) == before

@@ -185,7 +185,7 @@ def test_an_edited_table_does_not_replace_a_foreign_envelope(project: Path) -> N
     envelope.write_text("".join(envelope.read_text().splitlines(keepends=True)[2:]))
     before = snapshot(project)
     with inside(project):
-        assert main(["retire", "1"]) == 2
+        assert main(["number", "retire", "1"]) == 2
     assert snapshot(project) == before
 
 

@@ -152,7 +152,7 @@ def test_a_retired_row_does_not_come_back_with_another_peer(tmp_path: Path) -> N
     project = _commands(tmp_path, "text: a")
     table = project / "mapping.yaml"
     text = table.read_text()
-    assert main(["retire", "2", "--table", str(table)]) == 0
+    assert main(["number", "retire", "2", "--table", str(table)]) == 0
     assert "  2: arm Arm retired\n" in (project / "mapping.lock").read_text()
     text += 'lint:\n  WIR106: {severity: "off", reason: the arm is back}\n'
     table.write_text(text.replace("ros_to_board", "ros_to_base"))

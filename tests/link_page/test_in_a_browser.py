@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.vision.browser import Visitor
 from bench.watched_link import watched_link
-from tests.vision.browsing import visiting
+from rover.bench.vision.browser import Visitor
+from rover.tests.vision.browsing import visiting
 
 pytestmark = pytest.mark.slow
 

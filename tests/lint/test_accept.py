@@ -309,7 +309,7 @@ def test_a_burned_number_that_is_free_is_given_to_nobody(tree: Repository) -> No
     assert tree.lint("--accept")[0] == 0
     assert " now" not in tree.ledger.read_text()
     assert tree.lint()[0] == 0
-    assert tree.run("next-number", *tree.subject)[1] == "4\n"
+    assert tree.run("number", "next", *tree.subject)[1] == "4\n"
     tree.write(*_FIRST, types=before)
     taken = {("ENV110", "rover.Env", 2), ("WIR111", "rover.Imu", 2), ("WIR112", "rover.Mode", 1)}
     assert set(tree.found()) == taken

@@ -87,7 +87,7 @@ def test_the_declarations_stand_side_by_side(link: Link) -> None:
         f"    until {second} 2026-02-04                       now on the branch main\n"
         "      A B: Remove the GPS, which nobody uses any…\n"
     )
-    of_number = link.run("history", "2", "protos", *_ENVELOPE)[1]
+    of_number = link.run("number", "history", "2", "protos", *_ENVELOPE)[1]
     assert ("since the new b…" in of_number, _SUBJECT in out + of_number) == (True, False)
     assert [found["history"][0]["last_subject"] for found in link.found()] == [_SUBJECT]
 
@@ -166,9 +166,9 @@ def test_only_limits_of_the_envelope_concern_its_numbers(
     link.commit("Be binary", gps=_GPS + "\0")
     link.commit("Be a text again", gps=_GPS)
     (link.check_out() / "protos" / "gps.proto").write_text("message {")
-    asked = (("history", "2", "protos", *_ENVELOPE), ("next-number", "protos", *_ENVELOPE))
+    asked = (("number", "history", "2", "protos", *_ENVELOPE), ("number", "next", "protos", *_ENVELOPE))
     assert ["[" in link.run(*words)[2] for words in asked] == [False, False]
-    of_gps = link.run("history", "Gps:1", "protos")[2]
+    of_gps = link.run("number", "history", "Gps:1", "protos")[2]
     assert ("warning[STA106]" in of_gps, "error[PRO101]" in of_gps) == (True, True)
     binary, text = ({"protos/e.proto": text} for text in (_link() + "\0", _link("uint32 count = 1;")))
     monkeypatch.chdir(RepositoryBuilder(tmp_path / "other").commits(binary, text).write())

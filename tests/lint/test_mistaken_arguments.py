@@ -1,4 +1,4 @@
-"""What the lint, `history` and `next-number` say if a name, a folder or a place on the command line is not right."""
+"""What the lint, `history` and `number next` say if a name, a folder or a place on the command line is not right."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 )
 def test_history_takes_a_number_of_any_message(repository: Path, run: Run, named: str, code: int, first: str) -> None:
     """`history` takes `TYPE:NUMBER`, as `--accept` does; a number that the type never had is exit code 1."""
-    exit_code, out, _ = run("history", named, "protos")
+    exit_code, out, _ = run("number", "history", named, "protos")
     assert (exit_code, out.splitlines()[0]) == (code, first)
 
 
@@ -62,7 +62,7 @@ def test_history_of_an_unknown_type_is_an_error(repository: Path, run: Run, name
     """A type that no commit declares cannot be answered with "never used": the similar names are suggested."""
     name = named.partition(":")[0]
     expected = f"roverlink: no commit and no file declares a message or enum {name!r}; {hint}\n"
-    assert run("history", named, "protos") == (2, "", expected)
+    assert run("number", "history", named, "protos") == (2, "", expected)
 
 
 @pytest.mark.parametrize(
@@ -72,9 +72,9 @@ def test_history_of_an_unknown_type_is_an_error(repository: Path, run: Run, name
         (("lint", "protos", "--message", "Envelope"), "use --message rover.Env"),
         (("lint", "protos", "--message", "Moter"), "use --message rover.Motor"),
         (("lint", "protos", "--message", "other.Env"), "use --message rover.Env"),
-        (("history", "2", "protos", "--message", "Envelope"), "use --message rover.Env"),
-        (("history", "2", "protos", "--message", "Gbs"), "use --message rover.Gps"),
-        (("next-number", "protos"), "use --message rover.Env"),
+        (("number", "history", "2", "protos", "--message", "Envelope"), "use --message rover.Env"),
+        (("number", "history", "2", "protos", "--message", "Gbs"), "use --message rover.Gps"),
+        (("number", "next", "protos"), "use --message rover.Env"),
         (("lint", "protos", "--branches"), "use --message rover.Env"),
     ],
 )
@@ -87,12 +87,12 @@ def test_an_envelope_is_suggested(repository: Path, run: Run, command: tuple[str
 
 def test_next_number_says_if_the_message_has_no_oneof(repository: Path, run: Run) -> None:
     """A message without a oneof may be the wrong one, so it is said that all its fields count."""
-    assert run("next-number", "protos", "--message", "Motor") == (
+    assert run("number", "next", "protos", "--message", "Motor") == (
         0,
         "3\n",
         "'rover.Motor' has no oneof, so all its fields count as payloads\n",
     )
-    assert "oneof" not in run("next-number", "protos", "--message", "Env")[2]
+    assert "oneof" not in run("number", "next", "protos", "--message", "Env")[2]
 
 
 # --- folders ---
@@ -122,7 +122,7 @@ def test_hundreds_of_unreadable_files(tmp_path: Path, run: Run) -> None:
     ("command", "message"),
     [
         (("lint", "--history"), "fatal[STA105] the history cannot be read: {}"),
-        (("history", "2"), "fatal[STA105] the history cannot be read: {}"),
+        (("number", "history", "2"), "fatal[STA105] the history cannot be read: {}"),
         (
             ("lint", "--against", "main"),
             "fatal[STA101] 'main' is not a folder or a file, and no git ref can be read: {}",

@@ -121,10 +121,10 @@ def test_a_shallow_clone_says_how_deep_it_could_look(windy: Path, tmp_path: Path
     assert "its history goes back only 1 commit" in out
     assert "git fetch --unshallow" in out
     (root / ENVELOPE_FILE).write_text(_text("Wind wind = 2; Imu other = 3"))
-    for arguments in (["next-number", root], ["history", "2", root]):
+    for arguments in (["number", "next", root], ["number", "history", "2", root]):
         _, _, err = run(*arguments, *_TREE)
         assert ("warning[STA106] this is a shallow clone" in err, "error[PRO101]" in err) == (True, True)
-    assert run("next-number", root, *_TREE)[1] == "4\n"
+    assert run("number", "next", root, *_TREE)[1] == "4\n"
 
 
 def test_a_question_about_the_envelope_needs_one(windy: Path, run: Run, tmp_path: Path) -> None:
@@ -228,7 +228,7 @@ def test_the_next_number_skips_whatever_was_used(repository: RepositoryBuilder, 
     repository.branch("side")
     repository.commit("Take 4", _envelope("Imu other = 4;"), branch="side")
     repository.commit("Go on", _envelope(_GPS, "// Wind later = 5;", closed="reserved 6;"))
-    code, out, err = run("next-number", repository.write(), *_TREE)
+    code, out, err = run("number", "next", repository.write(), *_TREE)
     assert (code, out) == (0, "7\n")
     expected = ["3 was 'wind' (Wind) until ", "4 is 'other' (Imu) on the branch side", "5 ", "6 is reserved in "]
     lines = [" ".join(line.split()) for line in err.splitlines()]
@@ -241,15 +241,15 @@ def test_the_next_number_skips_what_is_closed(repository: RepositoryBuilder, run
     text = _text(_GPS, closed="extensions 3 to 9; reserved 12 to max; optional uint32 outside = 10;")
     repository.commit("Close", {ENVELOPE_FILE: text.replace("proto3", "proto2")})
     root = repository.write()
-    code, out, err = run("next-number", root, *_TREE)
+    code, out, err = run("number", "next", root, *_TREE)
     assert (code, out, err.splitlines()[0]) == (0, "11\n", f"3 to 9 is for extensions in {ENVELOPE_FILE}")
     file = root / ENVELOPE_FILE
     file.write_text(file.read_text().replace("12 to max", "11 to max"))
     shutil.rmtree(root / ".git")
-    code, out, err = run("next-number", root, *_TREE)
+    code, out, err = run("number", "next", root, *_TREE)
     assert (code, out, "no number is left" in err) == (2, "", True)
     file.write_text(file.read_text().replace("3 to 9", "4 to 9"))
-    assert run("next-number", root, *_TREE)[:2] == (0, "3\n")
+    assert run("number", "next", root, *_TREE)[:2] == (0, "3\n")
 
 
 # --- what is not committed yet, and other states ---
@@ -259,7 +259,7 @@ def test_the_next_number_skips_what_is_closed(repository: RepositoryBuilder, run
     ("arguments", "said"),
     [
         (["lint", "--message", "PBEnvelope"], "need PROTO_ROOT"),
-        (["next-number", "--envelope", "e.proto"], "need PROTO_ROOT"),
+        (["number", "next", "--envelope", "e.proto"], "need PROTO_ROOT"),
         (["lint", "one", "--history", "."], "two folders of .proto files are given, 'one' and '.'"),
         (["lint", ".", "--history", "main", "--accept"], "leave out 'main' after --history"),
     ],

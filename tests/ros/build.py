@@ -70,7 +70,7 @@ def main() -> int:
         _write_defaults(sources)
     package = ROOT / "generated" / "ros" / REGISTRY.package
     (sources / REGISTRY.package).symlink_to(package)
-    (sources / _NAVIGATION).symlink_to(ROOT / "navigation")
+    (sources / _NAVIGATION).symlink_to(ROOT / "rover" / "navigation")
     messages = sorted(path.stem for path in (package / "msg").glob("*.msg"))
     _write_user(sources / "user", messages)
     if not _SOURCED:
@@ -354,8 +354,8 @@ def _is_not_navigation(environment: dict[str, str]) -> Iterator[str]:
     """Look for the files of the package in navigation/, and start its programs, which are commands of roverlink."""
     prefix = _WORKSPACE / "install" / _NAVIGATION
     shared = prefix / "share" / _NAVIGATION
-    for path in (ROOT / "navigation").glob("*/*"):
-        name = path.relative_to(ROOT / "navigation")
+    for path in (ROOT / "rover" / "navigation").glob("*/*"):
+        name = path.relative_to(ROOT / "rover" / "navigation")
         if name.parts[0] != "scripts" and not (shared / name).is_file():
             yield f"ros2 launch would not find {shared / name}"
     programs = sorted((prefix / "lib" / _NAVIGATION).iterdir())

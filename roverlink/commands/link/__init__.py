@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import importlib
-
-from roverlink.console import Subparsers, command
-
-_COMMANDS = ("keygen",)
+from roverlink.console import Subparsers, command_group
 
 
 def add(commands: Subparsers) -> None:
     """Add ``link`` with its subcommands to the command line."""
-    parser = command(
+    command_group(
         commands,
         "link",
         "make the keys for signed datagrams",
         "roverlink link keygen basestation",
         "Commands for the links between the bridge and its peers: make the keys with which both ends sign datagrams.",
+        __name__,
+        ("keygen",),
     )
-    subcommands = parser.add_subparsers(required=True, metavar="command")
-    for name in _COMMANDS:
-        importlib.import_module(f"roverlink.commands.link.{name}").add(subcommands)

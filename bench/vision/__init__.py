@@ -1,1 +1,0 @@
-"""Accuracy and speed of the camera programs on rendered frames with known truth: python -m bench.vision."""

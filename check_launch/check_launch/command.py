@@ -1,0 +1,127 @@
+"""``roverlink check-launch``: check ROS 2 launch files and parameter files without a rover."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, read_catalogue
+from check_launch.graph.system_drawing import graph_of
+from check_launch.own_programs import with_own_programs
+from check_launch.rules.checking import Checked, Checker, files_to_check
+from check_launch.rules.launch_rules import launch_rules
+from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, print_note
+from roverlink.diagnostic_text import Sources
+from roverlink.generator.diagnostics import Severity
+from roverlink.generator.source_files import repository_top
+from roverlink.reports import FORMATS
+from roverlink.reports.reported import Reported
+from roverlink.runtime.atomic_files import write_whole
+from roverlink.runtime.core.errors import SetupError
+
+_SET = ":="
+
+
+def add(commands: Subparsers) -> None:
+    """Add the command and its options to the command line."""
+    parser = command(
+        commands,
+        "check-launch",
+        "find mistakes in launch files and their parameter files before they meet a rover",
+        "roverlink check-launch --complete rover/navigation/launch/slam.launch.py",
+        "Check ROS 2 launch files (YAML, XML, Python) and parameter files: unknown and misplaced parameters, wrong\n"
+        "types and ranges, unknown plugins and executables, remappings without effect, topics that nobody publishes\n"
+        "or with another QoS, and transforms with two parents or none. ROS 2 need not be installed: the facts about\n"
+        "packages come from a catalogue, which --list shows. Packages that are not in it are named and skipped.\n\n"
+        "A launch file is checked with the defaults of its arguments, and once more for each argument on which it\n"
+        "depends what is started. PATH may be followed by NAME:=VALUE, as for `ros2 launch`.\n\n"
+        "A Python launch file is a program, and runs: check files of strangers only where their code may run.\n\n"
+        "`roverlink explain PAR101` describes a rule. Exit code 0: there is no finding, or only hints; 1: there are\n"
+        "errors; 2: a file cannot be read.",
+    )
+    parser.add_argument(
+        "paths",
+        nargs="*",
+        metavar="PATH|NAME:=VALUE",
+        help="launch file, parameter file, or a folder with such files; NAME:=VALUE sets an argument of launch files",
+    )
+    parser.add_argument(
+        "--distribution",
+        choices=DISTRIBUTIONS,
+        default=DISTRIBUTIONS[0],
+        help="ROS 2 distribution whose packages are used (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--complete",
+        action="store_true",
+        help="the launch file starts everything: topics and frames that come from nowhere are errors, not only hints",
+    )
+    parser.add_argument(
+        "--packages",
+        nargs="+",
+        type=Path,
+        default=[],
+        metavar="DIR",
+        help="folders with the sources of more packages, whose launch files are included (default: the repository of "
+        "PATH, and an installed ROS 2)",
+    )
+    parser.add_argument("--graph", type=Path, metavar="FILE", help="draw nodes, topics and frames into this SVG file")
+    parser.add_argument(
+        "--format", choices=FORMATS, default="text", help="format of the findings (default: %(default)s)"
+    )
+    parser.add_argument("--list", action="store_true", help="list the packages in the catalogue, with their versions")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Check the files, print the findings, and return the exit code."""
+    paths = [Path(one) for one in arguments.paths if _SET not in one]
+    catalogue = with_own_programs(read_catalogue(arguments.distribution), _table_file(paths))
+    if arguments.list:
+        for name, package in catalogue.packages.items():
+            source = catalogue.sources[package.source]
+            print(
+                f"{name} {package.version}".ljust(44), f"{source.repository} {source.commit[:10]} {source.date}".strip()
+            )
+        return OK
+    if not paths:
+        raise SetupError("name a launch file, a parameter file, or a folder with such files")
+    missing: list[Path] = []
+    files = list(files_to_check(paths, missing.append))
+    if missing:
+        raise SetupError(f"{missing[0]}: there is no launch file, and no file with parameters of ROS 2 nodes")
+    packages = [*arguments.packages, *_tops(files)]
+    values = dict(one.split(_SET, 1) for one in arguments.paths if _SET in one)
+    checked = Checker(catalogue, packages, arguments.complete).check(files, values)
+    if arguments.graph:
+        _draw(checked, arguments.graph)
+    FORMATS[arguments.format](Reported("roverlink check-launch", checked.findings, Sources(Path(".")), launch_rules()))
+    severities = {finding.severity for finding in checked.findings}
+    if Severity.FATAL in severities:
+        return UNABLE
+    return FINDINGS if severities & {Severity.ERROR, Severity.WARNING} else OK
+
+
+def _table_file(paths: Iterable[Path]) -> Path | None:
+    """Return the nearest mapping.yaml above the first path; None if there is none."""
+    for path in paths:
+        found = (folder / TABLE for folder in (path.resolve(), *path.resolve().parents))
+        return next((one for one in found if one.is_file()), None)
+    return next((one for one in (Path(TABLE),) if one.is_file()), None)
+
+
+def _tops(files: Iterable[Path]) -> Iterator[Path]:
+    """Yield the top of the repository of each file; without a repository, the folder of its package or its own."""
+    for folder in dict.fromkeys(file.resolve().parent for file in files):
+        above = next((one for one in (folder, *folder.parents) if (one / "package.xml").is_file()), folder)
+        yield Path(repository_top(str(folder)) or above)
+
+
+def _draw(checked: Checked, path: Path) -> None:
+    if not checked.systems:
+        raise SetupError("--graph draws what a launch file starts; name a launch file")
+    if len(checked.systems) > 1:
+        print_note(f"{path}: shows {checked.systems[0][0]}, the first of {len(checked.systems)} launch files")
+    name, system = checked.systems[0]
+    write_whole(path, graph_of(system, name).encode())

@@ -1,0 +1,289 @@
+"""Actions of YAML and XML launch files."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from check_launch.expansion.actions import (
+    Action,
+    DeclareArgument,
+    Execute,
+    GivenFile,
+    GivenParameter,
+    Group,
+    Include,
+    Later,
+    LoadNodes,
+    Problem,
+    PushNamespace,
+    Remapping,
+    SetConfiguration,
+    SetEnvironment,
+    SetParameter,
+    SetParametersFromFile,
+    SetRemap,
+    StartNode,
+)
+from check_launch.expansion.entities import Attribute, Entity, read_entities
+from check_launch.expansion.places import Place
+from check_launch.expansion.substitutions import TextSubstitution
+from check_launch.expansion.written_text import WrongTextError, parse_text
+
+_OF_ALL = frozenset({"if", "unless"})
+_OF_PROCESS = frozenset(
+    {"output", "respawn", "respawn_delay", "respawn_max_retries", "launch-prefix", "cwd", "shell", "sigterm_timeout"}
+    | {"sigkill_timeout", "emulate_tty", "on_exit"}
+)
+_OF_NODE = _OF_PROCESS | {"pkg", "exec", "name", "namespace", "args", "ros_args", "machine"}
+_ATTRIBUTES: Mapping[str, frozenset[str]] = {
+    "arg": frozenset({"name", "default", "description", "value"}),
+    "let": frozenset({"name", "value"}),
+    "set_env": frozenset({"name", "value"}),
+    "append_env": frozenset({"name", "value", "prepend", "separator"}),
+    "unset_env": frozenset({"name"}),
+    "reset_env": frozenset(),
+    "reset": frozenset(),
+    "group": frozenset({"scoped", "forwarding"}),
+    "include": frozenset({"file"}),
+    "push_ros_namespace": frozenset({"namespace"}),
+    "push-ros-namespace": frozenset({"namespace"}),
+    "set_remap": frozenset({"from", "to"}),
+    "set_parameter": frozenset({"name", "value"}),
+    "set_parameters_from_file": frozenset({"filename"}),
+    "set_use_sim_time": frozenset({"value"}),
+    "node": _OF_NODE,
+    "node_container": _OF_NODE,
+    "composable_node": frozenset({"pkg", "plugin", "name", "namespace"}),
+    "load_composable_node": frozenset({"target"}),
+    "executable": _OF_PROCESS | {"cmd", "name"},
+    "log": frozenset({"message", "level"}),
+    "log_info": frozenset({"message"}),
+    "shutdown": frozenset({"reason"}),
+    "timer": frozenset({"period"}),
+    "ros_timer": frozenset({"period"}),
+    "param": frozenset({"name", "value", "from", "type", "sep", "allow_substs", "value-sep"}),
+    "remap": frozenset({"from", "to"}),
+    "env": frozenset({"name", "value"}),
+    "keep": frozenset({"name", "value"}),
+    "choice": frozenset({"value"}),
+    "extra_arg": frozenset({"name", "value"}),
+}
+"""Attributes of each element (launch and launch_ros of humble and jazzy)."""
+
+
+def read_declarative(path: Path, shown: str) -> tuple[list[Action], list[Problem]]:
+    """Read the actions of a YAML or XML launch file, and what is wrong in it. Raises `UnreadableFileError`."""
+    reader = _Reader()
+    return reader.actions(read_entities(path, shown)), reader.problems
+
+
+class _Reader:
+    def __init__(self) -> None:
+        self.problems: list[Problem] = []
+
+    def actions(self, entities: list[Entity]) -> list[Action]:
+        found: list[Action] = []
+        for entity in entities:
+            self._check_attributes(entity)
+            if make := _MAKERS.get(entity.name):
+                action = make(self, entity)
+                if action is not None:
+                    action.condition = self._condition(entity)
+                    found.append(action)
+            elif entity.name not in _ATTRIBUTES:
+                self._report("element", entity.place, f"unknown action '{entity.name}'", entity.name, _MAKERS)
+        return found
+
+    def _report(self, kind: str, place: Place, message: str, word: str, known: Any) -> None:
+        from difflib import get_close_matches
+
+        near = get_close_matches(word, list(known), 1)
+        self.problems.append(Problem(kind, place, message, f"did you mean '{near[0]}'?" if near else ""))
+
+    def _check_attributes(self, entity: Entity) -> None:
+        known = _ATTRIBUTES.get(entity.name)
+        if known is None:
+            return
+        known |= _OF_ALL
+        for name, attribute in entity.attributes.items():
+            if name not in known:
+                self._report(
+                    "element", attribute.key, f"'{entity.name}' has no attribute '{name}'", name, sorted(known)
+                )
+        for child in entity.children:
+            if child.name in ("param", "remap", "env", "keep", "choice", "extra_arg"):
+                self._check_attributes(child)
+
+    def _text(self, attribute: Attribute | None) -> Any:
+        if attribute is None:
+            return None
+        return self._parsed(attribute.value, attribute.place)
+
+    def _parsed(self, value: Any, place: Place) -> Any:
+        if isinstance(value, bool):
+            return str(value).lower()
+        if not isinstance(value, str):
+            return "" if value is None else str(value)
+        try:
+            return parse_text(value)
+        except WrongTextError as error:
+            self.problems.append(Problem("text", place, str(error)))
+            return ""
+
+    def get(self, entity: Entity, name: str) -> Any:
+        """Return the text of an attribute; None if the element has none."""
+        return self._text(entity.attributes.get(name))
+
+    def _condition(self, entity: Entity) -> tuple[bool, Any] | None:
+        for name in ("if", "unless"):
+            if name in entity.attributes:
+                return name == "if", self.get(entity, name)
+        return None
+
+    def argument(self, entity: Entity) -> Action:
+        choices = [str(child.attributes["value"].value) for child in entity.children if "value" in child.attributes]
+        return DeclareArgument(
+            entity.place,
+            None,
+            self.get(entity, "name") or "",
+            self.get(entity, "default"),
+            tuple(choices),
+            str(entity.attributes["description"].value) if "description" in entity.attributes else "",
+        )
+
+    def include(self, entity: Entity) -> Action:
+        arguments = [
+            (self.get(child, "name"), self.get(child, "value"), child.attributes["name"].place)
+            for child in entity.children
+            if child.name in ("arg", "let") and "name" in child.attributes
+        ]
+        return Include(entity.place, None, self.get(entity, "file") or "", arguments)
+
+    def group(self, entity: Entity) -> Action:
+        scoped = entity.attributes.get("scoped")
+        return Group(
+            entity.place, None, self.actions(entity.children), str(scoped.value).lower() != "false" if scoped else True
+        )
+
+    def node(self, entity: Entity) -> StartNode:
+        return StartNode(
+            entity.place,
+            None,
+            self.get(entity, "pkg") or "",
+            self.get(entity, "exec") or "",
+            self.get(entity, "plugin") or "",
+            self.get(entity, "name"),
+            self.get(entity, "namespace"),
+            self._parameters(entity),
+            [one for child in entity.children if child.name == "remap" for one in self._remapping(child)],
+            self._words(entity, "args"),
+            self._words(entity, "ros_args"),
+        )
+
+    def _words(self, entity: Entity, name: str) -> list[Any]:
+        """Split arguments at spaces; a word may have several parts, such as ``topic:$(var camera)``."""
+        text = self.get(entity, name)
+        if text is None:
+            return []
+        words: list[Any] = []
+        open_word = False
+        for part in text if isinstance(text, list) else [text]:
+            if not isinstance(part, str):
+                words[-1:] = [[*words[-1], part]] if open_word else [*words[-1:], [part]]
+                open_word = True
+                continue
+            pieces = _split(part)
+            if pieces and open_word and not part[0].isspace():
+                words[-1].append(pieces.pop(0))
+            words += [[piece] for piece in pieces]
+            open_word = bool(part) and not part[-1].isspace()
+        return words
+
+    def _remapping(self, entity: Entity) -> list[Remapping]:
+        source, target = entity.attributes.get("from"), entity.attributes.get("to")
+        if source is None or target is None:
+            self.problems.append(Problem("element", entity.place, "a 'remap' needs 'from' and 'to'"))
+            return []
+        return [Remapping(self._text(source), self._text(target), source.place, target.place)]
+
+    def _parameters(self, entity: Entity) -> list[GivenParameter | GivenFile]:
+        found: list[GivenParameter | GivenFile] = []
+        for child in entity.children:
+            if child.name != "param":
+                continue
+            if source := child.attributes.get("from"):
+                substitutes = child.attributes.get("allow_substs")
+                has_substitutions = substitutes is not None and str(substitutes.value).lower() == "true"
+                found.append(GivenFile(self._text(source), source.place, has_substitutions))
+            elif name := child.attributes.get("name"):
+                value, is_text = self._parameter_value(child)
+                found.append(GivenParameter(self._text(name), value, name.place, is_text))
+        return found
+
+    def _parameter_value(self, entity: Entity) -> tuple[Any, bool]:
+        value, type_ = entity.attributes.get("value"), entity.attributes.get("type")
+        if value is None:
+            return {
+                str(child.attributes["name"].value): self._parameter_value(child)[0]
+                for child in entity.children
+                if child.name == "param" and "name" in child.attributes
+            }, False
+        is_text = type_ is not None and str(type_.value) == "str"
+        if isinstance(value.value, str):
+            parsed = self._text(value)
+            return parsed if isinstance(parsed, list) else TextSubstitution(text=parsed), is_text
+        return value.value, is_text
+
+    def container(self, entity: Entity) -> Action:
+        nodes = [self.node(child) for child in entity.children if child.name == "composable_node"]
+        for child in entity.children:
+            if child.name == "composable_node":
+                self._check_attributes(child)
+        own = self.node(entity) if entity.name == "node_container" else None
+        if own:
+            own.condition = None
+        return LoadNodes(entity.place, None, own, nodes)
+
+    def executable(self, entity: Entity) -> Action:
+        return Execute(entity.place, None, self._words(entity, "cmd"))
+
+
+def _split(text: str) -> list[str]:
+    try:
+        return shlex.split(text)
+    except ValueError:  # a quotation mark that a substitution closes
+        return text.split()
+
+
+_MAKERS: Mapping[str, Callable[[_Reader, Entity], Action | None]] = {
+    "arg": _Reader.argument,
+    "let": lambda reader, one: SetConfiguration(
+        one.place, None, reader.get(one, "name") or "", reader.get(one, "value") or ""
+    ),
+    "set_env": lambda reader, one: SetEnvironment(
+        one.place, None, reader.get(one, "name") or "", reader.get(one, "value") or ""
+    ),
+    "group": _Reader.group,
+    "include": _Reader.include,
+    "push_ros_namespace": lambda reader, one: PushNamespace(one.place, None, reader.get(one, "namespace") or ""),
+    "push-ros-namespace": lambda reader, one: PushNamespace(one.place, None, reader.get(one, "namespace") or ""),
+    "set_remap": lambda reader, one: SetRemap(
+        one.place, None, reader.get(one, "from") or "", reader.get(one, "to") or ""
+    ),
+    "set_parameter": lambda reader, one: SetParameter(
+        one.place, None, reader.get(one, "name") or "", reader._parameter_value(one)[0]
+    ),
+    "set_use_sim_time": lambda reader, one: SetParameter(one.place, None, "use_sim_time", [reader.get(one, "value")]),
+    "set_parameters_from_file": lambda reader, one: SetParametersFromFile(
+        one.place, None, reader.get(one, "filename") or ""
+    ),
+    "node": _Reader.node,
+    "node_container": _Reader.container,
+    "load_composable_node": _Reader.container,
+    "executable": _Reader.executable,
+    "timer": lambda reader, one: Later(one.place, None, reader.actions(one.children)),
+    "ros_timer": lambda reader, one: Later(one.place, None, reader.actions(one.children)),
+}

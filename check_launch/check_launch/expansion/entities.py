@@ -1,0 +1,166 @@
+"""Elements of YAML and XML launch files, with the places of their attributes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from xml.parsers import expat
+
+import yaml
+
+from check_launch.expansion.places import Place
+
+
+class UnreadableFileError(Exception):
+    """Raised for a file that cannot be read, or that is no YAML or XML; has the place."""
+
+    def __init__(self, place: Place, message: str) -> None:
+        super().__init__(message)
+        self.place = place
+
+
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where PyYAML has it
+
+
+@dataclass(slots=True)
+class Attribute:
+    """A value of an element, with its type in YAML; in XML, all values are texts."""
+
+    value: Any
+    place: Place
+    """Place of the value."""
+    key: Place
+    """Place of the attribute's name."""
+
+
+@dataclass(slots=True)
+class Entity:
+    """An element: ``<node pkg="x">`` in XML, ``- node: {pkg: x}`` in YAML."""
+
+    name: str
+    place: Place
+    attributes: dict[str, Attribute] = field(default_factory=dict)
+    children: list[Entity] = field(default_factory=list)
+
+
+def read_entities(path: Path, shown: str) -> list[Entity]:
+    """Read the elements of a launch file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UnreadableFileError(Place(shown), f"cannot read the file: {error}") from error
+    return _of_xml(text, shown) if text.lstrip().startswith("<") else list(_of_yaml(text, shown))
+
+
+def _of_yaml(text: str, shown: str) -> Iterator[Entity]:
+    root = compose(text, shown)
+    entries = dict(_pairs(root, shown)) if isinstance(root, yaml.MappingNode) else {}
+    launch = next((value for key, value in entries.items() if key.value == "launch"), None)
+    if not isinstance(launch, yaml.SequenceNode):
+        raise UnreadableFileError(Place(shown, 1, 1), "the file has no list 'launch'")
+    for item in launch.value:
+        yield from _yaml_entity(item, shown)
+
+
+def compose(text: str, shown: str) -> yaml.Node | None:
+    """Return the nodes of a YAML text, which know their lines and columns. Raises `UnreadableFileError`."""
+    try:
+        return yaml.compose(text, Loader=_LOADER)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = Place(shown, mark.line + 1, mark.column + 1) if mark else Place(shown)
+        raise UnreadableFileError(place, f"not valid YAML: {error.problem or error.context}") from error
+    except (yaml.YAMLError, RecursionError) as error:
+        raise UnreadableFileError(Place(shown), f"not valid YAML: {error}") from error
+
+
+def place_of(node: yaml.Node, shown: str) -> Place:
+    """Return the place of a YAML node."""
+    return Place(shown, node.start_mark.line + 1, node.start_mark.column + 1)
+
+
+def _pairs(node: yaml.MappingNode, shown: str) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
+    for key, value in node.value:
+        if not isinstance(key, yaml.ScalarNode):
+            raise UnreadableFileError(place_of(key, shown), "a key must be a text")
+        yield key, value
+
+
+def _yaml_entity(item: yaml.Node, shown: str) -> Iterator[Entity]:
+    if not isinstance(item, yaml.MappingNode) or len(item.value) != 1:
+        raise UnreadableFileError(place_of(item, shown), "an action is a mapping with one key, such as `- node: {...}`")
+    key, value = next(iter(_pairs(item, shown)))
+    yield from _named_entities(key, value, shown)
+
+
+def _named_entities(key: yaml.ScalarNode, value: yaml.Node, shown: str) -> Iterator[Entity]:
+    entity = Entity(key.value, place_of(key, shown))
+    if isinstance(value, yaml.SequenceNode):
+        for child in value.value:
+            entity.children += _yaml_entity(child, shown)
+    elif isinstance(value, yaml.MappingNode):
+        for name, inner in _pairs(value, shown):
+            if name.value == "children" and isinstance(inner, yaml.SequenceNode):
+                for child in inner.value:
+                    entity.children += _yaml_entity(child, shown)
+            elif isinstance(inner, yaml.SequenceNode) and any(isinstance(one, yaml.MappingNode) for one in inner.value):
+                for child in inner.value:  # `param`, `remap`, `arg`: a list of elements with the same name
+                    entity.children += _named_entities(name, child, shown)
+            elif isinstance(inner, yaml.MappingNode):
+                entity.children += _named_entities(name, inner, shown)
+            else:
+                entity.attributes[name.value] = Attribute(plain(inner), place_of(inner, shown), place_of(name, shown))
+    yield entity
+
+
+def plain(node: yaml.Node) -> Any:
+    """Return the Python value of a YAML node, as YAML types it."""
+    loader = yaml.SafeLoader("")
+    try:
+        return loader.construct_document(node)
+    except (yaml.YAMLError, ValueError):
+        return node.value if isinstance(node, yaml.ScalarNode) else None
+    finally:
+        loader.dispose()
+
+
+def _of_xml(text: str, shown: str) -> list[Entity]:
+    parser = expat.ParserCreate()
+    lines = text.splitlines()
+    root = Entity("", Place(shown))
+    stack = [root]
+
+    def started(name: str, attributes: dict[str, str]) -> None:
+        place = Place(shown, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
+        entity = Entity(name, place)
+        for key, value in attributes.items():
+            at = _attribute_place(lines, place, key)
+            entity.attributes[key] = Attribute(value, at, at)
+        stack[-1].children.append(entity)
+        stack.append(entity)
+
+    parser.StartElementHandler = started
+    parser.EndElementHandler = lambda _: stack.pop()
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        raise UnreadableFileError(Place(shown, error.lineno, error.offset + 1), f"not valid XML: {error}") from error
+    top = root.children[0]
+    if top.name != "launch":
+        raise UnreadableFileError(top.place, f"the first element is <{top.name}>, not <launch>")
+    return top.children
+
+
+def _attribute_place(lines: list[str], place: Place, name: str) -> Place:
+    """Find the attribute of an element; expat tells only where the element begins."""
+    for line in range(place.line, min(place.line + 20, len(lines)) + 1):
+        text = lines[line - 1]
+        start = place.column - 1 if line == place.line else 0
+        found = text.find(f"{name}=", start)
+        if found >= 0:
+            return Place(place.file, line, found + 1)
+        if ">" in text[start:]:
+            break
+    return place

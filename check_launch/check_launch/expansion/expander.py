@@ -1,0 +1,588 @@
+"""Expansion of a launch file with given values of its arguments: the nodes that it starts."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from check_launch.expansion.actions import (
+    Action,
+    DeclareArgument,
+    Execute,
+    GivenFile,
+    GivenParameter,
+    Group,
+    Include,
+    Later,
+    LoadNodes,
+    Opaque,
+    Problem,
+    PushNamespace,
+    SetConfiguration,
+    SetEnvironment,
+    SetParameter,
+    SetParametersFromFile,
+    SetRemap,
+    StartNode,
+)
+from check_launch.expansion.declarative_files import read_declarative
+from check_launch.expansion.entities import UnreadableFileError
+from check_launch.expansion.launch_context import Context, Packages, package_of_share
+from check_launch.expansion.parameter_files import (
+    UNKNOWN,
+    GivenValue,
+    ParameterFile,
+    Section,
+    rewritten,
+    typed,
+)
+from check_launch.expansion.places import Place
+from check_launch.expansion.python_files import NeedsMoreError, PythonFile
+from check_launch.expansion.stored_files import actions_of_stored
+from check_launch.expansion.substitutions import (
+    EqualsSubstitution,
+    LaunchConfiguration,
+    PythonExpression,
+    UnknownTextError,
+    is_boolean,
+    is_true,
+    text_of,
+)
+from check_launch.expansion.written_text import WrongTextError, parse_text
+
+_DEEPEST = 30  # includes within includes
+
+
+@dataclass(frozen=True, slots=True)
+class FileUse:
+    """A parameter file that a node gets."""
+
+    place: Place
+    """Place of the path in the launch file."""
+    shown: str
+    sections: tuple[Section, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class StartedRemapping:
+    """A remapping that a node gets; ``is_general`` if it is for all nodes of a group."""
+
+    source: str | None
+    target: str | None
+    place: Place
+    target_place: Place
+    is_general: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class StartedNode:
+    """A node that a launch file starts. A text is None if it is known at run time only."""
+
+    place: Place
+    package: str | None
+    executable: str | None
+    plugin: str | None
+    """C++ class of a node in a container; empty for a program."""
+    name: str | None
+    """Empty if the launch file gives no name."""
+    namespace: str | None
+    values: tuple[GivenValue, ...] = ()
+    general_values: tuple[GivenValue, ...] = ()
+    """Parameters that the launch file sets for all nodes of a group."""
+    files: tuple[FileUse, ...] = ()
+    remappings: tuple[StartedRemapping, ...] = ()
+    arguments: tuple[str | None, ...] = ()
+    shown: Callable[[str], str] = str
+    """Function that returns the name of a file in messages."""
+
+
+@dataclass(slots=True)
+class Declared:
+    """An argument that a launch file declares."""
+
+    name: str
+    default: str | None
+    choices: tuple[str, ...]
+    place: Place
+    has_default: bool
+
+
+@dataclass(slots=True)
+class Expansion:
+    """Nodes that a launch file starts, with certain values of its arguments."""
+
+    arguments: Mapping[str, str | None]
+    """Values that differ from the defaults."""
+    nodes: list[StartedNode] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+    declared: dict[str, Declared] = field(default_factory=dict)
+    used: dict[str, None] = field(default_factory=dict)
+    """Arguments on which conditions depend, in the order of their use."""
+    compared: dict[str, dict[str, None]] = field(default_factory=dict)
+    """Texts with which conditions and expressions compare arguments, by the name of the argument."""
+    runs_programs: bool = False
+    """True if programs run that are no nodes of a package, whose topics are not known."""
+    undeclared: list[tuple[str, Place]] = field(default_factory=list)
+    """Arguments that are used, and that no launch file declares, with the places of their use."""
+    skipped: dict[str, Place] = field(default_factory=dict)
+    """Packages of which launch files are included, but not there."""
+
+
+class Expander:
+    """Expands launch files; remembers the files that it has read."""
+
+    def __init__(
+        self,
+        packages: Packages,
+        shown: Callable[[str], str],
+        stored: Mapping[tuple[str, str], Any],
+        known: Collection[str],
+    ) -> None:
+        """``shown`` returns the name of a file in messages.
+
+        ``stored`` are descriptions of launch files, by their packages and paths. ``known`` are packages of which it is
+        no news that they are not there.
+        """
+        self._packages, self._shown, self._stored, self.known = packages, shown, stored, known
+        self._declarative: dict[str, tuple[list[Action], list[Problem]]] = {}
+        self._python: dict[str, PythonFile] = {}
+        self._parameter_files: dict[str, ParameterFile] = {}
+
+    def expand(self, path: Path, arguments: Mapping[str, str | None]) -> Expansion:
+        """Return what a launch file starts with some values of its arguments. Raises `UnreadableFileError`."""
+        run, file = _Run(self, self._packages, arguments), str(path.resolve())
+        run.context.file = file
+        run.include(file, Place(self._shown(file)))
+        run.result.undeclared = list(dict.fromkeys(run.context.undeclared))
+        return run.result
+
+    def actions(self, path: str) -> tuple[list[Action], list[Problem]]:
+        """Return the actions of a launch file. Raises `UnreadableFileError` or `NeedsMoreError`."""
+        if path.endswith(".py"):
+            return self.python(path).actions(), []
+        if path not in self._declarative:
+            self._declarative[path] = read_declarative(Path(path), self._shown(path))
+        return self._declarative[path]
+
+    def python(self, path: str) -> PythonFile:
+        """Return a Python launch file. Raises `UnreadableFileError`."""
+        if path not in self._python:
+            self._python[path] = PythonFile(Path(path), self._shown(path), self._packages)
+        return self._python[path]
+
+    def sections(self, path: str, text_of: Callable[[str], str | None] | None) -> list[Section]:
+        """Return the sections of a parameter file; ``text_of`` replaces substitutions, if the file may have them.
+
+        Raises `UnreadableFileError`.
+        """
+        if path not in self._parameter_files:
+            self._parameter_files[path] = ParameterFile(Path(path), self._shown(path))
+        return self._parameter_files[path].sections(text_of)
+
+    def stored(self, package: str, path: str) -> Any:
+        """Return the description of a launch file that is not there; None if there is none."""
+        return self._stored.get((package, path))
+
+    def shown(self, path: str) -> str:
+        """Return the name of a file in messages."""
+        return self._shown(path)
+
+
+class _Run:
+    """One expansion."""
+
+    def __init__(self, expander: Expander, packages: Packages, arguments: Mapping[str, str | None]) -> None:
+        self._expander = expander
+        self.context = Context(packages, dict(arguments))
+        self.result = Expansion(dict(arguments))
+        self._depth = 0
+        self._path = ""  # path of the launch file whose actions are expanded
+
+    def include(self, path: str, place: Place) -> None:
+        """Expand the actions of a launch file."""
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise UnreadableFileError(place, "launch files include each other without end")
+        before, self._path = self._path, path
+        try:
+            actions, problems = self._actions(path, place)
+            self.result.problems += problems
+            self._run(actions)
+        finally:
+            self._path = before
+            self._depth -= 1
+
+    def _actions(self, path: str, place: Place) -> tuple[list[Action], list[Problem]]:
+        if missing := package_of_share(path):
+            package, inner = missing
+            stored = self._expander.stored(package, inner)
+            if stored is None:
+                self.result.skipped.setdefault(package, place)
+                return [], []
+            return actions_of_stored(stored, place), []
+        try:
+            return self._expander.actions(path)
+        except NeedsMoreError as error:
+            return [], [Problem("needs", error.place, str(error))]
+
+    def _run(self, actions: Iterable[Action]) -> None:
+        for action in actions:
+            self.context.place = action.place
+            if self._holds(action):
+                self._one(action)
+
+    def _holds(self, action: Action) -> bool:
+        """Return true if the condition of an action holds, or if it is not known."""
+        if action.condition is None:
+            return True
+        wanted, text = action.condition
+        self._note_use(text, is_condition=True)
+        try:
+            value = text_of(text, self.context)
+            if not is_boolean(value):
+                self._report("condition", action.place, f"the condition is '{value}', which is neither true nor false")
+                return True
+            return is_true(value) == wanted
+        except UnknownTextError:
+            return True
+
+    def _note_use(self, text: Any, is_condition: bool) -> None:
+        """Remember the arguments on which it depends what starts."""
+        for name, compared in _arguments_in(text, is_condition):
+            self.result.used[name] = None
+            if compared is not None:
+                self.result.compared.setdefault(name, {})[compared] = None
+
+    def _report(self, kind: str, place: Place, message: str, help: str = "") -> None:
+        self.result.problems.append(Problem(kind, place, message, help))
+
+    def _text(self, value: Any) -> str | None:
+        """Return a text; None if it is known at run time only."""
+        if value is None:
+            return ""
+        self._note_use(value, is_condition=False)
+        try:
+            return text_of(value, self.context)
+        except UnknownTextError:
+            return None
+
+    def _path_of_file(self, value: Any) -> str | None:
+        """Return the text of a path; what a file says depends on the arguments in its path."""
+        self._note_use(value, is_condition=True)
+        return self._text(value)
+
+    def _one(self, action: Action) -> None:
+        context = self.context
+        if isinstance(action, DeclareArgument):
+            self._declare(action)
+        elif isinstance(action, SetConfiguration):
+            if name := self._text(action.name):
+                context.configurations[name] = self._text(action.value)
+        elif isinstance(action, SetEnvironment):
+            name, value = self._text(action.name), self._text(action.value)
+            if name and value is not None:
+                context.environment[name] = value
+        elif isinstance(action, Group):
+            self._group(action)
+        elif isinstance(action, PushNamespace):
+            pushed = self._text(action.namespace)
+            context.namespace = joined(context.namespace, pushed) if pushed is not None else context.namespace
+        elif isinstance(action, SetRemap):
+            one = StartedRemapping(
+                self._text(action.source), self._text(action.target), action.place, action.place, True
+            )
+            context.remappings = [*context.remappings, one]
+        elif isinstance(action, SetParameter):
+            context.parameters = [*context.parameters, *self._values(action.name, action.value, action.place, False)]
+        elif isinstance(action, SetParametersFromFile):
+            use = self._file(GivenFile(action.path, action.place))
+            context.parameters = [*context.parameters, *([use] if use else [])]
+        elif isinstance(action, Include):
+            self._include(action)
+        elif isinstance(action, StartNode):
+            self._start(action)
+        elif isinstance(action, LoadNodes):
+            if action.container:
+                self._start(action.container)
+            for node in action.nodes:
+                if self._holds(node):
+                    self._start(node)
+        elif isinstance(action, Execute):
+            self.result.runs_programs = True
+        elif isinstance(action, Opaque):
+            self._call(action)
+        elif isinstance(action, Later):
+            self._run(action.actions)
+
+    def _declare(self, action: DeclareArgument) -> None:
+        name = self._text(action.name)
+        if not name:
+            return
+        default = self._text(action.default) if action.default is not None else None
+        declared = Declared(name, default, action.choices, action.place, action.default is not None)
+        self.result.declared.setdefault(name, declared)
+        value = self.context.configurations.setdefault(name, default)
+        if action.choices and value is not None and value not in action.choices:
+            known = ", ".join(action.choices)
+            self._report("choice", action.place, f"the argument '{name}' is '{value}'; it must be one of: {known}")
+
+    def _group(self, action: Group) -> None:
+        context = self.context
+        saved = (
+            dict(context.configurations),
+            dict(context.environment),
+            context.namespace,
+            context.remappings,
+            context.parameters,
+        )
+        for name, value in action.configurations.items():
+            if text := self._text(name):
+                context.configurations[text] = self._text(value)
+        self._run(action.actions)
+        if action.scoped:
+            context.configurations, context.environment, context.namespace, context.remappings, context.parameters = (
+                saved
+            )
+
+    def _include(self, action: Include) -> None:
+        """Set the arguments and expand the included file.
+
+        `$(dirname)` is the folder of the included file already in the values of the arguments, and still in the actions
+        after the include: IncludeLaunchDescription of `launch` sets it first, and does not restore it.
+        """
+        path = self._path_of_file(action.path)
+        if path is not None:
+            self.context.file = path = self._absolute(path)
+        for name, value, _ in action.arguments:
+            if text := self._text(name):
+                self.context.configurations[text] = self._text(value)
+        if path is None:
+            self._report("needs", action.place, "the path of an included launch file is known at run time only")
+            return
+        before = set(self.result.declared)
+        problems = len(self.result.problems)
+        try:
+            self.include(path, action.place)
+        except UnreadableFileError as error:
+            place = error.place if error.place.line else action.place
+            self._report(
+                "include", place, f"{self._expander.shown(path)}: {error}" if place == action.place else str(error)
+            )
+            return
+        is_complete = len(self.result.problems) == problems and not package_of_share(path)
+        for name, _, place in action.arguments:
+            text = self._text(name)
+            if (
+                text
+                and is_complete
+                and text not in self.result.declared
+                and text not in before
+                and not self._is_used(path, text)
+            ):
+                self._report(
+                    "argument",
+                    place,
+                    f"{self._expander.shown(path)} has no argument '{text}'",
+                    _nearest(text, self.result.declared),
+                )
+
+    def _absolute(self, path: str) -> str:
+        """Return the path of a file; one in the share folder of a package that is there becomes that of the package."""
+        if found := package_of_share(path):
+            share = self.context.packages.share(found[0])
+            return path if package_of_share(share) else self.context.packages.existing(os.path.join(share, found[1]))
+        return self.context.packages.existing(os.path.join(os.path.dirname(self._path), path))
+
+    def _is_used(self, path: str, name: str) -> bool:
+        """Return true if a launch file names an argument anywhere, such as in a function that adds more arguments."""
+        try:
+            return name in Path(path).read_text(encoding="utf-8")
+        except OSError:
+            return True
+
+    def _call(self, action: Opaque) -> None:
+        try:
+            if self._path.endswith(".py"):
+                self._run(self._expander.python(self._path).called(action.function, self.context))
+        except NeedsMoreError as error:
+            self._report("needs", error.place, str(error))
+        except UnknownTextError as error:
+            self._report("needs", action.place, f"a function needs '{error}', which is known at run time only")
+
+    def _start(self, action: StartNode) -> None:
+        context = self.context
+        self.context.place = action.place
+        namespace = self._text(action.namespace) if action.namespace is not None else ""
+        values: list[GivenValue] = []
+        files: list[FileUse] = []
+        for given in action.parameters:
+            if isinstance(given, GivenParameter):
+                values += self._values(given.name, given.value, given.place, given.is_text)
+            elif use := self._file(given):
+                files.append(use)
+        arguments = [self._text(one) for one in action.arguments]
+        remappings = [
+            StartedRemapping(self._text(one.source), self._text(one.target), one.place, one.target_place)
+            for one in action.remappings
+        ]
+        for use in self._of_ros_arguments(
+            [*arguments, *(self._text(one) for one in action.ros_arguments)], action.place
+        ):
+            files.append(use)
+        general = [one for one in context.parameters if isinstance(one, GivenValue)]
+        files = [*(one for one in context.parameters if isinstance(one, FileUse)), *files]
+        self.result.nodes.append(
+            StartedNode(
+                action.place,
+                self._text(action.package),
+                self._text(action.executable),
+                self._text(action.plugin),
+                self._text(action.name) if action.name is not None else "",
+                joined(context.namespace, namespace) if namespace is not None else None,
+                tuple(values),
+                tuple(general),
+                tuple(files),
+                (*context.remappings, *remappings),
+                tuple(arguments),
+                self._expander.shown,
+            )
+        )
+
+    def _of_ros_arguments(self, words: list[str | None], place: Place) -> Iterator[FileUse]:
+        """Yield the parameter files that arguments name: ``--params-file FILE``."""
+        for option, value in itertools.pairwise(words):
+            if option == "--params-file" and value and (use := self._file(GivenFile(value, place))):
+                yield use
+
+    def _values(self, name: Any, value: Any, place: Place, is_text: bool) -> Iterator[GivenValue]:
+        text = self._text(name)
+        if text is None:
+            return
+        if isinstance(value, Mapping):
+            for inner, one in value.items():
+                yield from self._values([name, ".", inner], one, place, is_text)
+            return
+        yield GivenValue(text, self._value(value, is_text), place)
+
+    def _value(self, value: Any, is_text: bool) -> Any:
+        """Return a parameter's value as launch_ros types it: the text of substitutions is read as YAML."""
+        if isinstance(value, str | bool | int | float) and not isinstance(value, bytes):
+            return value
+        if isinstance(value, list | tuple) and value and not any(hasattr(one, "perform") for one in value):
+            values = [
+                self._value(one, False) if not isinstance(one, list | tuple) else self._text(one) for one in value
+            ]
+            return UNKNOWN if any(one is UNKNOWN or one is None for one in values) else values
+        text = self._text(value)
+        if text is None:
+            return UNKNOWN
+        return text if is_text or not text else typed(text)  # also a text of a YAML or XML launch file
+
+    def _file(self, given: GivenFile) -> FileUse | None:
+        text = self._path_of_file(given.path)
+        if not text:
+            return None
+        path = self._absolute(text)
+        if missing := package_of_share(path):
+            if missing[0] not in self._expander.known:
+                self.result.skipped.setdefault(missing[0], given.place)
+            return None
+        shown = self._expander.shown(path)
+        try:
+            sections = self._expander.sections(path, self._file_text if given.has_substitutions else None)
+        except UnreadableFileError as error:
+            place = error.place if error.place.line else given.place
+            self._report("parameter-file", place, str(error) if error.place.line else f"{shown}: {error}")
+            return None
+        rewrites: dict[str, Any] = {}
+        for name, value in given.rewrites.items():
+            if (parameter := self._text(name)) is not None:
+                text = self._text(value)
+                rewrites[parameter] = UNKNOWN if text is None else typed(text) if text else ""
+        namespace = self._text(given.root_key) or ""
+        return FileUse(given.place, shown, tuple(rewritten(sections, namespace, rewrites)))
+
+    def _file_text(self, text: str) -> str | None:
+        try:
+            return self._text(parse_text(text))
+        except WrongTextError:
+            return None
+
+
+def joined(namespace: str, pushed: str) -> str:
+    """Return a namespace with another one in it; an absolute one replaces it."""
+    if not pushed:
+        return namespace
+    return pushed.rstrip("/") if pushed.startswith("/") else f"{namespace}/{pushed.strip('/')}"
+
+
+_COMPARED = re.compile("\0(\\w+)\0['\"]?\\s*[!=]=\\s*['\"]([^'\"]*)['\"]")
+
+
+def _arguments_in(text: Any, is_condition: bool) -> Iterator[tuple[str, str | None]]:
+    """Yield the names of the arguments in conditions and expressions, and the texts that they are compared with."""
+    if isinstance(text, list | tuple):
+        for one in text:
+            yield from _arguments_in(one, is_condition)
+    elif isinstance(text, PythonExpression):
+        parts = list(_flat(text.expression))
+        yield from _arguments_in(parts, True)
+        flat = "".join(
+            f"\0{one.variable_name}\0" if isinstance(one, LaunchConfiguration) else str(one) for one in parts
+        )
+        yield from ((match[1], match[2]) for match in _COMPARED.finditer(flat))
+    elif isinstance(text, LaunchConfiguration):
+        if is_condition and isinstance(text.variable_name, str):
+            yield text.variable_name, None
+    elif isinstance(text, EqualsSubstitution):
+        for one, other in ((text.left, text.right), (text.right, text.left)):
+            if isinstance(one, LaunchConfiguration) and isinstance(one.variable_name, str):
+                yield one.variable_name, other if isinstance(other, str) else None
+    else:
+        for name in ("left", "right", "value", "condition"):
+            if hasattr(text, name) and not isinstance(text, str):
+                yield from _arguments_in(getattr(text, name), True)
+
+
+def _flat(text: Any) -> Iterator[Any]:
+    if isinstance(text, list | tuple):
+        for one in text:
+            yield from _flat(one)
+    else:
+        yield text
+
+
+def _nearest(word: str, known: Iterable[str]) -> str:
+    from difflib import get_close_matches
+
+    near = get_close_matches(word, list(known), 1)
+    return f"did you mean '{near[0]}'?" if near else ""
+
+
+def variations(expansion: Expansion) -> Iterator[dict[str, str | None]]:
+    """Yield values of arguments, one argument at a time, that may start other nodes than the defaults do.
+
+    None stands for any value but the default.
+    """
+    for name in expansion.used:
+        declared = expansion.declared.get(name)
+        if declared is None or name in expansion.arguments:
+            continue
+        if declared.choices:
+            others: list[str | None] = [one for one in declared.choices if one != declared.default]
+        elif declared.default is not None and is_boolean(declared.default):
+            others = [_opposite(declared.default)]
+        else:
+            compared = expansion.compared.get(name, {})
+            others = [one for one in compared if one != declared.default] or [None] * bool(compared)
+        yield from ({name: value} for value in others)
+
+
+def _opposite(text: str) -> str:
+    pairs = {"true": "false", "false": "true", "True": "False", "False": "True", "1": "0", "0": "1"}
+    return pairs.get(text, "false")

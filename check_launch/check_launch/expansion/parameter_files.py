@@ -1,0 +1,192 @@
+"""Parameter files of ROS 2 nodes: sections for nodes, each with parameters that know their places."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from check_launch.expansion.entities import UnreadableFileError, compose, place_of, plain
+from check_launch.expansion.places import Place
+
+KEY = "ros__parameters"
+_FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+
+
+class Unknown:
+    """A value that only the rover's computer knows."""
+
+    def __repr__(self) -> str:
+        return "a value that is known at run time only"
+
+
+UNKNOWN = Unknown()
+
+
+@dataclass(frozen=True, slots=True)
+class GivenValue:
+    """A parameter with the value that a file or a launch file gives to it."""
+
+    name: str
+    value: Any
+    place: Place
+    """Place of the last part of the name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Parameters for the nodes whose full names match a pattern: ``/**``, ``/local_costmap/local_costmap``."""
+
+    pattern: str
+    place: Place
+    values: tuple[GivenValue, ...]
+
+    def matches(self, full_name: str) -> bool:
+        """Return true if the section is for a node; ``full_name`` is its name with its namespace."""
+        text = re.escape(self.pattern).replace(r"/\*\*", "(?:/[^/]+)*").replace(r"\*", "[^/]+")
+        # "/**" stands for any nodes; before a name, for any namespaces
+        return re.fullmatch(f"{text}/?", full_name) is not None or self.pattern in ("/**", "/**/")
+
+    @property
+    def node_name(self) -> str:
+        """The last part of the pattern; ``**`` for all nodes."""
+        return self.pattern.rpartition("/")[2]
+
+
+class ParameterFile:
+    """A parameter file. It keeps its sections, because a launch file is expanded with many values of its arguments."""
+
+    def __init__(self, path: Path, shown: str) -> None:
+        """Read the file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise UnreadableFileError(Place(shown), f"cannot read the file: {reason}") from error
+        self._root, self._shown = compose(text, shown), shown
+        self._with_substitutions = list(dict.fromkeys(_with_substitutions(self._root)))
+        self._sections: dict[tuple[str | None, ...], list[Section]] = {}
+
+    def sections(self, text_of: Callable[[str], str | None] | None) -> list[Section]:
+        """Return the sections of the file. Raises `UnreadableFileError`.
+
+        ``text_of`` replaces the substitutions in a text, and returns None if the text is not known; with None, the file
+        has no substitutions.
+        """
+        if self._root is None:
+            return []
+        if not isinstance(self._root, yaml.MappingNode):
+            raise UnreadableFileError(place_of(self._root, self._shown), "a parameter file is a mapping of nodes")
+        texts = {text: text_of(text) for text in self._with_substitutions} if text_of else {}
+        key = tuple(texts.values())
+        if key not in self._sections:
+            found = _sections(self._root, "", self._shown, lambda text: texts.get(text, text))
+            self._sections[key] = list(found)
+        return self._sections[key]
+
+
+def _with_substitutions(node: yaml.Node | None) -> Iterator[str]:
+    """Yield the texts in a file in which substitutions may stand."""
+    if isinstance(node, yaml.MappingNode):
+        for key, value in node.value:
+            yield from _with_substitutions(key)
+            yield from _with_substitutions(value)
+    elif isinstance(node, yaml.SequenceNode):
+        for one in node.value:
+            yield from _with_substitutions(one)
+    elif isinstance(node, yaml.ScalarNode) and "$(" in node.value:
+        yield node.value
+
+
+def is_parameter_file(path: Path) -> bool:
+    """Return true if a YAML file has parameters of nodes."""
+    try:
+        return re.search(rf"^\s*['\"]?{KEY}['\"]?\s*:", path.read_text(encoding="utf-8"), re.MULTILINE) is not None
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
+def _sections(
+    node: yaml.MappingNode, pattern: str, shown: str, text_of: Callable[[str], str | None]
+) -> Iterator[Section]:
+    for key, value in node.value:
+        if not isinstance(key, yaml.ScalarNode):
+            raise UnreadableFileError(place_of(key, shown), "the name of a node must be a text")
+        name = text_of(key.value) or ""
+        if name == KEY:
+            values = tuple(_values(value, "", shown, text_of)) if isinstance(value, yaml.MappingNode) else ()
+            yield Section(pattern or "/", place_of(node, shown), values)
+        elif isinstance(value, yaml.MappingNode):
+            inner = f"{pattern}/{name.strip('/')}"
+            for section in _sections(value, inner, shown, text_of):
+                place = place_of(key, shown) if section.place == place_of(value, shown) else section.place
+                yield Section(section.pattern, place, section.values)
+
+
+def _values(
+    node: yaml.MappingNode, prefix: str, shown: str, text_of: Callable[[str], str | None]
+) -> Iterator[GivenValue]:
+    for key, value in node.value:
+        if not isinstance(key, yaml.ScalarNode):
+            raise UnreadableFileError(place_of(key, shown), "the name of a parameter must be a text")
+        name = f"{prefix}{text_of(key.value) or key.value}"
+        if isinstance(value, yaml.MappingNode):
+            yield from _values(value, f"{name}.", shown, text_of)
+        else:
+            yield GivenValue(name, value_of(value, text_of), place_of(key, shown))
+
+
+def value_of(node: yaml.Node, text_of: Callable[[str], str | None]) -> Any:
+    """Return the value of a YAML node as ROS 2 types it; `UNKNOWN` if it is not known."""
+    if isinstance(node, yaml.SequenceNode):
+        values = [value_of(one, text_of) for one in node.value]
+        return UNKNOWN if UNKNOWN in values else values
+    if not isinstance(node, yaml.ScalarNode):
+        return UNKNOWN
+    text = text_of(node.value)
+    if text is None:
+        return UNKNOWN
+    if node.style in ("'", '"', "|", ">"):
+        return text
+    return typed(text) if text != node.value else typed_node(node)
+
+
+def typed_node(node: yaml.ScalarNode) -> Any:
+    """Return the value of a scalar without quotation marks."""
+    return typed(node.value) if _FLOAT.fullmatch(node.value) else plain(node)
+
+
+def typed(text: str) -> Any:
+    """Return the value of a text as ROS 2 types it without quotation marks."""
+    if _FLOAT.fullmatch(text):
+        return float(text) if re.search(r"[.eE]", text) else int(text)
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError:
+        return text
+
+
+def rewritten(sections: list[Section], root: str, rewrites: Mapping[str, Any]) -> list[Section]:
+    """Return sections whose values and namespace nav2_common's RewrittenYaml has replaced."""
+    if not rewrites and not root.strip("/"):
+        return sections
+    prefix = f"/{root.strip('/')}" if root.strip("/") else ""
+    return [
+        Section(
+            f"{prefix}{section.pattern}",
+            section.place,
+            tuple(
+                (
+                    GivenValue(one.name, rewrites[one.name.rpartition(".")[2]], one.place)
+                    if one.name.rpartition(".")[2] in rewrites
+                    else one
+                )
+                for one in section.values
+            ),
+        )
+        for section in sections
+    ]

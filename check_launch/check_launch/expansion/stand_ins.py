@@ -1,0 +1,531 @@
+"""Stand-ins for the Python packages launch, launch_ros, nav2_common and ament_index_python.
+
+A Python launch file gets them where ROS 2 is not installed. Where it is, subclasses of the real classes create them
+(see `real_launch`): the real objects keep no places, and give no values for arguments that only the user knows. The
+stand-ins have the constructors that launch files use. An object that they do not know is replaced by `Ignored`, which
+accepts everything and starts nothing.
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import yaml
+
+from check_launch.expansion import real_launch, substitutions
+from check_launch.expansion.actions import (
+    Action,
+    DeclareArgument,
+    Execute,
+    GivenFile,
+    GivenParameter,
+    Group,
+    Include,
+    Later,
+    LoadNodes,
+    Opaque,
+    PushNamespace,
+    Remapping,
+    SetConfiguration,
+    SetEnvironment,
+    SetParameter,
+    SetParametersFromFile,
+    SetRemap,
+    StartNode,
+)
+from check_launch.expansion.launch_context import Context, Packages
+from check_launch.expansion.places import Place
+from check_launch.expansion.substitutions import Substitution, UnknownTextError, is_true, text_of
+
+
+class Ignored:
+    """An object of a launch file that starts nothing, or that these stand-ins do not know."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        """Accept everything."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return Ignored()
+
+    def __call__(self, *arguments: Any, **options: Any) -> Ignored:
+        return self
+
+
+class LaunchDescription:
+    """Result of a launch file: a list of actions."""
+
+    def __init__(self, initial_entities: Iterable[Any] | None = None, **_: Any) -> None:
+        self.entities = list(initial_entities or ())
+
+    def add_action(self, action: Any) -> None:
+        """Add an action at the end."""
+        self.entities.append(action)
+
+    add_entity = add_action
+
+
+class IfCondition:
+    """A condition that holds if a text is true."""
+
+    wanted = True
+
+    def __init__(self, predicate_expression: Any) -> None:
+        self.expression = predicate_expression
+
+    def evaluate(self, context: Context) -> bool:
+        """Return true if the condition holds."""
+        return is_true(text_of(self.expression, context)) == self.wanted
+
+    _predicate_func = evaluate
+
+
+class UnlessCondition(IfCondition):
+    """A condition that holds if a text is false."""
+
+    wanted = False
+
+
+class LaunchConfigurationEquals(IfCondition):
+    """A condition that holds if an argument has a value."""
+
+    def __init__(self, launch_configuration_name: str, expected_value: Any) -> None:
+        name = substitutions.LaunchConfiguration(launch_configuration_name, default="")
+        super().__init__(substitutions.EqualsSubstitution(name, "" if expected_value is None else expected_value))
+
+
+class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
+    """A condition that holds if an argument has another value."""
+
+    wanted = False
+
+
+@dataclass(slots=True)
+class ParameterValue:
+    """A parameter's value with a type that YAML does not decide."""
+
+    value: Any
+    value_type: Any = None
+
+
+@dataclass(slots=True)
+class ParameterFile:
+    """A parameter file in which substitutions may stand."""
+
+    param_file: Any
+    allow_substs: Any = False
+
+
+@dataclass(slots=True)
+class ComposableNode:
+    """A node that is loaded into a container."""
+
+    node: StartNode
+
+
+class RewrittenYaml(Substitution):
+    """A parameter file of which nav2_common replaces values."""
+
+    def __init__(
+        self,
+        source_file: Any,
+        param_rewrites: Mapping[Any, Any] | None = None,
+        root_key: Any = "",
+        key_rewrites: Any = None,
+        convert_types: bool = False,
+        **_: Any,
+    ) -> None:
+        self.source_file, self.root_key, self.param_rewrites = source_file, root_key, param_rewrites or {}
+
+    def perform(self, context: substitutions.Surroundings) -> str:
+        return text_of(self.source_file, context)
+
+
+class ReplaceString(Substitution):
+    """A file in which nav2_common replaces texts."""
+
+    def __init__(self, source_file: Any, replacements: Any = None, condition: Any = None) -> None:
+        self.source_file = source_file
+
+    def perform(self, context: substitutions.Surroundings) -> str:
+        return text_of(self.source_file, context)
+
+
+class HasNodeParams(Substitution):
+    """``True`` if a parameter file has a section for a node (nav2_common)."""
+
+    def __init__(self, source_file: Any, node_name: str) -> None:
+        self.source_file, self.node_name = source_file, node_name
+
+    def perform(self, context: substitutions.Surroundings) -> str:
+        path = Path(text_of(self.source_file, context))
+        try:
+            data = yaml.safe_load(path.read_text(encoding="utf-8"))
+        except (OSError, yaml.YAMLError) as error:
+            raise UnknownTextError(str(path)) from error
+        return str(isinstance(data, dict) and self.node_name in data)
+
+
+class ParseMultiRobotPose:
+    """Robots on the command line of `ros2 launch` (nav2_common); a check has none."""
+
+    def __init__(self, target_argument: str) -> None:
+        del target_argument
+
+    def value(self) -> dict[str, Any]:
+        """Return the robots by their names."""
+        return {}
+
+
+@dataclass(slots=True)
+class _File:
+    """The source of a Python launch file, to find the places of literals in it."""
+
+    path: str
+    shown: str
+    literals: list[tuple[str, int, int]] = field(default_factory=list)
+    spans: dict[int, int] = field(default_factory=dict)
+    columns: dict[int, int] = field(default_factory=dict)
+    """Column of the first call in each line."""
+
+    def read(self, tree: ast.AST) -> None:
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                self.literals.append((node.value, node.lineno, node.col_offset + 1))
+            elif isinstance(node, ast.Call):
+                end = node.end_lineno or node.lineno
+                self.spans[node.lineno] = max(end, self.spans.get(node.lineno, 0))
+                column = node.col_offset + 1
+                self.columns[node.lineno] = min(column, self.columns.get(node.lineno, column))
+
+    def place_of(self, text: Any, near: Place) -> Place:
+        """Return the place of a literal text: in the call at a place, or else the first one in the file."""
+        if isinstance(text, list | tuple) and text:
+            text = text[0]
+        found = [(line, column) for value, line, column in self.literals if value == text]
+        inside = [one for one in found if near.line <= one[0] <= self.spans.get(near.line, near.line)]
+        line, column = next(iter(sorted(inside) or sorted(found)), (near.line, near.column))
+        return Place(self.shown, line, column)
+
+
+class StandIns:
+    """The stand-in modules for one launch file."""
+
+    def __init__(self, path: Path, shown: str, packages: Packages) -> None:
+        self._file = _File(str(path), shown)
+        self._packages = packages
+
+    def read(self, tree: ast.AST) -> None:
+        """Remember the literals of the file, which are found again when an object with one of them is created."""
+        self._file.read(tree)
+
+    def place(self) -> Place:
+        """Return the place in the launch file that is being executed."""
+        frame = sys._getframe(1)
+        while frame is not None and frame.f_code.co_filename != self._file.path:
+            frame = frame.f_back  # type: ignore[assignment]
+        if frame is None:
+            return Place(self._file.shown)
+        if hasattr(frame.f_code, "co_positions"):  # since Python 3.11; before, only the line is known
+            positions = list(frame.f_code.co_positions())
+            line, _, start, _ = positions[frame.f_lasti // 2]
+            if line is not None and start is not None:
+                return Place(self._file.shown, line, start + 1)
+        return Place(self._file.shown, frame.f_lineno, self._file.columns.get(frame.f_lineno, 0))
+
+    def modules(self) -> dict[str, ModuleType]:
+        """Return the modules by their names, for `sys.modules`."""
+        of_sources = dict.fromkeys(
+            (
+                *("PythonLaunchDescriptionSource", "AnyLaunchDescriptionSource", "FrontendLaunchDescriptionSource"),
+                *("XMLLaunchDescriptionSource", "YAMLLaunchDescriptionSource", "LaunchDescriptionSource"),
+            ),
+            _source,
+        )
+        of_substitutions = {
+            name: one
+            for name, one in vars(substitutions).items()
+            if isinstance(one, type) and issubclass(one, Substitution)
+        }
+        share = self._packages.share
+
+        class FindPackageShare(substitutions.FindPackageShare):
+            def find(self, package: str) -> str:
+                return share(package)
+
+        of_substitutions["FindPackageShare"] = FindPackageShare
+        own = (
+            {}  # what a launch file derives its own classes from
+            if real_launch.is_installed()
+            else {
+                "LaunchDescription": LaunchDescription,
+                "Substitution": Substitution,
+                "LaunchContext": Context,
+                "Action": Action,
+            }
+        )
+        actions = {
+            "DeclareLaunchArgument": self._declare,
+            "SetLaunchConfiguration": self._set_configuration,
+            "SetEnvironmentVariable": self._set_environment,
+            "AppendEnvironmentVariable": Ignored,
+            "GroupAction": self._group,
+            "IncludeLaunchDescription": self._include,
+            "ExecuteProcess": self._execute,
+            "ExecuteLocal": self._execute,
+            "OpaqueFunction": self._opaque,
+            "RegisterEventHandler": self._later,
+            "TimerAction": self._timer,
+        }
+        handlers = dict.fromkeys(("OnProcessExit", "OnProcessStart", "OnProcessIO", "OnExecutionComplete"), _handler)
+        of_ros = {
+            "Node": self._node,
+            "LifecycleNode": self._node,
+            "ComposableNodeContainer": self._container,
+            "LoadComposableNodes": self._load,
+            "PushRosNamespace": self._push,
+            "PushROSNamespace": self._push,
+            "SetRemap": self._remap,
+            "SetParameter": self._parameter,
+            "SetParametersFromFile": self._parameters_from_file,
+            "SetUseSimTime": lambda value, **options: self._parameter("use_sim_time", value, **options),
+            "RosTimer": self._timer,
+        }
+        descriptions = {
+            "ComposableNode": lambda **options: ComposableNode(self._node(**options)),
+            "ParameterValue": ParameterValue,
+            "ParameterFile": ParameterFile,
+            "Parameter": lambda name, value, value_type=None: {name: ParameterValue(value, value_type)},
+        }
+        conditions = {
+            one.__name__: one
+            for one in (IfCondition, UnlessCondition, LaunchConfigurationEquals, LaunchConfigurationNotEquals)
+        }
+        found = {
+            "get_package_share_directory": self._packages.share,
+            "get_package_share_path": lambda name: Path(self._packages.share(name)),
+            "get_package_prefix": self._packages.share,
+        }
+        contents: dict[str, Mapping[str, Any]] = {
+            "launch": own,
+            "launch.actions": actions,
+            "launch.substitutions": of_substitutions,
+            "launch.conditions": conditions,
+            "launch.launch_description": own,
+            "launch.launch_context": own,
+            "launch.substitution": own,
+            "launch.launch_description_sources": of_sources,
+            "launch.event_handlers": handlers,
+            "launch.events": {},
+            "launch.events.process": {},
+            "launch.utilities": {},
+            "launch.some_substitutions_type": {},
+            "launch_xml": {},
+            "launch_xml.launch_description_sources": of_sources,
+            "launch_yaml": {},
+            "launch_yaml.launch_description_sources": of_sources,
+            "launch_ros": {},
+            "launch_ros.actions": of_ros,
+            "launch_ros.descriptions": descriptions,
+            "launch_ros.parameter_descriptions": descriptions,
+            "launch_ros.substitutions": of_substitutions,
+            "launch_ros.events": {},
+            "launch_ros.events.lifecycle": {},
+            "launch_ros.event_handlers": {},
+            "nav2_common": {},
+            "nav2_common.launch": {
+                one.__name__: one for one in (RewrittenYaml, ReplaceString, HasNodeParams, ParseMultiRobotPose)
+            },
+            "ament_index_python": found,
+            "ament_index_python.packages": found,
+        }
+        modules = {name: _module(name, names) for name, names in contents.items()}
+        if real_launch.is_installed():
+            modules = {name: real_launch.recording(name, contents[name]) or one for name, one in modules.items()}
+        for name, module in modules.items():
+            if "." in name:
+                setattr(modules[name.rpartition(".")[0]], name.rpartition(".")[2], module)
+        return modules
+
+    def _declare(
+        self, name: str, *, default_value: Any = None, description: Any = None, choices: Any = None, **options: Any
+    ) -> Action:
+        place = self._file.place_of(name, self.place())
+        return DeclareArgument(
+            place, _condition(options), name, default_value, tuple(choices or ()), str(description or "")
+        )
+
+    def _set_configuration(self, name: Any, value: Any, **options: Any) -> Action:
+        return SetConfiguration(self.place(), _condition(options), name, value)
+
+    def _set_environment(self, name: Any, value: Any, **options: Any) -> Action:
+        return SetEnvironment(self.place(), _condition(options), name, value)
+
+    def _group(
+        self, actions: Iterable[Any], *, scoped: bool = True, launch_configurations: Any = None, **options: Any
+    ) -> Action:
+        return Group(self.place(), _condition(options), _actions(actions), scoped, launch_configurations or {})
+
+    def _include(self, launch_description_source: Any, *, launch_arguments: Any = (), **options: Any) -> Action:
+        place = self.place()
+        pairs = launch_arguments.items() if isinstance(launch_arguments, Mapping) else launch_arguments or ()
+        arguments = [(name, value, self._file.place_of(name, place)) for name, value in pairs]
+        return Include(place, _condition(options), launch_description_source, arguments)
+
+    def _execute(self, *, cmd: Any = (), **options: Any) -> Action:
+        return Execute(self.place(), _condition(options), list(cmd))
+
+    def _opaque(self, *, function: Any, args: Any = None, kwargs: Any = None, **options: Any) -> Action:
+        return Opaque(
+            self.place(), _condition(options), lambda context: function(context, *(args or ()), **(kwargs or {}))
+        )
+
+    def _later(self, event_handler: Any, **options: Any) -> Action:
+        actions = event_handler if isinstance(event_handler, list) else []
+        return Later(self.place(), _condition(options), _actions(actions))
+
+    def _timer(self, *, actions: Iterable[Any] = (), **options: Any) -> Action:
+        return Later(self.place(), _condition(options), _actions(actions))
+
+    def _node(
+        self,
+        *,
+        executable: Any = "",
+        package: Any = "",
+        plugin: Any = "",
+        name: Any = None,
+        namespace: Any = None,
+        parameters: Any = None,
+        remappings: Any = None,
+        arguments: Any = None,
+        ros_arguments: Any = None,
+        **options: Any,
+    ) -> StartNode:
+        place = self.place()
+        return StartNode(
+            place,
+            _condition(options),
+            package or "",
+            executable or "",
+            plugin or "",
+            name,
+            namespace,
+            [one for given in parameters or () for one in self._given(given, place)],
+            [
+                Remapping(source, target, self._file.place_of(source, place), self._file.place_of(target, place))
+                for source, target in remappings or ()
+            ],
+            list(arguments or ()),
+            list(ros_arguments or ()),
+        )
+
+    def _given(self, given: Any, place: Place) -> Iterable[GivenParameter | GivenFile]:
+        if isinstance(given, Mapping):
+            for name, value in given.items():
+                read, is_text = _value(value)
+                yield GivenParameter(name, read, self._file.place_of(name, place), is_text)
+            return
+        has_substitutions = False
+        if isinstance(given, ParameterFile):
+            has_substitutions = given.allow_substs is True or str(given.allow_substs).lower() == "true"
+            given = given.param_file
+        if isinstance(given, RewrittenYaml):
+            yield GivenFile(given.source_file, place, has_substitutions, given.root_key, given.param_rewrites)
+        elif not isinstance(given, Ignored):
+            yield GivenFile(given, self._file.place_of(given, place), has_substitutions)
+
+    def _container(self, *, composable_node_descriptions: Any = None, **options: Any) -> Action:
+        nodes = [one.node for one in composable_node_descriptions or () if isinstance(one, ComposableNode)]
+        own = self._node(**options)
+        condition, own.condition = own.condition, None
+        return LoadNodes(own.place, condition, own, nodes)
+
+    def _load(self, *, composable_node_descriptions: Any = (), target_container: Any = None, **options: Any) -> Action:
+        nodes = [one.node for one in composable_node_descriptions or () if isinstance(one, ComposableNode)]
+        return LoadNodes(self.place(), _condition(options), None, nodes)
+
+    def _push(self, namespace: Any, **options: Any) -> Action:
+        return PushNamespace(self.place(), _condition(options), namespace)
+
+    def _remap(self, src: Any, dst: Any, **options: Any) -> Action:
+        return SetRemap(self._file.place_of(src, self.place()), _condition(options), src, dst)
+
+    def _parameter(self, name: Any, value: Any, **options: Any) -> Action:
+        return SetParameter(self._file.place_of(name, self.place()), _condition(options), name, _value(value)[0])
+
+    def _parameters_from_file(self, filename: Any, **options: Any) -> Action:
+        return SetParametersFromFile(self.place(), _condition(options), filename)
+
+
+def _value(value: Any) -> tuple[Any, bool]:
+    """Return a parameter's value, and true if it stays a text. Texts do; those of substitutions are read as YAML."""
+    if isinstance(value, ParameterValue):
+        return value.value, value.value_type is str
+    if isinstance(value, str):
+        return value, True
+    if isinstance(value, Mapping):
+        return {name: _value(inner)[0] for name, inner in value.items()}, False
+    return value, False
+
+
+def _condition(options: Mapping[str, Any]) -> tuple[bool, Any] | None:
+    condition = options.get("condition")
+    if isinstance(condition, IfCondition):
+        return condition.wanted, condition.expression
+    return None
+
+
+def _actions(values: Iterable[Any]) -> list[Action]:
+    found: list[Action] = []
+    for one in values or ():
+        if isinstance(one, Action):
+            found.append(one)
+        elif isinstance(one, LaunchDescription):
+            found += _actions(one.entities)
+    return found
+
+
+def actions_of(value: Any) -> list[Action]:
+    """Return the actions in what a launch file, or a function of it, has returned."""
+    value = real_launch.stand_in_of(value)
+    if isinstance(value, LaunchDescription):
+        return _actions(value.entities)
+    if isinstance(value, Action):
+        return [value]
+    return _actions(value) if isinstance(value, list | tuple) else []
+
+
+def _source(launch_file_path: Any = "", **options: Any) -> Any:
+    return launch_file_path if launch_file_path else options.get("location", "")
+
+
+def _handler(
+    target_action: Any = None, on_exit: Any = None, on_start: Any = None, on_completion: Any = None, **_: Any
+) -> list[Any]:
+    actions = on_exit or on_start or on_completion
+    return list(actions) if isinstance(actions, list | tuple) else [actions] if isinstance(actions, Action) else []
+
+
+def _module(name: str, contents: Mapping[str, Any]) -> ModuleType:
+    module = ModuleType(name)
+    vars(module).update({name: real_launch.derived(one) for name, one in contents.items()})
+    vars(module)["__getattr__"] = _unknown
+    vars(module)["__path__"] = []
+    return module
+
+
+def _unknown(name: str) -> Any:
+    if name.startswith("__"):
+        raise AttributeError(name)
+    return (
+        substitutions.UnknownSubstitution
+        if name.endswith("Substitution") or name in ("Command", "FindExecutable")
+        else Ignored
+    )

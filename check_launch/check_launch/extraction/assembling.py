@@ -1,0 +1,381 @@
+"""Catalogue of a ROS 2 distribution: facts about the classes of all packages, joined along base classes and members."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from check_launch.catalogue.facts import (
+    Catalogue,
+    Endpoint,
+    NodeClass,
+    Package,
+    Parameter,
+    ParameterSet,
+    Plugin,
+    PluginSlot,
+    SharedParameters,
+    Source,
+    SubNode,
+    Transform,
+)
+from check_launch.extraction.class_facts import ClassFacts, EndpointFact, facts_of_package
+from check_launch.extraction.cmake_files import programs_and_components
+from check_launch.extraction.plugin_descriptions import plugins_of_package
+from check_launch.extraction.rtabmap_parameters import core_parameters
+from check_launch.extraction.supplement import Supplement
+
+_OWN_NAME = re.compile(r"^\{(?:plugin_name_?|_?name_?|behavior_name_|getName\(\))\}\.")
+_IN_PLUGIN = re.compile(r"^\{dwb_plugin_name_\}\.\{name_\}\.")
+"""Beginning of the parameters of a critic, which is a plugin in a plugin."""
+_PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
+_WHOLE = re.compile(r"^\{[\w.()>-]+\}")
+_NODE_CLASSES = frozenset({"LifecycleNode", "Node", "BaseNode"})
+_TESTS = re.compile(r"test|benchmark|system_tests|visual_testing|examples_tf2_py")
+_KNOWN = re.compile(r"^[\w#]+$")
+
+
+@dataclass(frozen=True, slots=True)
+class Checkout:
+    """A folder with the sources of one repository, at one commit."""
+
+    name: str
+    folder: Path
+    source: Source
+
+
+class Assembler:
+    """Joins the facts of all packages to those of whole nodes and plugins."""
+
+    def __init__(self, checkouts: Iterable[Checkout], supplement: Supplement) -> None:
+        self._supplement = supplement
+        self._packages: dict[str, tuple[Path, Checkout]] = {}
+        self._classes: dict[str, ClassFacts] = {}
+        self._of_package: dict[str, list[str]] = {}
+        self._sets: dict[str, ParameterSet] = {}
+        self.unexplained: set[str] = set()
+        """Names of parameters with variables that supplement.yaml has to explain."""
+        self._sources: dict[str, Source] = {}
+        self._of_plugins: set[str] = set()
+        self._distribution = ""
+        for checkout in sorted(checkouts, key=lambda one: one.name):
+            self._sources[checkout.name] = checkout.source
+            if (checkout.folder / "corelib/include/rtabmap/core/Parameters.h").is_file():
+                self._sets["rtabmap"] = core_parameters(checkout.folder)
+            for manifest in sorted(checkout.folder.rglob("package.xml")):
+                folder = manifest.parent
+                if not _TESTS.search(folder.relative_to(checkout.folder).as_posix()) and (
+                    (folder / "CMakeLists.txt").is_file() or (folder / "setup.py").is_file()
+                ):
+                    name = re.search(r"<name>\s*([\w-]+)\s*</name>", manifest.read_text(encoding="utf-8"))
+                    self._packages[name[1] if name else folder.name] = (folder, checkout)
+        for package, (folder, _) in self._packages.items():
+            facts = facts_of_package(folder) if package != "rtabmap" else {}
+            self._of_package[package] = list(facts)
+            for class_name, one in facts.items():
+                self._classes.setdefault(class_name, one)
+        self._short: dict[str, list[str]] = {}
+        for class_name in self._classes:
+            self._short.setdefault(class_name.rpartition("::")[2], []).append(class_name)
+
+    def catalogue(self, distribution: str, launch_files: Mapping[str, Mapping[str, Any]]) -> Catalogue:
+        """Return the catalogue; ``launch_files`` are descriptions of launch files, by package and path."""
+        plugins = {
+            name: plugin
+            for package, (folder, _) in self._packages.items()
+            for name, plugin in plugins_of_package(folder)
+        }
+        packages = {name: self._package(name, launch_files.get(name, {})) for name in sorted(self._packages)}
+        self._add_programs_without_class()
+        wanted = {one for package in packages.values() for one in (*package.executables.values(), *package.components)}
+        wanted |= {node["class"] for nodes in self._supplement.nodes.values() for node in nodes}
+        of_plugins = self._of_plugins = {plugin.class_name for plugin in plugins.values()}
+        self._distribution = distribution
+        classes = {
+            name: self._joined(self._resolved(name, "") or name, name in of_plugins)
+            for name in sorted((wanted | of_plugins) - {""})
+        }
+        classes = {name: one for name, one in classes.items() if one is not None}
+        return Catalogue(
+            distribution,
+            self._sources,
+            {name: one for name, one in packages.items() if _is_useful(one, name, plugins) or name in self._sets},
+            {name: one for name, one in classes.items() if one},
+            dict(sorted(plugins.items())),
+            self._sets,
+        )
+
+    def folders(self) -> Iterator[tuple[str, Path]]:
+        """Yield the name and the folder of each package."""
+        for name, (folder, _) in sorted(self._packages.items()):
+            yield name, folder
+
+    def _package(self, name: str, launch_files: Mapping[str, Any]) -> Package:
+        folder, checkout = self._packages[name]
+        built, components = programs_and_components(folder, self._of_package[name])
+        programs = {one.name: self._resolved(one.class_name, "") or "" for one in built}
+        stated = {
+            key.partition("/")[2]: value
+            for key, value in self._supplement.programs.items()
+            if key.startswith(f"{name}/")
+        }
+        version = re.search(r"<version>\s*([\w.-]+)\s*</version>", (folder / "package.xml").read_text(encoding="utf-8"))
+        known = tuple(self._resolved(one, "") or one for one in components)
+        return Package(
+            name, version[1] if version else "", checkout.name, {**programs, **stated}, known, dict(launch_files)
+        )
+
+    def _add_programs_without_class(self) -> None:
+        """Give a class to programs whose facts stand in the supplement alone."""
+        for name in self._supplement.programs.values():
+            self._classes.setdefault(name, ClassFacts(name))
+            self._short.setdefault(name.rpartition("::")[2], []).append(name)
+
+    def _resolved(self, written: str, owner: str) -> str | None:
+        """Return the qualified name of a class that is written in a class of the namespace ``owner``."""
+        if written in self._classes:
+            return written
+        namespace = owner
+        while namespace:
+            namespace = namespace.rpartition("::")[0]
+            if namespace and f"{namespace}::{written}" in self._classes:
+                return f"{namespace}::{written}"
+        candidates = self._short.get(written.rpartition("::")[2], [])
+        fitting = [one for one in candidates if one == written or one.endswith(f"::{written}")]
+        known = fitting or (
+            [one for one in candidates if one.startswith(owner.partition("::")[0] + "::")] if owner else []
+        )
+        return known[0] if len(known) == 1 else fitting[0] if fitting else None
+
+    def _joined(self, name: str, is_plugin: bool) -> NodeClass | None:
+        facts = self._classes.get(name)
+        if facts is None:
+            return NodeClass(name)
+        members = list(self._members(name, set()))
+        parameters: dict[str, Parameter] = {}
+        of_node: dict[str, Parameter] = {}
+        of_parent: dict[str, Parameter] = {}
+        endpoints: list[Endpoint] = []
+        topics_stated: list[dict[str, str]] = []
+        for member, topics in members:
+            for key, parameter in self._parameters_of(member):
+                if key.startswith("{parent}."):
+                    of_parent[key.removeprefix("{parent}.")] = parameter
+                    continue
+                relative = key.removeprefix("{plugin}.")
+                kept = parameters if (relative != key) == is_plugin else of_node
+                if relative != key and not is_plugin:
+                    self.unexplained.add(f"{name}: {key} (of {member})")
+                    continue
+                known = kept.get(relative)
+                kept[relative] = _merged(known, parameter) if known else parameter
+            endpoints += self._endpoints_of(member, topics)
+            topics_stated += self._supplement.topics.get(member, [])
+        if not is_plugin:
+            parameters |= {**of_node}
+            of_node = {}
+        names = [member for member, _ in members]
+        default = next((one for member in names if (one := self._classes[member].default_name)), "")
+        return NodeClass(
+            name,
+            default if self._is_node(name) else "",
+            dict(sorted(parameters.items())),
+            dict(sorted(of_node.items())),
+            dict(sorted(of_parent.items())),
+            _with_stated(endpoints, topics_stated),
+            tuple(
+                _slot(one)
+                for member in names
+                for one in self._supplement.slots.get(member, [])
+                if one["parameter"] in parameters
+            ),
+            tuple(
+                SubNode(one["name"], one["namespace"], one["class"])
+                for member in names
+                for one in self._supplement.nodes.get(member, [])
+            ),
+            tuple(
+                Transform(one["parent"], one["child"], one.get("when", ""))
+                for member in names
+                for one in self._supplement.transforms.get(member, [])
+            ),
+            tuple(frame for member in names for frame in self._supplement.frames.get(member, [])),
+            tuple(
+                SharedParameters(stated["set"], tuple(stated.get("groups", ())), tuple(stated.get("without", ())))
+                for member in names
+                if (stated := self._supplement.sets.get(member))
+            ),
+            name in self._supplement.open_topics,
+            next((arguments for member in names if (arguments := self._supplement.arguments.get(member))), {}),
+        )
+
+    def _members(self, name: str, seen: set[str]) -> Iterator[tuple[str, Sequence[str]]]:
+        """Yield a class, its base classes, and the classes of its members, each with the topics that it gets."""
+        if name in seen or name not in self._classes:
+            return
+        seen.add(name)
+        yield name, ()
+        facts = self._classes[name]
+        for base in facts.bases:
+            if found := self._resolved(base, name):
+                yield from self._members(found, seen)
+        parts = {**facts.parts, **{part: set[str]() for part in self._supplement.parts.get(name, [])}}
+        for written, topics in sorted(parts.items()):
+            part = self._resolved(written, name)
+            if part is None or self._is_node(part) or part in seen or part in self._of_plugins:
+                continue
+            inner = list(self._members(part, seen))
+            yield from ((one, sorted(topics) if one == part else given) for one, given in inner)
+
+    def _is_node(self, name: str) -> bool:
+        facts = self._classes[name]
+        for base in facts.bases:
+            short = base.rpartition("::")[2]
+            found = self._resolved(base, name)
+            if short in _NODE_CLASSES or (found and found != name and self._is_node(found)):
+                return True
+        return False
+
+    def _parameters_of(self, name: str) -> Iterator[tuple[str, Parameter]]:
+        facts = self._classes[name]
+        declared = {key: Parameter(one.type, one.default) for key, one in facts.parameters.items()}
+        for key, parameter in declared.items():
+            for spelled in self._spelled(key, name):
+                yield spelled, parameter
+        is_plugin = any(key.startswith("{plugin}.") for one in facts.parameters for key in self._spelled(one, name))
+        prefix = "{plugin}." if is_plugin else ""
+        for key, one in self._supplement.parameters.get(name, {}).items():
+            yield prefix + key, _parameter(one)
+        if self._is_node(name) and not prefix:
+            of_all = self._supplement.parameters[""].items()
+            yield from (
+                (key, _parameter(one))
+                for key, one in of_all
+                if self._distribution in one.get("only", self._distribution)
+            )
+
+    def _spelled(self, key: str, owner: str) -> list[str]:
+        """Return the spellings of a pattern whose variables are explained; none if another class declares it."""
+        stated = self._supplement.names.get(owner, {})
+        key = _IN_PLUGIN.sub("{plugin}.", key)
+        found = [key]
+        for variable in dict.fromkeys(_PLACEHOLDER.findall(key)):
+            if variable not in stated:
+                continue
+            meaning = stated[variable]
+            if meaning is None:
+                return []
+            texts = meaning if isinstance(meaning, list) else [meaning or "{plugin}"]
+            found = [one.replace(f"{{{variable}}}", text) for one in found for text in texts]
+        found = [_OWN_NAME.sub("{plugin}.", one) for one in found]
+        for one in found:
+            unknown = [
+                v
+                for v in _PLACEHOLDER.findall(one)
+                if v not in ("#", "plugin", "parent") and f"{{{v}}}" not in _texts(stated)
+            ]
+            if unknown:
+                self.unexplained.add(f"{owner}: {one}")
+                return []
+        return found
+
+    def _endpoints_of(self, name: str, topics: Sequence[str]) -> Iterator[Endpoint]:
+        for fact in self._classes[name].endpoints:
+            for spelled in self._topic_names(fact, name, topics):
+                yield Endpoint(fact.kind, spelled, fact.type, self._relative(fact.reliability, name), fact.durability)
+
+    def _topic_names(self, fact: EndpointFact, owner: str, topics: Sequence[str]) -> list[str]:
+        names = [fact.name]
+        if topics and _WHOLE.match(fact.name):
+            names = [_WHOLE.sub(topic, fact.name, count=1) for topic in topics]
+        stated = self._supplement.names.get(owner, {})
+        found: list[str] = []
+        for name in names:
+            spelled = [self._relative(name, owner)]
+            for variable in dict.fromkeys(_PLACEHOLDER.findall(name)):
+                if (meaning := stated.get(variable)) is not None:
+                    texts = meaning if isinstance(meaning, list) else [meaning]
+                    spelled = [one.replace(f"{{{variable}}}", text) for one in spelled for text in texts]
+            found += spelled
+        return [one for one in found if not (set(_PLACEHOLDER.findall(one)) - {"node", "#", "plugin"} - _lists(stated))]
+
+    def _relative(self, text: str, owner: str) -> str:
+        """Remove the plugin's own name from the parameters in a text: ``$({name_}.topic)`` becomes ``$(topic)``."""
+
+        def replaced(match: re.Match[str]) -> str:
+            spelled = self._spelled(match[1], owner)
+            return f"$({spelled[0].removeprefix('{plugin}.')})" if spelled else match[0]
+
+        return re.sub(r"\$\(([^()]*(?:\(\))?[^()]*)\)", replaced, text)
+
+
+def _texts(stated: Mapping[str, Any]) -> str:
+    return " ".join(str(one) for one in stated.values())
+
+
+def _lists(stated: Mapping[str, Any]) -> set[str]:
+    return set(_PLACEHOLDER.findall(_texts(stated)))
+
+
+def _merged(first: Parameter, second: Parameter) -> Parameter:
+    """Join two facts about one parameter: the first comes from the class itself, or from the supplement."""
+    is_stated = second.choices or second.minimum is not None or second.maximum is not None or not first.type
+    return second if is_stated else first
+
+
+def _parameter(stated: Mapping[str, Any]) -> Parameter:
+    return Parameter(
+        stated.get("type", ""),
+        stated.get("default"),
+        stated.get("minimum"),
+        stated.get("maximum"),
+        tuple(stated.get("choices", ())),
+    )
+
+
+def _slot(stated: Mapping[str, Any]) -> PluginSlot:
+    return PluginSlot(
+        stated["parameter"],
+        stated["base"],
+        stated.get("type", ""),
+        tuple(stated.get("spellings", ())),
+        stated.get("is_type", False),
+    )
+
+
+def _with_stated(endpoints: Iterable[Endpoint], stated: Iterable[Mapping[str, str]]) -> tuple[Endpoint, ...]:
+    """Add what the supplement states about topics: whole topics, or conditions of those that the sources have."""
+    found = {(one.kind, one.name, one.type): one for one in endpoints if one.type or one.kind != "publisher"}
+    for one in reversed(list(stated)):  # what is stated about the class itself comes first, and has the last word
+        key = {
+            (kind, name, type_)
+            for kind, name, type_ in found
+            if kind == one["kind"] and name == one["name"] and one.get("type", type_) == type_
+        }
+        conditions = {"when": one.get("when", ""), "needed": one.get("needed", "")}
+        if not key:
+            type_ = one.get("type", "")
+            found[(one["kind"], one["name"], type_)] = Endpoint(
+                one["kind"], one["name"], type_, one.get("reliability", ""), one.get("durability", ""), **conditions
+            )
+        for at in key:
+            known = found[at]
+            found[at] = replace(
+                known,
+                reliability=one.get("reliability", known.reliability),
+                durability=one.get("durability", known.durability),
+                **conditions,
+            )
+    return tuple(found[key] for key in sorted(found))
+
+
+def _is_useful(package: Package, name: str, plugins: Mapping[str, Plugin]) -> bool:
+    return bool(
+        package.executables
+        or package.components
+        or package.launch_files
+        or any(one.package == name for one in plugins.values())
+    )

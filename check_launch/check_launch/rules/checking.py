@@ -1,0 +1,189 @@
+"""Check of launch files and parameter files with all rules."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from check_launch.catalogue.facts import OWN_SOURCE, Catalogue
+from check_launch.expansion.actions import Problem
+from check_launch.expansion.entities import UnreadableFileError
+from check_launch.expansion.expander import Expander, Expansion, variations
+from check_launch.expansion.launch_context import Packages
+from check_launch.expansion.parameter_files import ParameterFile, is_parameter_file
+from check_launch.rules.frame_findings import frame_findings
+from check_launch.rules.launch_rules import (
+    NOT_EXPANDED,
+    OUTSIDE,
+    UNDECLARED_ARGUMENT,
+    UNKNOWN_ACTION,
+    UNREADABLE,
+    WRONG_VALUE,
+)
+from check_launch.rules.parameter_findings import (
+    parameter_findings,
+    standalone_findings,
+    used_parameters,
+    used_sections,
+)
+from check_launch.rules.system import System, Variants, span, system_of
+from check_launch.rules.topic_findings import ends_of, topic_findings, used_remappings
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, in_order
+
+LAUNCH_ENDINGS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch")
+_COMPLETE = re.compile(r"^[ \t]*(?:#|<!--)[ \t]*check-launch: complete\b", re.MULTILINE)
+"""Comment in a launch file that starts everything."""
+_RULES: Mapping[str, Rule] = {
+    "element": UNKNOWN_ACTION,
+    "text": UNKNOWN_ACTION,
+    "condition": WRONG_VALUE,
+    "choice": WRONG_VALUE,
+    "argument": UNDECLARED_ARGUMENT,
+    "include": UNREADABLE,
+    "parameter-file": UNREADABLE,
+    "needs": NOT_EXPANDED,
+}
+
+
+@dataclass(slots=True)
+class Checked:
+    """Result of a check."""
+
+    findings: list[Diagnostic] = field(default_factory=list)
+    systems: list[tuple[str, System]] = field(default_factory=list)
+    """System that each launch file starts with the defaults of its arguments, by the name of the file."""
+
+
+class Checker:
+    """Checks files with the facts of a catalogue."""
+
+    def __init__(self, catalogue: Catalogue, packages: Iterable[Path], complete: bool = False) -> None:
+        """``packages`` are folders with packages; ``complete`` says that each launch file starts everything."""
+        self._catalogue, self._complete = catalogue, complete
+        stored = {
+            (name, path): actions
+            for name, one in catalogue.packages.items()
+            for path, actions in one.launch_files.items()
+        }
+        self._known = [
+            (one.kind, one.name)
+            for package in catalogue.packages.values()
+            if package.source == OWN_SOURCE
+            for class_name in package.executables.values()
+            if class_name in catalogue.classes
+            for one in catalogue.classes[class_name].endpoints
+        ]
+        self._expander = Expander(Packages(packages), shown_path, stored, catalogue.packages)
+
+    def check(self, files: Iterable[Path], arguments: Mapping[str, str]) -> Checked:
+        """Check launch files with some values of their arguments, and parameter files."""
+        checked, paths = Checked(), list(files)
+        used: set[str] = set()
+        for path in sorted(paths, key=lambda one: not one.name.endswith(LAUNCH_ENDINGS)):
+            try:
+                if path.name.endswith(LAUNCH_ENDINGS):
+                    used |= self._check_launch_file(path, arguments, checked)
+                elif shown_path(str(path)) not in used:
+                    sections = ParameterFile(path, shown_path(str(path))).sections(_known_text)
+                    checked.findings += standalone_findings(sections, self._catalogue)
+            except UnreadableFileError as error:
+                checked.findings.append(UNREADABLE.at(span(error.place), str(error)))
+        checked.findings = in_order(_once(checked.findings))
+        return checked
+
+    def _check_launch_file(self, path: Path, arguments: Mapping[str, str], checked: Checked) -> set[str]:
+        """Check a launch file; return the parameter files that it uses."""
+        expansion = self._expander.expand(path, arguments)
+        expansions = [expansion]
+        expansions += [self._expander.expand(path, {**arguments, **values}) for values in variations(expansion)]
+        systems = [system_of(one, self._catalogue) for one in expansions]
+        checked.systems.append((shown_path(str(path)), systems[0]))
+        variants = Variants(
+            frozenset().union(*map(used_parameters, systems)),
+            frozenset().union(*map(used_sections, systems)),
+            frozenset().union(*map(used_remappings, systems)),
+            frozenset().union(*map(ends_of, systems)),
+        )
+        complete = self._complete or _COMPLETE.search(path.read_text(encoding="utf-8")) is not None
+        known: set[tuple[object, ...]] = set()
+        for one, system in zip(expansions, systems, strict=True):
+            varied = ((name, value) for name, value in one.arguments.items() if name not in arguments)
+            chosen = " ".join(f"{name}:={'...' if value is None else value}" for name, value in varied)
+            for finding in self._of_expansion(one, system, variants, complete):
+                if _key(finding) in known or (chosen and finding.severity is Severity.HINT):
+                    continue
+                known.add(_key(finding))
+                checked.findings.append(
+                    replace(finding, message=f"{finding.message} (with {chosen})") if chosen else finding
+                )
+        return {use.shown for system in systems for node in system.nodes for use in node.started.files}
+
+    def _of_expansion(
+        self, expansion: Expansion, system: System, variants: Variants, complete: bool
+    ) -> Iterator[Diagnostic]:
+        yield from (_of_problem(one) for one in expansion.problems)
+        for name, place in expansion.undeclared:
+            yield UNDECLARED_ARGUMENT.at(span(place), f"the argument '{name}' is not declared", "declare it with `arg`")
+        for package, place in expansion.skipped.items():
+            message = f"the launch files of '{package}' are not here; what they start is not checked"
+            yield NOT_EXPANDED.at(span(place), message)
+        yield from system.findings
+        yield from parameter_findings(system, self._catalogue, variants)
+        yield from topic_findings(system, variants, self._known, complete)
+        yield from frame_findings(system, complete)
+
+
+def _key(finding: Diagnostic) -> tuple[object, ...]:
+    return finding.rule.id, finding.span, finding.message
+
+
+def _known_text(text: str) -> str | None:
+    return None if "$(" in text else text
+
+
+def _once(findings: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """Yield the findings without those that other launch files have at the same place, perhaps with other arguments."""
+    seen: set[tuple[object, ...]] = set()
+    for one in sorted(findings, key=lambda one: not one.help):  # the first one stays: one that says what to write
+        family = one.rule.id if one.rule.id not in ("PAR101", "PAR102") else "PAR"
+        is_one = family in ("PAR", "TOP101") or one.rule is OUTSIDE  # whatever the names of the nodes are
+        text = "" if is_one else one.message.partition(" (with ")[0]
+        key = (family, one.span, text) if one.span.line else (family, one.span, one.message)
+        if key not in seen:
+            seen.add(key)
+            yield one
+
+
+def _of_problem(problem: Problem) -> Diagnostic:
+    return _RULES[problem.kind].at(span(problem.place), problem.message, problem.help)
+
+
+def shown_path(path: str) -> str:
+    """Return the name of a file in messages: relative to the current folder, if it is not far from it."""
+    relative = os.path.relpath(path)
+    return path if relative.startswith(os.path.join(os.pardir, os.pardir, os.pardir)) else Path(relative).as_posix()
+
+
+def files_to_check(paths: Iterable[Path], missing: Callable[[Path], None]) -> Iterator[Path]:
+    """Yield the launch files and parameter files among paths, and in the folders among them.
+
+    In folders, parameter files that launch files use are checked with these only. ``missing`` gets a path that does
+    not exist, or a folder without such files.
+    """
+    for path in paths:
+        if path.is_file():
+            yield path
+            continue
+        found = [
+            one
+            for one in (sorted(path.rglob("*")) if path.is_dir() else ())
+            if one.is_file()
+            and not any(part.startswith(".") for part in one.relative_to(path).parts)
+            and (one.name.endswith(LAUNCH_ENDINGS) or (one.suffix in (".yaml", ".yml") and is_parameter_file(one)))
+        ]
+        if not found:
+            missing(path)
+        yield from found

@@ -1,0 +1,64 @@
+"""Findings about frames: transforms that two nodes publish, and frames that nothing publishes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from difflib import get_close_matches
+
+from check_launch.rules.launch_rules import FRAME_OUTSIDE, NO_TRANSFORM, TWO_PARENTS
+from check_launch.rules.system import RunningNode, System, span
+from roverlink.generator.diagnostics import Diagnostic
+
+
+def frame_findings(system: System, complete: bool) -> Iterator[Diagnostic]:
+    """Yield findings about all frames. ``complete`` says that the launch files start everything."""
+    is_closed = complete and not system.has_unknown
+    for tree in sorted({node.tree for node in system.nodes}):
+        yield from _of_tree([node for node in system.nodes if node.tree == tree], is_closed)
+
+
+def _of_tree(nodes: list[RunningNode], is_closed: bool) -> Iterator[Diagnostic]:
+    publishers: dict[str, list[tuple[str, RunningNode]]] = {}
+    frames: set[str] = set()
+    for node in nodes:
+        for parent, child in node.transforms:
+            publishers.setdefault(child, []).append((parent, node))
+            frames |= {parent, child}
+    for child, ends in sorted(publishers.items()):
+        (parent, first), *others = {id(node): (parent, node) for parent, node in ends}.values()
+        for other_parent, other in others:
+            yield TWO_PARENTS.at(
+                span(other.started.place),
+                f"{other.name} publishes the transform from '{other_parent}' to '{child}', and {first.name} "
+                f"the one from '{parent}'",
+                "let only one of them publish it, such as with the parameter publish_tf",
+                also=[(span(first.started.place), f"{first.name} publishes it")],
+            )
+    roots = {frame: _root(frame, publishers) for frame in frames}
+    for node in nodes:
+        looked_up = [(frame, place) for frame, place in node.frames if frame]
+        for frame, place in looked_up:
+            if frame in frames:
+                continue
+            near = get_close_matches(frame, sorted(frames), 1, 0.8)
+            message = f"{node.name} looks up the frame '{frame}', but nothing publishes it"
+            if near:
+                yield NO_TRANSFORM.at(span(place), message, f"did you mean '{near[0]}'?")
+            elif is_closed:
+                yield NO_TRANSFORM.at(span(place), message)
+            else:
+                yield FRAME_OUTSIDE.at(span(place), f"{message} in these launch files")
+        known = [(frame, place) for frame, place in looked_up if frame in roots]
+        if is_closed and len({roots[frame] for frame, _ in known}) > 1:
+            names = " and ".join(f"'{frame}'" for frame, _ in known)
+            yield NO_TRANSFORM.at(span(known[0][1]), f"{node.name} looks up {names}, but no transforms connect them")
+
+
+def _root(frame: str, publishers: dict[str, list[tuple[str, RunningNode]]]) -> str:
+    seen = {frame}
+    while frame in publishers:
+        frame = publishers[frame][0][0]
+        if frame in seen:
+            return frame  # the transforms form a ring
+        seen.add(frame)
+    return frame

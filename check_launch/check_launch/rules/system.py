@@ -1,0 +1,363 @@
+"""The system that a launch file starts: nodes with their parameters, topics and transforms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from itertools import pairwise
+
+from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Package
+from check_launch.expansion.expander import Expansion, FileUse, StartedNode, StartedRemapping, joined
+from check_launch.expansion.parameter_files import GivenValue, Section
+from check_launch.expansion.places import Place
+from check_launch.rules.known_parameters import ParameterView
+from check_launch.rules.launch_rules import (
+    MISSPELT_PACKAGE,
+    UNKNOWN_EXECUTABLE,
+    UNKNOWN_PACKAGE,
+    UNKNOWN_PLUGIN,
+)
+from check_launch.rules.rviz_files import read_rviz_file
+from roverlink.generator.diagnostics import Diagnostic, Span
+
+_WITHOUT_NODES = frozenset({"rclcpp_components"})
+_CONTAINERS = ("component_container", "component_container_mt", "component_container_isolated")
+_QOS_VALUES = {"1": "reliable", "2": "best_effort", "0": "reliable"}
+"""Values of RTAB-Map's parameters such as `qos_image` (rmw_qos_reliability_policy_t); 0 is reliable, too."""
+_QOS_PROFILES = {"SENSOR_DATA": "best_effort"}
+"""Names of QoS profiles of the RealSense driver that are not reliable."""
+MAP_UPDATES = "map_msgs/msg/OccupancyGridUpdate"
+"""Type of the messages with which a publisher changes a part of a map."""
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """A topic, service or action of a running node, with its full name."""
+
+    node: RunningNode
+    endpoint: Endpoint
+    topic: str | None
+    """Full name after remappings; None if it is known at run time only."""
+    place: Place
+    """Place that decides the name: that of the remapping, the parameter, or the node."""
+    is_named: bool
+    """True if a launch file or parameter file names the topic."""
+    reliability: str
+    durability: str
+    is_needed: bool
+
+
+@dataclass(eq=False, slots=True)
+class RunningNode:
+    """A node that runs, or one that another node creates in its process."""
+
+    started: StartedNode
+    facts: NodeClass | None
+    """None if the node is not in the catalogue."""
+    name: str
+    namespace: str
+    is_inner: bool = False
+    """True for a node that another node creates."""
+    view: ParameterView | None = None
+    connections: list[Connection] = field(default_factory=list)
+    connections_before: list[str] = field(default_factory=list)
+    """Full names of all topics, services and actions that the node may have, before remappings."""
+    transforms: list[tuple[str, str]] = field(default_factory=list)
+    frames: list[tuple[str, Place]] = field(default_factory=list)
+    tree: str = "/tf"
+    """Topic of the node's transforms after remappings: robots with different topics have different trees."""
+    sections: list[tuple[FileUse, Section]] = field(default_factory=list)
+    """Sections of parameter files that are for the node."""
+
+    @property
+    def full_name(self) -> str:
+        """The node's name with its namespace."""
+        return f"{self.namespace}/{self.name}"
+
+
+@dataclass(slots=True)
+class System:
+    """All nodes of a launch file."""
+
+    nodes: list[RunningNode] = field(default_factory=list)
+    findings: list[Diagnostic] = field(default_factory=list)
+    has_unknown: bool = False
+    """True if nodes run that the catalogue does not know, or that were not expanded."""
+
+
+Use = tuple[str, Place]
+"""A name, such as that of a parameter, and the place where a file uses it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Variants:
+    """Facts that hold with some values of a launch file's arguments, and not only with those of one system."""
+
+    parameters: frozenset[Use]
+    """Given parameters that a node has."""
+    sections: frozenset[Use]
+    """Patterns of sections of parameter files that are for a node."""
+    remappings: frozenset[Use]
+    """Remappings that have an effect."""
+    ends: frozenset[tuple[str, str]]
+    """Kind and topic of each publisher and subscriber."""
+
+
+def span(place: Place) -> Span:
+    """Return a place as diagnostics have it."""
+    return Span(place.file, place.line, place.column)
+
+
+def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
+    """Return the nodes that an expanded launch file starts, and findings about packages and executables."""
+    system = System(has_unknown=bool(expansion.skipped) or expansion.runs_programs)
+    for started in expansion.nodes:
+        facts = _facts(started, catalogue, system)
+        name = _name(started, facts)
+        namespace = started.namespace if started.namespace is not None else ""
+        node = RunningNode(started, facts, name, _absolute(namespace))
+        system.nodes.append(node)
+        for inner in facts.nodes if facts else ():
+            inner_facts = catalogue.classes.get(inner.class_name)
+            system.nodes.append(
+                RunningNode(started, inner_facts, inner.name, joined(node.namespace, inner.namespace), is_inner=True)
+            )
+    for node in system.nodes:
+        if node.facts is not None:
+            _complete(node, node.facts, catalogue)
+    for node in system.nodes:
+        node.transforms = list(_with_frames_of_topics(node, system))
+        if node.facts is not None and node.facts.has_open_topics:
+            _complete_rviz(node, catalogue, system)
+    return system
+
+
+def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> None:
+    """Find the topics and frames of RViz in its configuration, and displays that do not exist."""
+    words = node.started.arguments
+    path = next((file for option, file in pairwise(words) if option in ("-d", "--display-config") and file), None)
+    read = read_rviz_file(path, node.started.shown(path)) if path else None
+    if read is None:
+        return
+    for plugin, place in read.plugins:
+        if plugin not in catalogue.plugins and (near := get_close_matches(plugin, catalogue.plugins, 1, 0.85)):
+            system.findings.append(
+                UNKNOWN_PLUGIN.at(span(place), f"RViz has no display or tool '{plugin}'", f"did you mean '{near[0]}'?")
+            )
+    for one in read.topics:
+        known = catalogue.plugins.get(one.plugin)
+        type_ = known.message_types[0] if known and len(known.message_types) == 1 else ""
+        type_ = MAP_UPDATES if one.is_update else type_
+        kind = "publisher" if one.is_published else "subscription"
+        endpoint = Endpoint(kind, one.topic, type_, one.reliability, one.durability)
+        topic = full_name(one.topic, node)
+        rule = next((rule for rule in node.started.remappings if topic in sources_of(rule, node)), None)
+        topic = full_name(rule.target, node) if rule and rule.target else topic
+        node.connections.append(
+            Connection(node, endpoint, topic, one.place, True, one.reliability, one.durability, False)
+        )
+    if read.fixed_frame:
+        node.frames.append(read.fixed_frame)
+
+
+def _with_frames_of_topics(node: RunningNode, system: System) -> Iterator[tuple[str, str]]:
+    """Yield a node's transforms, with frames in place of topics: ``@odom`` is the frame of the messages on odom.
+
+    That frame is the parent in the transforms of the node that publishes the topic.
+    """
+    for parent, child in node.transforms:
+        if not child.startswith("@"):
+            yield parent, child
+            continue
+        topics = {one.topic for one in node.connections if one.endpoint.name == child[1:]}
+        publishers = (
+            other
+            for other in system.nodes
+            if any(one.topic in topics and one.endpoint.kind == "publisher" for one in other.connections)
+        )
+        frames = [transform[0] for other in publishers for transform in other.transforms if transform[0][0] != "@"]
+        yield from ((parent, frame) for frame in frames[:1])
+
+
+def _absolute(namespace: str) -> str:
+    return f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+
+
+def _name(started: StartedNode, facts: NodeClass | None) -> str:
+    if started.name:
+        return started.name
+    if facts is not None and facts.default_name:
+        return facts.default_name
+    return (started.executable or started.plugin or "node").rpartition("::")[2]
+
+
+def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeClass | None:
+    """Return the facts about a started node; report unknown packages and executables."""
+    package, executable = started.package, started.executable
+    if package is None or (executable is None and not started.plugin):
+        system.has_unknown = True
+        return None
+    known = catalogue.packages.get(package)
+    at = span(started.place)
+    if known is None:
+        if package in _WITHOUT_NODES and executable in _CONTAINERS:
+            return None
+        system.has_unknown = True
+        near = get_close_matches(package, catalogue.packages, 1, 0.86)
+        if near:
+            system.findings.append(
+                MISSPELT_PACKAGE.at(at, f"unknown package '{package}'", f"did you mean '{near[0]}'?")
+            )
+        else:
+            system.findings.append(
+                UNKNOWN_PACKAGE.at(at, f"the package '{package}' is not in the catalogue; its nodes are not checked")
+            )
+        return None
+    if started.plugin:
+        return _component(started.plugin, known, catalogue, system, at)
+    if executable is None or executable not in known.executables:
+        near = get_close_matches(executable or "", known.executables, 1)
+        names = ", ".join(known.executables) or "none"
+        help = f"did you mean '{near[0]}'?" if near else f"executables of {package}: {names}"
+        system.findings.append(
+            UNKNOWN_EXECUTABLE.at(at, f"the package '{package}' has no executable '{executable}'", help)
+        )
+        system.has_unknown = True
+        return None
+    facts = catalogue.classes.get(known.executables[executable])
+    if facts is None:
+        system.has_unknown = True
+    return facts
+
+
+def _component(plugin: str, package: Package, catalogue: Catalogue, system: System, at: Span) -> NodeClass | None:
+    if plugin in package.components:
+        return catalogue.classes.get(plugin)
+    near = get_close_matches(plugin, package.components, 1)
+    names = ", ".join(package.components) or "none"
+    help = f"did you mean '{near[0]}'?" if near else f"nodes of {package.name} for containers: {names}"
+    system.findings.append(
+        UNKNOWN_EXECUTABLE.at(at, f"the package '{package.name}' has no node '{plugin}' for a container", help)
+    )
+    system.has_unknown = True
+    return None
+
+
+def _complete(node: RunningNode, facts: NodeClass, catalogue: Catalogue) -> None:
+    """Find the parameters, topics and transforms of a node."""
+    started = node.started
+    given: dict[str, GivenValue] = {one.name: one for one in started.general_values}
+    for use in started.files:
+        for section in use.sections:
+            if section.matches(node.full_name):
+                node.sections.append((use, section))
+                given |= {one.name: one for one in section.values}
+    if not node.is_inner:
+        given |= {one.name: one for one in started.values}
+    given |= {one.name: one for one in _of_arguments(started, facts.arguments)}
+    view = node.view = ParameterView(facts, given, catalogue)
+    for prefix, endpoint in view.endpoints:
+        node.connections += _connections(node, view, prefix, endpoint, started.remappings)
+    of_tree = next((one for one in started.remappings if one.target and "/tf" in sources_of(one, node)), None)
+    # A node in another node's process listens to transforms with the namespace of the process.
+    process = RunningNode(started, None, "", _absolute(started.namespace or ""))
+    node.tree = full_name(of_tree.target or "", process) if of_tree else "/tf"
+    for transform in facts.transforms:
+        parent, child = view.text(transform.parent, ""), view.text(transform.child, "")
+        if parent and child and view.holds(transform.when, "") is not False:
+            node.transforms.append((parent.strip("/"), child.strip("/")))
+    for frame in facts.frames:
+        text, named = view.text(frame, ""), view.is_given(frame, "")
+        if text:
+            node.frames.append((text.strip("/"), named.place if named else started.place))
+
+
+def _of_arguments(started: StartedNode, arguments: Mapping[str, str]) -> Iterator[GivenValue]:
+    """Yield parameters that a node takes from its command line, such as the frames of a static transform."""
+    if not arguments:
+        return
+    words = started.arguments
+    for option, value in pairwise(words):
+        if option in arguments and option is not None and value is not None:
+            yield GivenValue(arguments[option], value, started.place)
+    for word in words:
+        for option, name in arguments.items():
+            if option.endswith(":") and word and word.startswith(option):
+                yield GivenValue(name, word.removeprefix(option), started.place)
+    plain = [one for one in words if one is None or not one.startswith("--")]
+    if words and len(plain) == len(words) and len(words) in (8, 9):  # the older spelling: x y z angles parent child
+        for name, value in zip(arguments.values(), words[-2:], strict=False):
+            if value is not None:
+                yield GivenValue(name, value, started.place)
+
+
+def _connections(
+    node: RunningNode, view: ParameterView, prefix: str, endpoint: Endpoint, rules: Iterable[StartedRemapping]
+) -> Iterator[Connection]:
+    for spelled, when, needed in _spellings(view, prefix, endpoint):
+        named = view.is_given(spelled, prefix)
+        name = view.text(spelled, prefix)
+        if name == "":
+            continue
+        place = named.place if named else node.started.place
+        topic = full_name(name.replace("{node}", node.name), node) if name is not None else None
+        if topic:
+            node.connections_before.append(topic)
+        if view.holds(when, prefix) is False:
+            continue
+        rule = next((one for one in rules if topic and one.source is not None and topic in sources_of(one, node)), None)
+        if rule is not None:
+            topic = full_name(rule.target, node) if rule.target is not None else None
+            place = rule.target_place
+        is_named = bool(named) or (rule is not None and not rule.is_general)
+        yield Connection(
+            node,
+            endpoint,
+            topic,
+            place,
+            is_named,
+            _reliability(view, prefix, endpoint),
+            _durability(view, prefix, endpoint),
+            bool(needed) and view.holds(needed, prefix) is True,
+        )
+
+
+def _spellings(view: ParameterView, prefix: str, endpoint: Endpoint) -> Iterator[tuple[str, str, str]]:
+    """Yield the name of a topic and its two conditions, for each name that ``{x}`` in them stands for."""
+    joint = "\0".join((endpoint.name.replace("{node}", "\1"), endpoint.when, endpoint.needed))
+    for one in view.spelled(joint, prefix):
+        name, when, needed = one.split("\0")
+        yield name.replace("\1", "{node}"), when, needed
+
+
+def full_name(name: str, node: RunningNode) -> str:
+    """Return the full name of a topic of a node."""
+    if name.startswith("~"):
+        return f"{node.full_name}/{name[1:].lstrip('/')}"
+    return name if name.startswith("/") else f"{node.namespace}/{name}"
+
+
+def sources_of(rule: StartedRemapping, node: RunningNode) -> list[str]:
+    """Return the full names that a remapping replaces in a node; none if it is for another node."""
+    source = rule.source or ""
+    name, colon, rest = source.partition(":")
+    if colon and not source.startswith("/"):
+        return [full_name(rest, node)] if name == node.name else []
+    return [full_name(source, node)]
+
+
+def _reliability(view: ParameterView, prefix: str, endpoint: Endpoint) -> str:
+    text = view.text(endpoint.reliability, prefix) if endpoint.reliability else ""
+    if text is None:
+        return "reliable" if endpoint.reliability.startswith("$(qos") else ""
+    if endpoint.reliability.startswith("$("):
+        return _QOS_VALUES.get(text) or _QOS_PROFILES.get(text, "reliable")
+    return text
+
+
+def _durability(view: ParameterView, prefix: str, endpoint: Endpoint) -> str:
+    if endpoint.durability.startswith("$("):
+        text = view.text(endpoint.durability, prefix)
+        return {"True": "transient_local", "False": "volatile"}.get(text or "", "")
+    return endpoint.durability

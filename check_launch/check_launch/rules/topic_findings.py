@@ -1,0 +1,306 @@
+"""Findings about topics: remappings without effect, missing publishers and subscribers, types, and QoS."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
+
+from check_launch.expansion.expander import StartedRemapping
+from check_launch.rules.launch_rules import (
+    DIFFERENT_TYPES,
+    INCOMPATIBLE_QOS,
+    NO_PUBLISHER,
+    NO_SUBSCRIBER,
+    OUTSIDE,
+    UNKNOWN_REMAPPING,
+)
+from check_launch.rules.misspellings import is_near
+from check_launch.rules.system import (
+    MAP_UPDATES,
+    Connection,
+    RunningNode,
+    System,
+    Use,
+    Variants,
+    full_name,
+    sources_of,
+    span,
+)
+from roverlink.generator.diagnostics import Diagnostic
+
+_OF_ALL = frozenset(
+    {"/tf", "/tf_static", "/clock", "/rosout", "/parameter_events", "/diagnostics", "/robot_description"}
+)
+_OF_NODES = ("tf", "tf_static", "rosout", "clock", "parameter_events", "diagnostics", "robot_description")
+_OF_TOOLS = frozenset({"clicked_point", "goal_pose", "initialpose"})
+"""Topics that tools of RViz publish unless somebody has named others."""
+_SIMILAR = 0.7
+_SHORT = 6
+"""Parts of a name with fewer letters may differ by one letter only to be a misspelling."""
+
+
+def used_remappings(system: System) -> set[Use]:
+    """Return the remappings that have an effect in a node, or that may have one in a node that is not known."""
+    found = set()
+    for nodes in _processes(system):
+        is_known = all(node.facts is not None and not node.facts.has_open_topics for node in nodes)
+        for rule in nodes[0].started.remappings:
+            matches = any(_names(node, source) for node in nodes for source in sources_of(rule, node))
+            if rule.source is not None and (matches or not is_known or _is_of_all(rule, nodes)):
+                found.add((rule.source, rule.place))
+    return found
+
+
+def ends_of(system: System) -> set[tuple[str, str]]:
+    """Return kind and topic of each publisher and subscriber."""
+    return {(one.endpoint.kind, one.topic) for node in system.nodes for one in node.connections if one.topic}
+
+
+def topic_findings(
+    system: System, variants: Variants, known: Iterable[tuple[str, str]], complete: bool
+) -> Iterator[Diagnostic]:
+    """Yield findings about all topics.
+
+    ``known`` are kinds and names of topics of this project's programs, which may run beside the launch files.
+    ``complete`` says that the launch files start everything.
+    """
+    yield from _of_remappings(system, variants.remappings)
+    topics = _topics(system)
+    is_closed = complete and not system.has_unknown
+    for connections in topics.values():
+        yield from _of_types(connections)
+        yield from _of_qos(connections)
+    for topic, connections in topics.items():
+        for one, kind in _wanting(topic, connections, variants):
+            if finding := _missing(topic, one, kind, topics, known, system, is_closed):
+                yield finding
+
+
+def _topics(system: System) -> dict[str, list[Connection]]:
+    """Return the publishers and subscribers of each topic."""
+    found: dict[str, list[Connection]] = {}
+    for node in system.nodes:
+        for one in node.connections:
+            if one.endpoint.kind in ("publisher", "subscription") and one.topic and not _is_general(one.topic, node):
+                found.setdefault(one.topic, []).append(one)
+    return dict(sorted(found.items()))
+
+
+def _is_general(topic: str, node: RunningNode) -> bool:
+    return topic in _OF_ALL or topic in {f"{node.namespace}/{name}" for name in _OF_NODES}
+
+
+def _ends(connections: Iterable[Connection], kind: str) -> list[Connection]:
+    return [one for one in connections if one.endpoint.kind == kind]
+
+
+def _of_types(connections: list[Connection]) -> Iterator[Diagnostic]:
+    publishers = [one for one in _ends(connections, "publisher") if one.endpoint.type]
+    subscribers = _ends(connections, "subscription")
+    for one in subscribers:
+        accepted = {other.endpoint.type for other in subscribers if other.node is one.node}
+        if accepted & {"", *(other.endpoint.type for other in publishers)}:
+            continue  # a node may accept several types
+        wrong = [other for other in publishers if one.endpoint.type and other.endpoint.type != one.endpoint.type]
+        if wrong and len(wrong) == len(publishers):
+            other = wrong[0]
+            yield DIFFERENT_TYPES.at(
+                span(one.place),
+                f"{one.node.name} subscribes to '{one.topic}' as {one.endpoint.type}, but {other.node.name} publishes "
+                f"{other.endpoint.type}",
+                also=[(span(other.place), f"{other.node.name} publishes it")],
+            )
+
+
+def _of_qos(connections: list[Connection]) -> Iterator[Diagnostic]:
+    for one in _ends(connections, "subscription"):
+        for other in _ends(connections, "publisher"):
+            if other.endpoint.type != one.endpoint.type:
+                continue
+            wanted = _unmet(one, other)
+            if wanted:
+                yield INCOMPATIBLE_QOS.at(
+                    span(one.place),
+                    f"{one.node.name} gets nothing from {other.node.name} on '{one.topic}': {wanted}",
+                    also=[(span(other.place), f"{other.node.name} publishes it")],
+                )
+
+
+def _unmet(subscriber: Connection, publisher: Connection) -> str:
+    """Return what a subscriber asks for, and the publisher does not offer; empty if they fit."""
+    if subscriber.reliability == "reliable" and publisher.reliability == "best_effort":
+        return "the subscriber is reliable, the publisher best effort"
+    if subscriber.durability == "transient_local" and publisher.durability == "volatile":
+        return "the subscriber is transient local, the publisher volatile"
+    return ""
+
+
+def _wanting(topic: str, connections: list[Connection], variants: Variants) -> Iterator[tuple[Connection, str]]:
+    """Yield the ends of a topic that miss another end, each with the kind of that end.
+
+    An end that works without another one misses it if somebody has named the topic, and if nothing is at the other end
+    with any values of the launch file's arguments.
+    """
+    for own, kind in (("subscription", "publisher"), ("publisher", "subscription")):
+        if _ends(connections, kind):
+            continue
+        for one in _ends(connections, own):
+            is_named = one.is_named and (kind, topic) not in variants.ends and not _is_disconnected(topic, one.node)
+            if one.is_needed or is_named:
+                yield one, kind
+
+
+def _missing(
+    topic: str,
+    one: Connection,
+    kind: str,
+    topics: dict[str, list[Connection]],
+    known: Iterable[tuple[str, str]],
+    system: System,
+    is_closed: bool,
+) -> Diagnostic | None:
+    is_reader = kind == "publisher"
+    rule = NO_PUBLISHER if is_reader else NO_SUBSCRIBER
+    verb, nobody = ("subscribes to", "nothing publishes it") if is_reader else ("publishes", "nothing subscribes to it")
+    message = f"{one.node.name} {verb} '{topic}', but {nobody}"
+    interruption = _interruption(_behind(one.node, system)) if is_reader and one.is_needed else ""
+    fitting = {
+        name: ends[0]
+        for name, connections in topics.items()
+        if (ends := [end for end in _ends(connections, kind) if _fits(end, one)])
+    }
+    # A name that is used at both ends already is no misspelling of this one, unless somebody has written this one.
+    candidates = [name for name in fitting if one.is_named or not _has_both(topics[name]) or fitting[name].is_named]
+    similar = get_close_matches(topic, candidates, 3, _SIMILAR)
+    near = [name for name in similar if _is_misspelling(topic, name, one.is_named or fitting[name].is_named)]
+    if not is_reader and not one.is_needed and not is_closed and not any(_has_both(topics[name]) for name in near):
+        return None  # nobody needs to hear it, or the subscriber that does is reported
+    if near:
+        end = fitting[near[0]]
+        also = [(span(end.place), f"{end.node.name} has '{near[0]}'")]
+        return rule.at(span(one.place), message + interruption, f"did you mean '{near[0]}'?", also)
+    full = {full_name(name, one.node) for of_kind, name in known if of_kind == kind}
+    if is_closed and (one.is_needed or not _may_be_missing(topic, one, full)):
+        help = f"topics of this type: {', '.join(sorted(fitting))}" if fitting else ""
+        return rule.at(span(one.place), message + interruption, help)
+    of_programs = [name for name in full if one.is_named and topic not in full and _is_misspelling(topic, name, True)]
+    if of_programs:
+        return rule.at(span(one.place), message, f"did you mean '{min(of_programs)}'?")
+    return OUTSIDE.at(span(one.place), f"{message} in these launch files")
+
+
+def _may_be_missing(topic: str, one: Connection, of_programs: set[str]) -> bool:
+    """Return true for a topic of RViz that is there at times only.
+
+    A map may have no updates, a program of this project may be started later, and not every tool is used.
+    """
+    is_of_rviz = one.node.facts is not None and one.node.facts.has_open_topics
+    is_of_tool = one.endpoint.kind == "publisher" and topic.rpartition("/")[2] in _OF_TOOLS
+    return is_of_rviz and (one.endpoint.type == MAP_UPDATES or topic in of_programs or is_of_tool)
+
+
+def _fits(end: Connection, other: Connection) -> bool:
+    """Return true if two ends have the same type of messages, or may have it."""
+    return not end.endpoint.type or not other.endpoint.type or end.endpoint.type == other.endpoint.type
+
+
+def _is_disconnected(topic: str, node: RunningNode) -> bool:
+    """Return true if a launch file has given a topic below the node's own name to it, so that nothing arrives."""
+    return topic.startswith(f"{node.full_name}/")
+
+
+def _has_both(connections: list[Connection]) -> bool:
+    return bool(_ends(connections, "publisher")) and bool(_ends(connections, "subscription"))
+
+
+def _is_misspelling(topic: str, other: str, is_named: bool) -> bool:
+    """Return true if a topic is likely another one, spelled wrongly.
+
+    All parts but one are the same, and the last one differs by one or two letters. Topics with other numbers, such as
+    odom0 and odom1, are no misspellings of each other. ``is_named`` says that a launch file or a parameter file has
+    one of the names.
+    """
+    if not is_named:
+        return False
+    first, second = topic.split("/"), other.split("/")
+    if len(first) != len(second):
+        return is_near(topic, other, 1)
+    different = [(a, b) for a, b in zip(first, second, strict=True) if a != b]
+    if len(different) != 1:
+        return False
+    a, b = different[0]
+    is_numbered = a.rstrip("0123456789") == b.rstrip("0123456789") and a[-1:].isdigit() and b[-1:].isdigit()
+    return not is_numbered and is_near(a, b, 1 if min(len(a), len(b)) < _SHORT else 2)
+
+
+def _behind(node: RunningNode, system: System) -> list[str]:
+    """Return the names of the nodes that get nothing, directly or by others, if a node gets nothing."""
+    reached: dict[int, RunningNode] = {id(node): node}
+    grown = True
+    while grown:
+        grown = False
+        topics = {
+            one.topic
+            for reached_node in reached.values()
+            for one in reached_node.connections
+            if one.endpoint.kind == "publisher" and one.topic
+        }
+        for other in system.nodes:
+            needed = (one for one in other.connections if one.endpoint.kind == "subscription" and one.is_needed)
+            if id(other) not in reached and any(one.topic in topics for one in needed):
+                reached[id(other)] = other
+                grown = True
+    return [one.name for one in reached.values() if one is not node]
+
+
+def _interruption(names: list[str]) -> str:
+    return f"; this interrupts the flow of data to {', '.join(names)}" if names else ""
+
+
+def _processes(system: System) -> list[list[RunningNode]]:
+    """Return the nodes of each process: a remapping is for all of them."""
+    found: dict[int, list[RunningNode]] = {}
+    for node in system.nodes:
+        found.setdefault(id(node.started), []).append(node)
+    return list(found.values())
+
+
+def _of_remappings(system: System, used: frozenset[Use]) -> Iterator[Diagnostic]:
+    """Yield findings about remappings without effect.
+
+    A launch file may give one remapping to several nodes: it has an effect if one of them has the topic.
+    """
+    reported: set[Use] = set()
+    for nodes in _processes(system):
+        for rule in nodes[0].started.remappings:
+            use = (rule.source or "", rule.place)
+            if rule.source is None or use in used or use in reported or (rule.is_general and system.has_unknown):
+                continue
+            reported.add(use)
+            if rule.is_general:
+                yield UNKNOWN_REMAPPING.at(span(rule.place), f"no node of this group has a topic '{rule.source}'")
+            else:
+                yield _without_effect(rule, nodes)
+
+
+def _is_of_all(rule: StartedRemapping, nodes: list[RunningNode]) -> bool:
+    return any(source in _OF_ALL or _is_general(source, node) for node in nodes for source in sources_of(rule, node))
+
+
+def _names(node: RunningNode, source: str) -> bool:
+    """Return true if a node has a topic, service or action of this full name, or one that belongs to it."""
+    return any(source == one or source.startswith(f"{one}/") for one in node.connections_before)
+
+
+def _without_effect(rule: StartedRemapping, nodes: list[RunningNode]) -> Diagnostic:
+    source = rule.source or ""
+    known = [one for node in nodes for one in node.connections_before]
+    wanted = full_name(source, nodes[0])
+    near = get_close_matches(wanted, known, 1)
+    shown = (
+        near[0].removeprefix(f"{nodes[0].namespace}/")
+        if near and not source.startswith("/")
+        else near[0] if near else ""
+    )
+    help = f"did you mean '{shown}'?" if near else ""
+    return UNKNOWN_REMAPPING.at(span(rule.place), f"{nodes[0].name} has no topic, service or action '{source}'", help)

@@ -1,0 +1,121 @@
+"""What all tests share: the options and the marker of this suite."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from default_signals import restore_default_signals
+from needs import EXHAUSTIVE, SLOW
+from programs import Program, Start
+
+from roverlink.dds_domain import claim_domain
+
+_REPOSITORY = Path(__file__).parent
+
+with contextlib.suppress(ImportError):  # the environments of tests/ros2 have no Hypothesis
+    from hypothesis import HealthCheck, settings
+
+    # A loaded machine says nothing about the code: no property has a deadline.
+    settings.register_profile("roverlink", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+    settings.load_profile("roverlink")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Know the option that writes golden files anew."""
+    parser.addoption(
+        "--update-cases",
+        action="store_true",
+        help="write the expectations of golden cases and of screens anew, to be reviewed as a diff",
+    )
+
+
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """One worker more than there are cores: a fifth of the time, tests wait for sockets and programs."""
+    return (os.cpu_count() or 1) + 1
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Know the markers of the tests that take long, and give default signals to the programs that tests start."""
+    config.addinivalue_line("markers", "slow: takes many seconds; runs where -m names it")
+    config.addinivalue_line("markers", "exhaustive: goes through thousands of cases; runs where -m names it")
+    restore_default_signals()
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave the tests that take long out where they are not asked for."""
+    asked = str(config.getoption("markexpr"))
+    for item in items:
+        for marker, reason in (("exhaustive", EXHAUSTIVE), ("slow", SLOW)):
+            if marker not in asked and item.get_closest_marker(marker):
+                item.add_marker(pytest.mark.skip(reason=reason))
+                break
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say in one line how many tests were skipped, why, and which command runs them."""
+    skipped = terminalreporter.stats.get("skipped", [])
+    reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
+    if reasons:
+        counts = ", ".join(f"{count} {reason}" for reason, count in reasons.most_common())
+        terminalreporter.write_line(f"{len(skipped)} skipped: {counts}")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Keep the user's cache folder out of the tests, those that start processes among them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture
+def domain() -> Iterator[int]:
+    """A DDS domain that nobody else on this host is in, ours until the test ends."""
+    with contextlib.ExitStack() as held:
+        yield claim_domain(held)
+
+
+@pytest.fixture
+def environment(domain: int) -> dict[str, str]:
+    """An environment without ROS 2, on this host alone, in a domain that nobody else is in."""
+    dropped = ("ROS_", "RMW_", "CYCLONEDDS", "PYTHONUNBUFFERED")  # output is buffered, as it is for users
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(dropped)}
+    return {
+        **kept,
+        "PYTHONFAULTHANDLER": "1",
+        "ROS_LOCALHOST_ONLY": "1",
+        "ROS_DOMAIN_ID": str(domain),
+        "COLUMNS": "200",
+    }
+
+
+@pytest.fixture
+def start(environment: dict[str, str]) -> Iterator[Start]:
+    """Starts `roverlink` with arguments; ends what still runs when the test is over."""
+    programs: list[Program] = []
+
+    def start(*arguments: object, folder: Path = _REPOSITORY, **more: str) -> Program:
+        program = Program(arguments, {**environment, **more}, folder)
+        programs.append(program)
+        return program
+
+    yield start
+    for program in programs:
+        program.kill()
+
+
+@pytest.fixture
+def done(start: Start) -> Start:
+    """Runs `roverlink` with arguments to its end; its exit code, standard output and standard error."""
+
+    def done(*arguments: object, **more: object) -> tuple[int, str, str]:  # type: ignore[misc]
+        program = start(*arguments, **more)
+        code = program.end()
+        return code, "\n".join(program.output), "\n".join(program.errors)
+
+    return done  # type: ignore[return-value]

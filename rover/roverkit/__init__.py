@@ -1,0 +1,1 @@
+"""Programs of a rover's computer that feed roverlink: cameras, objects, video, driving, odometry and missions."""

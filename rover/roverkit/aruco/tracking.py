@@ -1,0 +1,207 @@
+"""Implementation of ``roverlink aruco track``: reads frames, and writes poses to ROS 2, JSON and a video."""
+
+from __future__ import annotations
+
+import roverkit.vision  # noqa: F401  # first: it explains how to install numpy and OpenCV
+
+# isort: split
+
+import argparse
+import json
+import logging
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+
+from roverkit.aruco.target_parameters import TargetParameters
+from roverkit.aruco.tracked_cameras import CameraOpener, TrackedCamera, described, frames_of
+from roverkit.aruco.tracking_log import TrackingLog
+from roverkit.node.ros_connection import RosConnection
+from roverkit.vision import Tracker
+from roverkit.vision.camera.camera_model import Floats
+from roverkit.vision.camera.uncertainty import Uncertainty
+from roverkit.vision.field.view import Eye, Lookout, View
+from roverkit.vision.frames import Frame
+from roverkit.vision.frames.open_source import TOPIC
+from roverkit.vision.images.drawing import draw, write_above
+from roverkit.vision.images.film import Film
+from roverkit.vision.markers.detection import Image
+from roverkit.vision.poses.pose import Pose
+from roverkit.vision.poses.transform_tree import TransformTree
+from roverkit.vision.ros.mounts import MountOnTf
+from roverkit.vision.ros.publishing import Publishing
+from roverkit.vision.ros.rover_pose import RoverFrames, RoverPublishing
+from roverkit.vision.ros.rover_position import position_publisher
+from roverlink.console import OK, NoProjectError, project_folder
+from roverlink.generated_code import load_project
+from roverlink.node_log import publish_log
+from roverlink.progress import progress
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
+
+Output = Callable[[View], None]
+
+
+def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> int:
+    """Track markers until the source of frames ends, and return the exit code.
+
+    Raises `SetupError` if a file, the source of frames or a package is missing, or if a file is wrong.
+    """
+    wanted = TargetParameters(arguments, ros, logger)
+    entries = described(arguments, logger.warning)
+    with ExitStack() as stack:
+        connection = RosConnection(ros, arguments.middleware or "auto", stack, logger.warning, wanted)
+        opener = CameraOpener(arguments, connection, logger, stack)
+        cameras = [opener.open(entry) for entry in entries]
+        targets = wanted.targets
+        located = targets.landmarks is not None
+
+        def tracker(camera: TrackedCamera) -> Tracker:
+            uncertainty = _uncertainty(arguments, camera.entry.readout_time)
+            return Tracker(camera.parameters, targets.markers, scan_every=arguments.scan_every, uncertainty=uncertainty)
+
+        hears_ros = arguments.middleware or any(entry.source.startswith(TOPIC) for entry in entries)
+        ros_of_mounts = connection if hears_ros else None
+        eyes = {
+            one.name: Eye(tracker(one), one.name, _mount(one, ros_of_mounts, arguments, logger, now=located))
+            for one in cameras
+        }
+        lookout = Lookout(sum(bool(ros_of_mounts or one.mount) for one in entries), targets.landmarks)
+        outputs = [output for camera in cameras for output in _files(camera, arguments, stack)]
+        if arguments.middleware:
+            stack.enter_context(publish_log(logger, connection.middleware, ros))
+            outputs += [_publisher(camera, connection, arguments, logger) for camera in cameras]
+            outputs.append(_rover_publisher(connection, arguments, logger, now=located))
+        log = stack.enter_context(TrackingLog(logger, targets.markers, {one.name: one.parameters for one in cameras}))
+        frames = frames_of(cameras, arguments, connection)
+        for camera, frame in log.timed(_with_progress(frames, cameras, arguments)):
+            if wanted.targets is not targets:
+                targets = wanted.targets
+                for one in cameras:
+                    eyes[one.name].tracker = tracker(one)
+                lookout.use(targets.landmarks)
+                log.look_for(targets.markers)
+            view = lookout.view(eyes[camera.name], frame)
+            log.add(view)
+            if arguments.json:
+                print(json.dumps(view.as_dict()), flush=True)
+            for output in outputs:
+                output(view)
+    return OK
+
+
+def _uncertainty(arguments: argparse.Namespace, readout_time: float | None) -> Uncertainty:
+    options = {field.name: getattr(arguments, field.name) for field in fields(Uncertainty)}
+    options["readout_time"] = readout_time
+    return Uncertainty(**{name: value for name, value in options.items() if value is not None})
+
+
+def _mount(
+    camera: TrackedCamera,
+    ros: RosConnection | None,
+    arguments: argparse.Namespace,
+    logger: logging.Logger,
+    *,
+    now: bool,
+) -> Callable[[Frame], Pose | None]:
+    """Return a function that returns the mount of a camera: that of the file of cameras, or else the one on /tf.
+
+    ``ros`` is None if the program hears nothing of ROS 2. With ``now``, the transforms are received at once, and
+    otherwise when the mount is asked for.
+    """
+    mount = camera.entry.mount
+    if mount is not None or ros is None:
+        if mount is None and camera.name and now:
+            logger.warning(
+                "camera %s has no mount, so the pose of the rover is computed without it; add 'mount' to %s",
+                camera.name,
+                arguments.source,
+            )
+        return lambda _: mount
+    on_tf = cache(lambda: MountOnTf(ros.transforms, arguments.base_frame, logger.warning))
+    if now:
+        on_tf()
+    return lambda frame: on_tf()(frame)
+
+
+def _with_progress(
+    frames: Iterator[tuple[TrackedCamera, Frame]], cameras: Sequence[TrackedCamera], arguments: argparse.Namespace
+) -> Iterator[tuple[TrackedCamera, Frame]]:
+    """Yield the frames; show the progress if they end and the terminal does not show JSON."""
+    totals = [camera.source.total for camera in cameras]
+    known = [total for total in totals if total is not None]
+    if arguments.loop or len(known) < len(totals) or (arguments.json and sys.stdout.isatty()):
+        yield from frames
+        return
+    with progress(", ".join(camera.source.name for camera in cameras)) as report:
+        for done, one in enumerate(frames, 1):
+            yield one
+            report(done, sum(known))
+
+
+def _of(camera: TrackedCamera, output: Output) -> Output:
+    """Return an output that gets only the results of one camera."""
+    return lambda view: output(view) if view.camera == camera.name else None
+
+
+def _files(camera: TrackedCamera, arguments: argparse.Namespace, stack: ExitStack) -> Iterator[Output]:
+    if arguments.save:
+        path: Path = arguments.save
+        own = path.with_stem(f"{path.stem}_{camera.name}") if camera.name else path
+        if own.exists() and Path(camera.entry.source).exists() and own.samefile(camera.entry.source):
+            raise SetupError(f"{own} is the source of the images; give --save another name")
+        film = stack.enter_context(Film(own, camera.source.rate))
+        yield _of(camera, lambda view: film.add(_drawn(view, camera), view.frame.stamp))
+
+
+def _publisher(
+    camera: TrackedCamera, ros: RosConnection, arguments: argparse.Namespace, logger: logging.Logger
+) -> Output:
+    """Return an output that publishes the results of one camera; the names of several cameras are in the topics."""
+
+    def topic(name: str) -> str:
+        return ros.topic(f"{camera.name}/{name}" if camera.name and not name.startswith("/") else name)
+
+    # A frame has one parent on /tf, so a marker that two cameras see needs two frames.
+    prefix = f"{camera.name}_{arguments.marker_frame}" if camera.name else arguments.marker_frame
+    return _of(camera, Publishing(ros.middleware, camera.parameters, prefix, topic, logger.warning).publish)
+
+
+def _rover_publisher(ros: RosConnection, arguments: argparse.Namespace, logger: logging.Logger, *, now: bool) -> Output:
+    """Return an output that publishes the rover's pose, if the landmarks agree, and sends it to the basestation.
+
+    With ``now``, the topics are there at once, and otherwise with the first pose.
+    """
+
+    @cache
+    def publishers() -> tuple[RoverPublishing, Callable[[Floats], None]]:
+        frames = RoverFrames(arguments.base_frame, arguments.odom_frame or "")
+        tree = ros.transforms if frames.odom else TransformTree()
+        poses = RoverPublishing(ros.middleware, frames, tree, ros.topic, logger.warning)
+        try:
+            registry = load_project(project_folder(arguments.project))
+        except NoProjectError as error:  # tracking works without a bridge
+            logger.warning("the rover's position is not sent to the basestation: %s", error)
+            return poses, lambda _: None
+        return poses, position_publisher(ros.middleware, registry, ros.topic, logger.warning)
+
+    def publish(view: View) -> None:
+        if view.rover and view.rover.place.agreed:
+            poses, publish_position = publishers()
+            poses.publish(view.rover)
+            publish_position(view.rover.place.pose.translation)
+
+    if now:
+        publishers()
+    return publish
+
+
+def _drawn(view: View, camera: TrackedCamera) -> Image:
+    """Return the image of a film: a frame with its landmarks, its stamp in seconds, and its coordinate frame."""
+    frame = view.frame
+    stamp = f"{frame.stamp // 10**9}.{frame.stamp % 10**9:09d}"
+    drawn = draw(frame.image, camera.parameters, view.sightings, view.place)
+    return write_above(drawn, f"{stamp} {frame.frame_id}")

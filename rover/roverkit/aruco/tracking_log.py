@@ -1,0 +1,131 @@
+"""Log of ``roverlink aruco track``: new landmarks (markers and boards), problems with them, and totals."""
+
+from __future__ import annotations
+
+import logging
+import statistics
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TypeVar
+
+import numpy as np
+
+from roverkit.vision import CameraParameters, MarkerSet
+from roverkit.vision.field.localization import FieldPose
+from roverkit.vision.field.view import View
+from roverkit.vision.markers.dictionaries import other_dictionary
+from roverkit.vision.markers.marker_set import TargetId
+from roverlink.console import counted
+
+_Frame = TypeVar("_Frame")
+
+_HINT_EVERY = 100
+"""Number of frames between searches for other dictionaries, while no marker has been found.
+
+A search takes as long as some tens of frames. Frames 1, 2, 4, 8 and so on are searched, too: a recording may be short.
+"""
+
+
+class TrackingLog:
+    """Log of a tracker. A context manager: on exit it logs the totals.
+
+    It logs each landmark when it is seen for the first time, each landmark that is not at its position on the field,
+    and each number that several markers share. If no marker is found, it names the dictionary of the visible ones.
+    """
+
+    def __init__(self, logger: logging.Logger, markers: MarkerSet, cameras: Mapping[str, CameraParameters]) -> None:
+        self._logger, self._markers, self._cameras = logger, markers, cameras
+        self._frames = self._with_landmarks = 0
+        self._seen: set[tuple[str, TargetId]] = set()
+        self._rejected: tuple[TargetId, ...] = ()
+        self._disagreed = False
+        self._shared: set[TargetId] = set()
+        self._hinted = False
+        self._begin = 0.0
+        self._times: list[float] = []
+
+    def timed(self, frames: Iterable[_Frame]) -> Iterator[_Frame]:
+        """Yield frames, and measure for each of them the time until the next call of `add`."""
+        for frame in frames:
+            self._begin = time.perf_counter()
+            yield frame
+
+    def look_for(self, markers: MarkerSet) -> None:
+        """Set other markers; the landmarks that are seen from now on are new ones."""
+        self._markers, self._hinted = markers, False
+        self._seen.clear()
+        self._shared.clear()
+
+    def add(self, view: View) -> None:
+        """Log the landmarks of a frame that were not seen before, and problems with its markers.
+
+        Call this once for each frame.
+        """
+        self._times.append(time.perf_counter() - self._begin)
+        self._frames += 1
+        self._with_landmarks += bool(view.sightings)
+        by = f"{view.camera}: " if view.camera else ""
+        for one in view.sightings:
+            if (view.camera, one.id) not in self._seen:
+                self._seen.add((view.camera, one.id))
+                distance = np.linalg.norm(one.pose.translation)
+                self._logger.info("%sfound landmark %s at a distance of %.2f m", by, one.id, distance)
+            if one.shared and one.id not in self._shared:
+                self._shared.add(one.id)
+                self._logger.warning(
+                    "%sseveral markers with the number %s are visible; their frames are not on /tf, and none of them "
+                    "is used as a landmark; print each marker with a number of its own",
+                    by,
+                    one.id,
+                )
+        if not (self._seen or self._hinted) and (self._frames.bit_count() == 1 or self._frames % _HINT_EVERY == 0):
+            self._hint(view)
+        if view.rover:
+            self._judge(view.rover.place)
+        elif not view.camera:
+            self._judge(view.place)
+
+    def _judge(self, place: FieldPose | None) -> None:
+        """Log the landmarks that do not fit a pose, if they are others than before."""
+        if place and not place.agreed:
+            rejected, used = (", ".join(map(str, sorted(some, key=str))) for some in (place.rejected, place.used))
+            if not self._disagreed:
+                self._logger.warning(
+                    "landmarks %s and %s contradict each other; there is no pose until most of them agree",
+                    used,
+                    rejected,
+                )
+        else:
+            for target in sorted(set(place.rejected if place else ()) - set(self._rejected), key=str):
+                self._logger.warning("landmark %s is not at the position in the landmarks file; ignoring it", target)
+        self._disagreed = place is not None and not place.agreed
+        self._rejected = place.rejected if place else ()
+
+    def _hint(self, view: View) -> None:
+        """Log the dictionary of the markers in an image in which no marker of the chosen dictionary was found."""
+        if found := other_dictionary(view.frame.image, self._cameras[view.camera], self._markers):
+            dictionary, numbers = found
+            self._hinted = True
+            self._logger.warning(
+                "no marker of %s was found, but the image shows %s of %s (%s); use --dictionary %s, or a larger one "
+                "of this family",
+                self._markers.dictionary,
+                counted(len(numbers), "marker"),
+                dictionary,
+                ", ".join(map(str, numbers)),
+                dictionary,
+            )
+
+    def __enter__(self) -> TrackingLog:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if not self._frames:
+            return
+        self._logger.info(
+            "%s, %d of them with landmarks (%s); median computing time %.1f ms per frame",
+            counted(self._frames, "frame"),
+            self._with_landmarks,
+            ", ".join(sorted({str(target) for _, target in self._seen})) or "none",
+            1e3 * statistics.median(self._times),
+        )

@@ -1,0 +1,213 @@
+"""Implementation of ``roverlink drive``: velocities and paths become commands for the driving board.
+
+| topic           | type                                            | content                                  |
+|-----------------|-------------------------------------------------|------------------------------------------|
+| cmd_vel         | geometry_msgs/Twist, geometry_msgs/TwistStamped | velocity of base_link; received          |
+| path            | nav_msgs/Path                                   | path to follow; received                 |
+| odometry/global | nav_msgs/Odometry                               | pose in the frame of the path; received  |
+| control_mode    | message of the row                              | who drives; received                     |
+| drive_motor     | message of the row                              | command for the driving board            |
+| drive/state     | std_msgs/String                                 | state and reason, such as "manual: ..."  |
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import math
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import asdict
+from functools import partial
+
+from roverkit.driving.board_commands import BoardCommand
+from roverkit.driving.drive_control import DriveControl, Localization, State, Status
+from roverkit.driving.drive_inputs import VELOCITIES, path_of, pose_of, velocity_of
+from roverkit.driving.drive_parameters import DriveParameters
+from roverkit.driving.drive_rows import DriveRows
+from roverkit.node.ros_connection import RosConnection
+from roverlink.console import project_folder
+from roverlink.generated_code import load_project
+from roverlink.node_log import publish_log
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import ConversionError, MiddlewareError
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces.nav_msgs import Odometry, Path
+from roverlink.runtime.interfaces.std_msgs import String
+from roverlink.runtime.middleware.following import FollowingSubscription
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
+from roverlink.runtime.ros_time.clock import MONOTONIC_CLOCK, SYSTEM_CLOCK
+
+VELOCITY, PATH, POSE, STATE = "cmd_vel", "path", "odometry/global", "drive/state"
+"""Names of the topics; those of the mode and of the commands are in the table."""
+_MODE_PRIORITY = 9
+"""The mode is served before velocities, so that a flood of them does not keep a person from driving."""
+
+_LONGEST_TICK_S = 0.05
+"""Time after which it is looked again at what is due, such as a stop because a topic is silent."""
+
+Event = Callable[[int], None]
+"""Something that has happened, with the time in nanoseconds at which the control takes it."""
+
+
+def drive(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> None:
+    """Drive until the program is stopped; then the rover stops.
+
+    Raises `SetupError` if the table lacks a row, or if a parameter is wrong.
+    """
+    rows = DriveRows(load_project(project_folder(arguments.project)))
+    parameters = DriveParameters(ros, logger)
+    with ExitStack() as stack:
+        connection = RosConnection(ros, arguments.middleware, stack, logger.warning, parameters)
+        stack.enter_context(publish_log(logger, connection.middleware, ros))
+        driving = Driving(connection, rows, parameters, logger, as_json=arguments.json)
+        stack.callback(driving.end)
+        driving.receive()
+        logger.info(
+            "driving as %s and %s say, while %s is AUTO", *map(ros.topic, (VELOCITY, PATH, rows.mode.route.topic))
+        )
+        driving.run()
+
+
+class Driving:
+    """Node that drives: its topics, and the times at which commands are sent."""
+
+    def __init__(
+        self,
+        connection: RosConnection,
+        rows: DriveRows,
+        parameters: DriveParameters,
+        logger: logging.Logger,
+        *,
+        as_json: bool,
+    ) -> None:
+        self._connection, self._rows, self._parameters, self._logger = connection, rows, parameters, logger
+        self._json = as_json
+        self._control = DriveControl(lambda: parameters.meaning.control, logger.warning)
+        self._stamps = connection.clock
+        # Timeouts must not depend on somebody setting the time of the computer.
+        self._clock = MONOTONIC_CLOCK if self._stamps is SYSTEM_CLOCK else self._stamps
+        # Held while a command is sent, so that none follows the stop that a change of the mode causes.
+        self._lock = threading.RLock()
+        self._reported: Status | None = None
+        self._ended = False
+        middleware, topic = connection.middleware, connection.topic
+        self._followed = FollowingSubscription(middleware, topic(VELOCITY), VELOCITIES, self._take_velocity, depth=1)
+        route = rows.command.route
+        self._commands = middleware.publisher(topic(route.topic), rows.command.message_type, route.qos)
+        self._states = middleware.publisher(topic(STATE), String, Qos(depth=1, durability="transient_local"))
+
+    def receive(self) -> None:
+        """Begin to receive the topics."""
+        middleware, topic = self._connection.middleware, self._connection.topic
+        mode = self._rows.mode
+        middleware.subscribe(
+            topic(mode.route.topic), mode.message_type, mode.route.qos, self._take_mode, _MODE_PRIORITY
+        )
+        middleware.subscribe(topic(PATH), Path, Qos(depth=1), self._take_path)
+        # best effort, so that it matches every publisher
+        middleware.subscribe(topic(POSE), Odometry, Qos("best_effort", depth=1), self._take_pose)
+        self.tick()  # report the first state
+
+    def run(self) -> None:
+        """Send what is due, again and again, until a signal interrupts this."""
+        while True:
+            now, period = self._clock.now(), self._parameters.meaning.control.period
+            ticks = math.ceil(period / _LONGEST_TICK_S)  # a whole number, so that commands have their rate
+            self._clock.sleep_until(now + math.ceil(period * 1e9 / ticks), now)
+            self.tick()
+
+    def tick(self) -> None:
+        """Send what is due, and receive velocities of the type that is published now."""
+        try:
+            self._followed.look()
+        except MiddlewareError as error:
+            self._tell(f"no velocities are received: {error}")
+        self._happen(lambda _: None)
+
+    def end(self) -> None:
+        """Stop the rover if it moves, and send nothing any more."""
+        with self._lock:
+            self._ended = True
+            now = self._clock.now()
+            self._control.set_mode(False, now)
+            if command := self._control.step(now):
+                self._send(command)
+            self._report(Status(State.MANUAL, "this program ends"))
+
+    def _happen(self, event: Event) -> None:
+        """Let the control take an event and decide, and send what it decides."""
+        with self._lock:
+            if self._ended:
+                return
+            now = self._clock.now()  # with the lock, so that the control's time goes forwards
+            event(now)
+            command = self._control.step(now)
+            if command is not None:
+                self._send(command)
+            self._report(self._control.status)
+
+    def _take_mode(self, messages: Sequence[bytes]) -> None:
+        for data in messages:  # each of them: a short MANUAL ends the path
+            try:
+                automatic = self._rows.is_automatic(data)
+            except ConversionError as error:
+                self._tell(f"ignoring a control_mode: {error}")
+                continue
+            self._happen(partial(self._control.set_mode, automatic))
+
+    def _take_velocity(self, kind: type[Message], messages: Sequence[bytes]) -> None:
+        settings = self._parameters.meaning
+        try:
+            linear, angular = velocity_of(
+                kind, messages[-1], self._stamps.now(), settings.control.timeout, settings.base_frame
+            )
+        except ConversionError as error:
+            self._tell(f"ignoring a velocity: {error}")
+            return
+        self._happen(lambda now: self._control.drive(linear, angular, now))
+
+    def _take_path(self, messages: Sequence[bytes]) -> None:
+        try:
+            points, frame = path_of(messages[-1], self._stamps.now())
+        except ConversionError as error:
+            self._tell(f"ignoring a path: {error}")
+            return
+        self._happen(lambda now: self._control.follow(points, frame, now))
+
+    def _take_pose(self, messages: Sequence[bytes]) -> None:
+        settings = self._parameters.meaning
+        try:
+            place = pose_of(messages[-1], self._stamps.now(), settings.control.pose_timeout, settings.base_frame)
+        except ConversionError as error:
+            self._tell(f"ignoring a pose: {error}")
+            return
+        with self._lock:  # the next command is sent when it is due: poses come more often
+            now = self._clock.now()
+            localization = Localization(place.pose, place.frame, now - place.age, place.deviation, place.speed)
+            self._control.localize(localization, now)
+
+    def _tell(self, message: str) -> None:
+        with self._lock:
+            self._control.tell(message, self._clock.now())
+
+    def _send(self, command: BoardCommand) -> None:
+        self._commands.publish([self._rows.serialized(command)])
+        self._print({"stamp": self._stamps.now(), **asdict(command)})
+
+    def _report(self, status: Status) -> None:
+        """Report the state if it has changed."""
+        if status == self._reported:
+            return
+        self._reported = status
+        text = ": ".join(filter(None, (status.state.value, status.reason)))
+        self._states.publish([cdr.encode(String(text))])
+        self._logger.info("%s", text)
+        self._print({"stamp": self._stamps.now(), "state": status.state.value, "reason": status.reason})
+
+    def _print(self, entry: dict[str, object]) -> None:
+        if self._json:
+            print(json.dumps(entry), flush=True)

@@ -1,0 +1,81 @@
+"""``roverlink fuse``: fuse odometry, landmarks and GPS to the rover's pose on the field."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+from roverlink.console import OK, Subparsers, add_middleware, command, node_logger
+from roverlink.runtime.ros_arguments import ros_args
+
+NODE = "fusion"
+
+
+def add(commands: Subparsers) -> None:
+    """Add the command and its options to the command line."""
+    parser = command(
+        commands,
+        "fuse",
+        "fuse odometry, landmarks and GPS to the rover's pose on the field",
+        "roverlink fuse --landmarks landmarks.yaml --cameras cameras.yaml",
+        "Fuse the odometry (odometry/wheel), the landmarks that `roverlink aruco track` sees (aruco/detections) and,\n"
+        "with --datum, GPS (gps/fix). Publish the rover's pose on the field (odometry/global) and the transform from\n"
+        "the frame of the field to that of the odometry. A landmark that somebody has moved is found and left out.\n"
+        "This is for computers without robot_localization, such as laptops with a simulated rover. On a rover, use\n"
+        "robot_localization with rover/navigation/config/ekf.yaml: run only one of the two.\n"
+        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
+        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.",
+    )
+    parser.add_argument(
+        "--landmarks",
+        type=Path,
+        required=True,
+        metavar="FILE",
+        help="file with the places of the landmarks on the field",
+    )
+    parser.add_argument(
+        "--cameras",
+        type=Path,
+        metavar="FILE",
+        help="file of cameras that `roverlink aruco track` uses; its cameras are received, with their mounts (default: "
+        "one camera, whose mount is on /tf)",
+    )
+    parser.add_argument(
+        "--datum",
+        type=_finite,
+        nargs=3,
+        metavar=("LATITUDE", "LONGITUDE", "HEADING"),
+        help="use GPS: origin of the field in degrees, and direction of its x axis in radians, counterclockwise from "
+        "the east (default: GPS is not used)",
+    )
+    parser.add_argument(
+        "--base-frame",
+        default="base_link",
+        metavar="NAME",
+        help="name of the rover's coordinate frame (default: %(default)s)",
+    )
+    parser.add_argument("--json", action="store_true", help="print each pose as a JSON object")
+    add_middleware(parser)
+    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Fuse until a signal comes; the exit code is then 0."""
+    ros = ros_args.parse(arguments.ros_args, NODE)
+    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    from roverkit.fusion.fusing import fuse  # only here, so that the help needs neither OpenCV nor GTSAM
+
+    fuse(arguments, ros, logger)
+    return OK
+
+
+def _finite(text: str) -> float:
+    """Parse a finite number."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not math.isfinite(found):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number, such as 50.06")
+    return found

@@ -1,0 +1,232 @@
+"""Graph of poses on the field: odometry between them, landmarks that were seen from them, and GPS positions.
+
+GTSAM's iSAM2 (Kaess and others, 2012) solves it anew with each image. A landmark is a variable, too: it has its place
+by the survey with the survey's accuracy. So the error of a survey is estimated, and does not count as a new error in
+each image. Landmarks that do not agree with the others have no place by the survey: somebody has moved them.
+
+The slip of the wheels is a part of each pose's variable, because it goes on from one motion to the next one.
+
+The images that are used are some distance apart. The errors of images from one place are the same, so these images tell
+nothing new. The graph grows with the distance that the rover drives, by up to 5 poses a metre.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from roverkit.driving.arcs import PlanarPose
+from roverkit.fusion.field_factors import motion_factor, pose2, sighting_factor, state_factor
+from roverkit.fusion.gtsam_library import gtsam
+from roverkit.fusion.landmark_agreement import agreeing
+from roverkit.fusion.odometry_track import OdometryPoint
+from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian
+from roverkit.fusion.slipping_motion import pose_of, state_of
+
+_APART_M = 0.25
+_APART_RAD = 0.15
+"""Least distance and angle between two images that show the same landmarks."""
+_GPS_APART_M = 1.0
+"""Least distance between two GPS positions: the errors of successive ones are nearly the same."""
+_HUBER = 3.0
+"""Error in standard deviations from which a sighting or a GPS position counts less (Huber's estimator)."""
+_ENOUGH = 2
+"""Landmarks that must agree before there is a pose, if the survey has more: a single one may have been moved."""
+_HELD = gtsam.noiseModel.Isotropic.Sigma(3, 1e-3)
+"""Uncertainty of the first pose while landmarks are compared: without the survey, nothing else holds the graph."""
+_ANY_SLIP = gtsam.noiseModel.Unit.Create(2)
+"""Uncertainty of the slip at the first pose, in its standard deviations."""
+_ROUNDS = 3
+"""Steps in which the solution converges after all has moved."""
+
+T = TypeVar("T")
+"""Number of a marker, or name of a board."""
+
+
+class FieldGraph(Generic[T]):
+    """Poses of a rover on a field with landmarks."""
+
+    def __init__(self, surveyed: Mapping[T, PlanarGaussian]) -> None:
+        """Begin without a pose; ``surveyed`` has the places of the landmarks by the survey."""
+        self._surveyed = surveyed
+        self._trusted: frozenset[T] = frozenset()
+        self._measured = gtsam.NonlinearFactorGraph()
+        self._solver = _solver()
+        self._keys: dict[T, int] = {}
+        self._seen: Counter[T] = Counter()
+        self._last: OdometryPoint | None = None
+        self._last_seen: frozenset[T] = frozenset()
+        self._last_gps: OdometryPoint | None = None
+        self._poses = 0
+
+    @property
+    def moved(self) -> Mapping[T, float]:
+        """Landmarks that somebody has moved, with their distance in metres from the place of the survey.
+
+        They agree with no other landmark, while at least two others agree.
+        """
+        if len(self._trusted) < _ENOUGH:
+            return {}
+        return {
+            one: self._surveyed[one].pose.distance_to(self._place(self._keys[one]))
+            for one in self._keys
+            if one not in self._trusted
+        }
+
+    def pose(self, point: OdometryPoint) -> PlanarGaussian | None:
+        """Return the pose on the field at the time of a point of the odometry; None while no two landmarks agree.
+
+        One landmark is enough if the survey has only one or two. The point must not be older than the last image that
+        was added.
+        """
+        if self._last is None or len(self._trusted) < min(_ENOUGH, len(self._surveyed) - 1):
+            return None
+        last = gtsam.symbol("x", self._poses - 1)
+        state, covariance = self._solver.calculateEstimateVector(last), self._solver.marginalCovariance(last)
+        return self._last.motion_to(point).pose_after(state, covariance)
+
+    def see(self, sightings: Mapping[T, PlanarGaussian], point: OdometryPoint) -> None:
+        """Add an image: the places of landmarks in the frame of the rover, and the odometry at its time.
+
+        Does nothing if the image is older than the last one, shows nothing new, or shows no surveyed landmark.
+        """
+        sightings = {one: place for one, place in sightings.items() if one in self._surveyed}
+        if not sightings or not self._is_new(point, sightings):
+            return
+        factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+        if self._last is None:
+            # The landmark that is seen best is believed until others contradict.
+            best = min(sightings, key=lambda one: float(np.trace(sightings[one].covariance)))
+            self._trusted = frozenset({best})
+            start = state_of(self._surveyed[best].pose @ sightings[best].pose.inverse(), np.zeros(2))
+            factors.add(state_factor(gtsam.symbol("x", 0), 3, start[3:], _ANY_SLIP))
+        else:
+            start = self._follow(point, factors)
+        key = self._add_pose(point, start, values)
+        for one, place in sightings.items():
+            if one not in self._keys:
+                self._keys[one] = gtsam.symbol("l", len(self._keys))
+                values.insert(self._keys[one], pose2(pose_of(start) @ place.pose))
+            factors.add(sighting_factor(key, self._keys[one], place.pose, _robust(place.covariance)))
+        self._solve(factors, values)
+        self._last_seen = frozenset(sightings)
+        self._seen.update(sightings.keys())
+        # Each doubling of what is known about a landmark is a reason to ask again.
+        if any(_is_power_of_two(self._seen[one]) for one in sightings):
+            self._judge()
+
+    def locate(self, position: Floats, covariance: Floats, point: OdometryPoint) -> None:
+        """Add a GPS position (2,) on the field in metres, with its covariance (2, 2) in the axes of the field.
+
+        ``point`` is the odometry at its time. Does nothing before the first landmark is seen, or near the last GPS
+        position.
+        """
+        if self._last is None or point.stamp <= self._last.stamp:
+            return
+        if self._last_gps is not None and self._last_gps.pose.distance_to(point.pose) < _GPS_APART_M:
+            return
+        factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+        key = self._add_pose(point, self._follow(point, factors), values)
+        factors.add(state_factor(key, 0, position, _robust(covariance)))
+        self._last_gps = point
+        self._solve(factors, values)
+
+    def _is_new(self, point: OdometryPoint, sightings: Mapping[T, PlanarGaussian]) -> bool:
+        if self._last is None:
+            return True
+        if point.stamp <= self._last.stamp:
+            return False
+        turn = math.remainder(point.pose.yaw - self._last.pose.yaw, 2 * math.pi)
+        return (
+            not sightings.keys() <= self._last_seen
+            or point.pose.distance_to(self._last.pose) >= _APART_M
+            or abs(turn) >= _APART_RAD
+        )
+
+    def _follow(self, point: OdometryPoint, factors: Any) -> Floats:
+        """Add the motion since the last pose to the factors, and return the state that follows from it."""
+        assert self._last is not None  # noqa: S101  # callers have checked it
+        motion = self._last.motion_to(point)
+        last = gtsam.symbol("x", self._poses - 1)
+        factors.add(motion_factor(last, last + 1, motion))
+        return motion.state_after(self._solver.calculateEstimateVector(last))
+
+    def _add_pose(self, point: OdometryPoint, start: Floats, values: Any) -> int:
+        key: int = gtsam.symbol("x", self._poses)
+        values.insert(key, start)
+        self._last = point
+        self._poses += 1
+        return key
+
+    def _solve(self, factors: Any, values: Any) -> None:
+        first = self._measured.size() == 0
+        self._measured.push_back(factors)
+        if first:
+            self._restart(values)
+        else:
+            self._solver.update(factors, values)
+            self._solver.update()
+
+    def _judge(self) -> None:
+        """Find the landmarks that agree with each other, and trust these from now on."""
+        if len(self._keys) < 2:
+            return
+        values = self._solver.calculateEstimate()
+        held = gtsam.NonlinearFactorGraph(self._measured)
+        first = gtsam.symbol("x", 0)
+        held.add(state_factor(first, 0, values.atVector(first)[:3], _HELD))
+        joint = gtsam.Marginals(held, values).jointMarginalCovariance(list(self._keys.values()))
+        trusted = agreeing(
+            {one: self._place(key) for one, key in self._keys.items()},
+            lambda one, other: joint.at(self._keys[one], self._keys[other]),
+            self._surveyed,
+            self._trusted,
+        )
+        if trusted == self._trusted:
+            return
+        anchor = next(one for one in self._keys if one in (trusted & self._trusted or trusted))
+        move = self._surveyed[anchor].pose @ self._place(self._keys[anchor]).inverse()
+        for key in self._keys.values():
+            values.update(key, pose2(move @ self._place(key)))
+        for number in range(self._poses):
+            state = values.atVector(key := gtsam.symbol("x", number))
+            values.update(key, state_of(move @ pose_of(state), state[3:]))
+        self._trusted = trusted
+        self._restart(values)
+
+    def _restart(self, values: Any) -> None:
+        """Solve all anew, with the surveyed places of the trusted landmarks."""
+        factors = gtsam.NonlinearFactorGraph(self._measured)
+        for one in self._keys:
+            if one in self._trusted:
+                place = self._surveyed[one]
+                noise = gtsam.noiseModel.Gaussian.Covariance(place.covariance)
+                factors.add(gtsam.PriorFactorPose2(self._keys[one], pose2(place.pose), noise))
+        self._solver = _solver()
+        self._solver.update(factors, values)
+        for _ in range(_ROUNDS):
+            self._solver.update()
+
+    def _place(self, landmark: int) -> PlanarPose:
+        place = self._solver.calculateEstimatePose2(landmark)
+        return PlanarPose(place.x(), place.y(), place.theta())
+
+
+def _solver() -> Any:
+    parameters = gtsam.ISAM2Params()
+    parameters.setRelinearizeThreshold(0.01)
+    parameters.relinearizeSkip = 1
+    return gtsam.ISAM2(parameters)
+
+
+def _robust(covariance: Floats) -> Any:
+    noise = gtsam.noiseModel.Gaussian.Covariance(covariance)
+    return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), noise)
+
+
+def _is_power_of_two(number: int) -> bool:
+    return number & (number - 1) == 0

@@ -1,0 +1,246 @@
+"""Implementation of ``roverlink fuse``: the rover's pose on the field, from odometry, landmarks and GPS.
+
+| topic            | type                         | content                                                        |
+|------------------|------------------------------|----------------------------------------------------------------|
+| odometry/wheel   | nav_msgs/Odometry            | pose and velocity by `roverlink odometry`; received            |
+| aruco/detections | vision_msgs/Detection3DArray | landmarks that `roverlink aruco track` sees; received          |
+| gps/fix          | sensor_msgs/NavSatFix        | position by GPS, if the datum of the field is known; received  |
+| odometry/global  | nav_msgs/Odometry            | pose on the field, with the velocity of the odometry           |
+| /tf              | tf2_msgs/TFMessage           | transform from the frame of the field to that of the odometry  |
+
+The landmarks are received one by one, and not as the pose that the tracker computes from them: a pose does not say from
+which landmarks it comes, and one of them may have been moved.
+"""
+
+from __future__ import annotations
+
+import roverkit.vision  # noqa: F401  # first: it explains how to install numpy and OpenCV
+
+# isort: split
+
+import argparse
+import json
+import logging
+import math
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from roverkit.driving.arcs import PlanarPose
+from roverkit.driving.geodesy import Datum
+from roverkit.fusion.field_graph import FieldGraph
+from roverkit.fusion.odometry_track import OdometryPoint, OdometryTrack
+from roverkit.fusion.planar_gaussian import PlanarGaussian, is_covariance
+from roverkit.fusion.planar_landmarks import planar_sightings, surveyed_places
+from roverkit.node.ros_connection import RosConnection
+from roverkit.odometry.odometry_messages import UNKNOWN_VARIANCE, pose_of
+from roverkit.vision.camera.cameras_file import read_cameras
+from roverkit.vision.field.landmarks import Landmarks, read_landmarks
+from roverkit.vision.markers.marker_set import TargetId
+from roverkit.vision.poses.pose import Pose
+from roverkit.vision.poses.transform_tree import TransformError
+from roverlink.node_log import publish_log
+from roverlink.runtime.convert.rotations import angles
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
+from roverlink.runtime.interfaces.nav_msgs import Odometry
+from roverlink.runtime.interfaces.std_msgs import Header
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
+from roverlink.runtime.ros_time.headers import stamp_of
+
+ODOMETRY, DETECTIONS, FIX, FUSED = "odometry/wheel", "aruco/detections", "gps/fix", "odometry/global"
+_QOS = Qos("best_effort", depth=10)  # matches every publisher
+_PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
+_WAITING = 100
+"""Images that wait for odometry of their time."""
+
+
+def fuse(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> None:
+    """Fuse until the program is stopped. Raises `SetupError` if a file or a package is missing or wrong."""
+    landmarks = read_landmarks(arguments.landmarks)
+    cameras = read_cameras(arguments.cameras) if arguments.cameras else []
+    with ExitStack() as stack:
+        connection = RosConnection(ros, arguments.middleware, stack, logger.warning)
+        stack.enter_context(publish_log(logger, connection.middleware, ros))
+        fusion = Fusion(connection, landmarks, arguments, logger)
+        if not cameras:
+            fusion.receive(DETECTIONS, None)
+        for camera in cameras:
+            fusion.receive(f"{camera.name}/{DETECTIONS}", camera.mount)
+        logger.info("waiting for %s and for landmarks of %s", ros.topic(ODOMETRY), arguments.landmarks)
+        threading.Event().wait()
+
+
+class Fusion:
+    """Node that fuses; its topics are received on threads of the middleware."""
+
+    def __init__(
+        self, connection: RosConnection, landmarks: Landmarks, arguments: argparse.Namespace, logger: logging.Logger
+    ) -> None:
+        self._connection, self._landmarks, self._logger = connection, landmarks, logger
+        self._base, self._json, self._datum = arguments.base_frame, arguments.json, arguments.datum
+        self._lock = threading.Lock()
+        self._said: set[str] = set()
+        self._start()
+        middleware, topic = connection.middleware, connection.topic
+        self._fused = middleware.publisher(topic(FUSED), Odometry, Qos())
+        self._transforms = middleware.publisher(topic("/tf"), tf2_msgs.TFMessage, Qos(depth=100))
+        middleware.subscribe(topic(ODOMETRY), Odometry, _QOS, self._take_odometry)
+        if self._datum is not None:
+            middleware.subscribe(topic(FIX), sensor_msgs.NavSatFix, _QOS, self._take_fixes)
+
+    def receive(self, name: str, mount: Pose | None) -> None:
+        """Receive the landmarks that a camera sees.
+
+        ``mount`` is the transform from its frame to the rover's; None if it is on /tf.
+        """
+        if mount is None:
+            _ = self._connection.transforms  # from now on, so that the static ones are there before the images
+        topic = self._connection.topic(name)
+        take = partial(self._take_detections, mount=mount)
+        self._connection.middleware.subscribe(topic, vision_msgs.Detection3DArray, _QOS, take)
+
+    def _start(self) -> None:
+        self._track, self._graph = OdometryTrack(), FieldGraph(surveyed_places(self._landmarks))
+        self._waiting: list[tuple[int, Callable[[OdometryPoint], None]]] = []
+        self._moved: Mapping[TargetId, float] = {}
+
+    # --- inputs ---
+
+    def _take_odometry(self, messages: Sequence[bytes]) -> None:
+        with self._lock:
+            for data in messages:
+                try:
+                    message = cdr.decode(Odometry, data)
+                    point = _point_of(message)
+                except ConversionError as error:
+                    self._say_once(f"ignoring odometry: {error}")
+                    continue
+                before = self._track.newest
+                if not self._track.add(point):
+                    self._logger.warning("the time or the pose of %s has jumped; beginning again", ODOMETRY)
+                    self._start()
+                    self._track.add(point)
+                self._catch_up(point.stamp)
+                if (newest := self._track.newest) is not None and newest is not before:
+                    self._publish(newest, message)
+
+    def _take_detections(self, messages: Sequence[bytes], mount: Pose | None) -> None:
+        with self._lock:
+            for data in messages:
+                try:
+                    message = cdr.decode(vision_msgs.Detection3DArray, data)
+                    stamp, camera = stamp_of(message.header), message.header.frame_id
+                    place = mount or self._connection.transforms.look_up(self._base, camera, stamp)
+                except (ConversionError, TransformError) as error:
+                    # Once for each reason: the age in the text changes with every image.
+                    self._say_once(f"ignoring landmarks: {str(error).partition(':')[0]}")
+                    continue
+                sightings = planar_sightings(message, place, self._landmarks)
+                self._wait(stamp, partial(self._graph.see, sightings))
+
+    def _take_fixes(self, messages: Sequence[bytes]) -> None:
+        with self._lock:
+            for data in messages:
+                try:
+                    fix = cdr.decode(sensor_msgs.NavSatFix, data)
+                except ConversionError as error:
+                    self._say_once(f"ignoring a GPS position: {error}")
+                    continue
+                if fix.status.status < sensor_msgs.NavSatStatus.STATUS_FIX:
+                    continue
+                position, covariance = _on_field(fix, *self._datum)
+                if is_covariance(covariance):
+                    self._wait(stamp_of(fix.header), partial(self._graph.locate, position, covariance))
+
+    def _wait(self, stamp: int, use: Callable[[OdometryPoint], None]) -> None:
+        """Use a measurement with the odometry of its time, which comes later if its message takes longer."""
+        self._waiting.append((stamp, use))
+        self._waiting.sort(key=lambda one: one[0])
+        del self._waiting[:-_WAITING]
+        if (newest := self._track.newest) is not None:
+            self._catch_up(newest.stamp)
+
+    def _catch_up(self, now: int) -> None:
+        """Use the measurements for whose times the odometry is known."""
+        while self._waiting and self._waiting[0][0] <= now:
+            stamp, use = self._waiting.pop(0)
+            if (point := self._track.at(stamp)) is not None:
+                use(point)
+        self._tell_moved()
+
+    # --- outputs ---
+
+    def _publish(self, point: OdometryPoint, odometry: Odometry) -> None:
+        place = self._graph.pose(point)
+        if place is None:
+            return
+        header = Header(odometry.header.stamp, self._landmarks.frame)
+        self._fused.publish([cdr.encode(Odometry(header, odometry.child_frame_id, _pose_of(place), odometry.twist))])
+        shift = place.pose @ point.pose.inverse()
+        transform = geometry_msgs.Transform(geometry_msgs.Vector3(shift.x, shift.y), pose_of(shift).orientation)
+        stamped = geometry_msgs.TransformStamped(header, odometry.header.frame_id, transform)
+        self._transforms.publish([cdr.encode(tf2_msgs.TFMessage([stamped]))])
+        if self._json:
+            pose, spread = place.pose, place.outer_covariance
+            entry = {"stamp": point.stamp, "x": pose.x, "y": pose.y, "yaw": math.remainder(pose.yaw, 2 * math.pi)}
+            deviation = [math.sqrt(value) for value in spread.diagonal().tolist()]
+            print(json.dumps({**entry, "deviation": deviation, "moved": [*self._moved]}), flush=True)
+
+    def _tell_moved(self) -> None:
+        """Name landmarks that stand elsewhere than the survey says, once when this is found."""
+        moved = self._graph.moved
+        for name in moved.keys() - self._moved.keys():
+            self._logger.warning(
+                "landmark %s is not used: it stands %.2f m beside its place in the file of landmarks, or was turned",
+                name,
+                moved[name],
+            )
+        for name in self._moved.keys() - moved.keys():
+            self._logger.info("landmark %s is used again", name)
+        self._moved = moved
+
+    def _say_once(self, text: str) -> None:
+        if text not in self._said:
+            self._said.add(text)
+            self._logger.warning("%s", text)
+
+
+def _point_of(message: Odometry) -> OdometryPoint:
+    """Return the odometry of a message. Raises `ConversionError` if it has no usable pose or covariance.
+
+    By ROS 2's convention, a variance of 0 is unknown.
+    """
+    place = message.pose.pose
+    covariance = np.reshape(message.pose.covariance, (6, 6))[_PLANAR]
+    turning = message.twist.covariance[-1] or UNKNOWN_VARIANCE
+    numbers = [place.position.x, place.position.y, *covariance.ravel().tolist(), turning]
+    if not all(map(math.isfinite, numbers)) or turning < 0 or not stamp_of(message.header):
+        raise ConversionError("it has no stamp, or a value that is not a number")
+    pose = PlanarPose(place.position.x, place.position.y, angles(place.orientation)[2])
+    return OdometryPoint(stamp_of(message.header), pose, covariance, turning)
+
+
+def _on_field(fix: sensor_msgs.NavSatFix, latitude: float, longitude: float, heading: float) -> tuple[Any, Any]:
+    """Return the position (2,) of a GPS receiver on the field, and its covariance (2, 2).
+
+    The datum is the origin of the field; ``heading`` is the direction of the field's x axis in radians,
+    counterclockwise from the east.
+    """
+    cosine, sine = math.cos(heading), math.sin(heading)
+    to_field = np.array([[cosine, sine], [-sine, cosine]])
+    east_north = np.array(Datum(latitude, longitude).planar(fix.latitude, fix.longitude))
+    covariance = np.reshape(fix.position_covariance, (3, 3))[:2, :2]
+    return to_field @ east_north, to_field @ covariance @ to_field.T
+
+
+def _pose_of(place: PlanarGaussian) -> geometry_msgs.PoseWithCovariance:
+    covariance = np.diag([UNKNOWN_VARIANCE] * 6)
+    covariance[_PLANAR] = place.outer_covariance
+    return geometry_msgs.PoseWithCovariance(pose_of(place.pose), covariance.ravel().tolist())

@@ -1,0 +1,80 @@
+"""Agreement of landmarks: those that stand where the survey says, and those that somebody has moved since.
+
+The sightings of landmarks during a drive give their places relative to each other, whatever the survey says. Two
+landmarks agree if they stand to each other as in the survey. The largest set of landmarks that all agree is right; one
+that was moved agrees with none of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from itertools import combinations
+from typing import TypeVar
+
+import numpy as np
+
+from roverkit.driving.arcs import PlanarPose
+from roverkit.fusion.gtsam_library import gtsam
+from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, adjoint
+
+_LIMIT = 16.27
+"""Chi squared with 3 degrees of freedom that is exceeded once in a thousand cases."""
+
+T = TypeVar("T")
+
+
+def agreeing(
+    seen: Mapping[T, PlanarPose],
+    covariance: Callable[[T, T], Floats],
+    surveyed: Mapping[T, PlanarGaussian],
+    preferred: Collection[T],
+) -> frozenset[T]:
+    """Return the largest set of landmarks that agree with each other.
+
+    ``seen`` has the places by the sightings, in any frame, and ``covariance`` their joint covariance (3, 3) for two
+    landmarks. Of sets of one size, the one with most of ``preferred`` is returned.
+    """
+    friends: dict[T, frozenset[T]] = {one: frozenset() for one in seen}
+    for one, other in combinations(seen, 2):
+        by_sight = seen[one].inverse() @ seen[other]
+        carried = adjoint(by_sight.inverse())
+        mixed = carried @ covariance(one, other)
+        spread = covariance(other, other) + carried @ covariance(one, one) @ carried.T - mixed - mixed.T
+        by_survey = PlanarGaussian(surveyed[one].pose.inverse(), _of_inverse(surveyed[one])) @ surveyed[other]
+        missed = _difference(by_survey.pose, by_sight)
+        if missed @ np.linalg.solve(spread + by_survey.covariance, missed) < _LIMIT:
+            friends[one] |= {other}
+            friends[other] |= {one}
+    order = list(seen)
+    return max(
+        _cliques(frozenset(), frozenset(seen), frozenset(), friends),
+        key=lambda found: (len(found), len(found & set(preferred)), [one in found for one in order]),
+    )
+
+
+def _of_inverse(known: PlanarGaussian) -> Floats:
+    turned = adjoint(known.pose)
+    covariance: Floats = turned @ known.covariance @ turned.T
+    return covariance
+
+
+def _difference(one: PlanarPose, other: PlanarPose) -> Floats:
+    apart = one.inverse() @ other
+    difference: Floats = gtsam.Pose2.Logmap(gtsam.Pose2(apart.x, apart.y, apart.yaw))
+    return difference
+
+
+def _cliques(
+    chosen: frozenset[T], left: frozenset[T], done: frozenset[T], friends: Mapping[T, frozenset[T]]
+) -> Iterator[frozenset[T]]:
+    """Yield the largest sets of landmarks that agree: ``chosen`` with some of ``left``, and none of ``done``.
+
+    Source: Bron and Kerbosch, Finding All Cliques of an Undirected Graph, 1973, with a pivot.
+    """
+    if not left and not done:
+        yield chosen
+        return
+    pivot = max(left | done, key=lambda one: len(left & friends[one]))
+    for one in left - friends[pivot]:
+        yield from _cliques(chosen | {one}, left & friends[one], done & friends[one], friends)
+        left, done = left - {one}, done | {one}

@@ -1,0 +1,54 @@
+"""Poses on a plane with their uncertainty.
+
+A covariance (3, 3) is of x and y in metres and of the yaw in radians, in the axes of the pose itself: x is ahead. So an
+error e of a pose T is that the true pose is T exp(e), as in GTSAM.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roverkit.driving.arcs import PlanarPose
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanarGaussian:
+    """Pose with its covariance."""
+
+    pose: PlanarPose
+    covariance: Floats
+
+    def __matmul__(self, other: PlanarGaussian) -> PlanarGaussian:
+        """Return the pose, in the outer frame, of what has the pose ``other`` in this frame; errors are independent."""
+        carried = adjoint(other.pose.inverse())
+        return PlanarGaussian(self.pose @ other.pose, carried @ self.covariance @ carried.T + other.covariance)
+
+    @property
+    def outer_covariance(self) -> Floats:
+        """Covariance in the axes of the outer frame, as in ROS 2's `PoseWithCovariance`."""
+        turned = rotation(self.pose.yaw)
+        covariance: Floats = turned @ self.covariance @ turned.T
+        return covariance
+
+
+def adjoint(pose: PlanarPose) -> Floats:
+    """Return the matrix (3, 3) that turns a small motion in the axes of a pose into the same one in the outer axes."""
+    matrix = rotation(pose.yaw)
+    matrix[0, 2], matrix[1, 2] = pose.y, -pose.x
+    return matrix
+
+
+def rotation(yaw: float) -> Floats:
+    """Return the matrix (3, 3) that rotates x and y by an angle in radians, and leaves the third component alone."""
+    cosine, sine = np.cos(yaw), np.sin(yaw)
+    return np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+
+
+def is_covariance(matrix: Floats) -> bool:
+    """Return true if a symmetric matrix is finite and positive definite, so that no error is impossible."""
+    return bool(np.isfinite(matrix).all()) and bool((np.linalg.eigvalsh(matrix) > 0).all())

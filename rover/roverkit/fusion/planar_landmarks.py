@@ -1,0 +1,66 @@
+"""Landmarks, and sightings of them, on the plane of the field.
+
+A landmark's pose on the plane has the yaw 0 if the landmark stands as the survey says, however it is mounted: the yaw
+is its rotation about the vertical since the survey. So a landmark on the ground has one as well as one on a wall.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from roverkit.driving.arcs import PlanarPose
+from roverkit.fusion.planar_gaussian import PlanarGaussian, is_covariance, rotation
+from roverkit.vision.field.landmarks import Landmarks
+from roverkit.vision.markers.marker_set import TargetId
+from roverkit.vision.poses.pose import Pose, rotation_of_quaternion
+from roverlink.runtime.interfaces import geometry_msgs, vision_msgs
+
+_PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
+"""Rows and columns of x, y and the rotation about z, in a covariance of a pose in space."""
+
+
+def surveyed_places(landmarks: Landmarks) -> dict[TargetId, PlanarGaussian]:
+    """Return the places of the landmarks on the plane, with the accuracy of the survey."""
+    return {
+        name: PlanarGaussian(
+            PlanarPose(float(one.pose.translation[0]), float(one.pose.translation[1]), 0.0),
+            np.diag([one.position_sigma, one.position_sigma, one.rotation_sigma]) ** 2,
+        )
+        for name, one in landmarks.places.items()
+    }
+
+
+def planar_sightings(
+    message: vision_msgs.Detection3DArray, mount: Pose, landmarks: Landmarks
+) -> dict[TargetId, PlanarGaussian]:
+    """Return the places of the surveyed landmarks in a message of ``roverlink aruco track``, in the rover's frame.
+
+    ``mount`` is the transform from the camera's frame to the rover's. Markers that share a number are left out, and
+    those without a covariance.
+    """
+    names = {str(name): name for name in landmarks.places}
+    sightings = {}
+    for one in message.detections:
+        if not one.id or not one.results or (name := names.get(one.results[0].hypothesis.class_id)) is None:
+            continue
+        seen = one.results[0].pose
+        place = mount @ _pose(seen.pose)
+        turn = place.rotation @ landmarks.places[name].pose.rotation.T
+        yaw = math.atan2(turn[1, 0], turn[0, 0])
+        # From the axes of the camera to those of the rover, and then to those of the landmark on the plane.
+        turned = np.kron(np.eye(2), mount.rotation)
+        covariance = (turned @ np.reshape(seen.covariance, (6, 6)) @ turned.T)[_PLANAR]
+        own = rotation(yaw).T @ covariance @ rotation(yaw)
+        x, y, _ = place.translation.tolist()
+        if is_covariance(own):
+            sightings[name] = PlanarGaussian(PlanarPose(x, y, yaw), own)
+    return sightings
+
+
+def _pose(pose: geometry_msgs.Pose) -> Pose:
+    turn, place = pose.orientation, pose.position
+    return Pose(
+        rotation_of_quaternion(np.array([turn.x, turn.y, turn.z, turn.w])), np.array([place.x, place.y, place.z])
+    )

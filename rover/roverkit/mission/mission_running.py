@@ -1,0 +1,109 @@
+"""Implementation of ``roverlink mission run``: drives to the goals of a file, and reports the progress.
+
+| topic              | type            | content                                             |
+|--------------------|-----------------|-----------------------------------------------------|
+| mission/state      | std_msgs/String | state and number of the goal, such as "driving 2"   |
+| mission_progress   | the row's       | the same for the basestation, if the table has it   |
+"""
+
+from __future__ import annotations
+
+import roverkit.vision  # noqa: F401  # first: it explains how to install numpy and OpenCV
+
+# isort: split
+
+import argparse
+import json
+import logging
+import math
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import replace
+
+from roverkit.driving.drive_rows import DriveRows
+from roverkit.mission.mission_file import read_mission
+from roverkit.mission.mission_row import progress_publisher
+from roverkit.mission.mission_rules import MissionRun, Report, State
+from roverkit.node.ros_connection import RosConnection
+from roverkit.vision.ros.outputs import Output, Outputs
+from roverlink.console import project_folder
+from roverlink.generated_code import load_project
+from roverlink.node_log import publish_log
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.interfaces import std_msgs
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
+
+TOPIC = "mission/state"
+_LATCHED = Qos(depth=1, durability="transient_local")  # who comes later gets the last message
+_DISTANCE_S = 1.0  # time in seconds between two reports of the distance
+_LOGGED_S = 5.0  # time in seconds between two such reports in the log
+
+
+def run_mission(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> bool:
+    """Drive to the goals of a mission. Returns true if all have been reached.
+
+    Raises `SetupError` if the file has a mistake, or if Nav2 or the rover's pose is missing.
+    """
+    mission = read_mission(arguments.mission)
+    registry = load_project(project_folder(arguments.project))
+    rows = DriveRows(registry)
+    with ExitStack() as stack:
+        connection = RosConnection(ros, "rclpy", stack, logger.warning)
+        middleware = connection.middleware
+        stack.enter_context(publish_log(logger, middleware, ros))
+        from roverkit.mission.nav2_rover import Nav2Rover  # only here: it imports rclpy, which may be missing
+
+        output = Outputs(middleware, connection.topic, logger.warning).open(TOPIC, std_msgs.String, _LATCHED)
+        publish = progress_publisher(middleware, registry, connection.topic, len(mission.goals))
+        reporting = Reporting(logger, output, publish, len(mission.goals), as_json=arguments.json)
+        rover = Nav2Rover(connection, mission, rows, arguments.base_frame, reporting.show_distance, logger.warning)
+        rover.wait_until_ready(arguments.wait)
+        reporting.take(Report(State.WAITING, 0, "waiting until the operator hands over the rover (MODE_AUTO)"))
+        rover.wait_for_handover()
+        return MissionRun(mission, rover, reporting.take).run()
+
+
+class Reporting:
+    """News of a mission: in the log, on topics and, if wanted, as JSON on standard output."""
+
+    def __init__(
+        self,
+        logger: logging.Logger,
+        output: Output,
+        publish: Callable[[Report], None],
+        goals: int,
+        *,
+        as_json: bool,
+    ) -> None:
+        self._logger, self._output, self._publish, self._goals, self._json = logger, output, publish, goals, as_json
+        self._last = Report(State.WAITING)
+        self._shown = self._logged = -math.inf
+
+    def take(self, report: Report) -> None:
+        """Report news."""
+        self._last = report
+        bad = report.state in (State.FAILED, State.STOPPED)
+        self._logger.log(logging.WARNING if bad else logging.INFO, "%s", report.message)
+        self._output.publish(
+            std_msgs.String(f"{report.state.value} {report.goal}" if report.goal else report.state.value)
+        )
+        self._tell(report)
+
+    def show_distance(self, distance: float) -> None:
+        """Report the metres that are left to the place to which the rover drives."""
+        now = time.monotonic()
+        if now - self._shown < _DISTANCE_S:
+            return
+        self._shown = now
+        self._tell(replace(self._last, distance=distance))
+        if now - self._logged >= _LOGGED_S:
+            self._logged = now
+            self._logger.info("%.1f m left", distance)
+
+    def _tell(self, report: Report) -> None:
+        self._publish(report)
+        if self._json:
+            distance = report.distance if math.isfinite(report.distance) else None
+            entry = {"state": report.state.value, "goal": report.goal, "goals": self._goals, "distance": distance}
+            print(json.dumps({**entry, "message": report.message}), flush=True)

@@ -1,0 +1,73 @@
+"""``roverlink objects track``: detect objects in images, follow them, and send them to the basestation."""
+
+from __future__ import annotations
+
+import argparse
+
+from roverkit.objects.commands.model_options import add_model
+from roverkit.vision.frames.camera_source import add_playing, add_source
+from roverlink.console import Subparsers, add_outputs, add_project, command, middleware_of, node_logger
+from roverlink.runtime.ros_arguments import ros_args
+
+NODE = "object_tracker"
+
+
+def add(commands: Subparsers) -> None:
+    """Add the command and its options to the command line."""
+    parser = command(
+        commands,
+        "track",
+        "detect objects in images, and send them to the basestation",
+        "roverlink objects track topic:/camera/camera/color/image_raw --model rocks.onnx --classes classes.yaml",
+        "Detect objects in camera images and follow them from image to image, so that each keeps its number. They\n"
+        "are published on ROS 2 topics; a running bridge sends them to the basestation (row detected_object).\n"
+        "With a depth camera as source, their positions are published, too; `roverlink objects select` needs them.\n"
+        "With --json or --save, no ROS 2 is needed.\n"
+        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
+        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL. With -p use_sim_time:=true, the time is\n"
+        "that on /clock.",
+    )
+    add_source(parser)
+    add_playing(parser)
+    parser.add_argument(
+        "--depth",
+        metavar="TOPIC",
+        help="with a ROS 2 topic as source: topic with the depth that is aligned to its images (default: as of "
+        "realsense2_camera, aligned_depth_to_color/image_raw beside color/image_raw, if it is published)",
+    )
+    parser.add_argument(
+        "--camera-info",
+        metavar="TOPIC",
+        help="with --depth: topic with the camera's parameters (default: camera_info beside the images)",
+    )
+    add_model(parser)
+    parser.add_argument(
+        "--score",
+        type=_share,
+        metavar="S",
+        help="ignore detections with a smaller confidence than this, from 0 to 1 (default: that of the detector)",
+    )
+    add_outputs(parser, "objects")
+    add_project(parser)
+    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Track objects until the source of frames ends or a signal comes; the exit code is 0 in both cases."""
+    ros = ros_args.parse(arguments.ros_args, NODE)
+    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    arguments.middleware = middleware_of(arguments)
+    from roverkit.objects.object_tracking import track  # only here, so that the help needs no OpenCV
+
+    return track(arguments, ros, logger)
+
+
+def _share(text: str) -> float:
+    """Parse a number from 0 to 1."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = -1.0
+    if not 0 <= found <= 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to 1, such as 0.4")
+    return found

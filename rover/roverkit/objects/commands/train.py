@@ -1,0 +1,57 @@
+"""``roverlink objects train``: train a small detector with labelled images."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from roverkit.vision.frames.camera_source import image_size
+from roverlink.console import OK, Subparsers, command, count
+
+
+def add(commands: Subparsers) -> None:
+    """Add the command and its options to the command line."""
+    parser = command(
+        commands,
+        "train",
+        "train a small detector with labelled images",
+        "roverlink objects train scenes --out rocks.onnx",
+        "Train a small network with a folder of labelled images in YOLO's format (data.yaml, images/, labels/), and\n"
+        "measure it with the folder's images 'val': the average precision of each class at an overlap of 50 % (AP50).\n"
+        "It needs jax, optax and onnx: pip install 'jax>=0.4.30' 'optax>=0.2' 'onnx>=1.16'.",
+    )
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder with data.yaml")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("objects.onnx"),
+        metavar="FILE",
+        help="file for the network; one that this command wrote is replaced (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--size",
+        type=image_size,
+        default=(320, 256),
+        metavar="WxH",
+        help="size of the network's input, multiples of 32; a large one finds smaller objects (default: 320x256)",
+    )
+    parser.add_argument(
+        "--epochs",
+        type=count,
+        default=30,
+        metavar="N",
+        help="number of times that each image is learnt (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--seed", type=int, default=1, metavar="N", help="another network for another number (default: %(default)s)"
+    )
+    parser.add_argument("--json", action="store_true", help="print the result as a JSON object")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Train and measure, and return the exit code."""
+    from roverkit.objects.training.training_run import train  # only here, so that the help needs no OpenCV
+
+    train(arguments)
+    return OK

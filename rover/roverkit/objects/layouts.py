@@ -1,0 +1,283 @@
+"""Layouts of detectors: what the inputs and outputs of their ONNX files mean.
+
+| layout | outputs                                       | boxes                           | scores              |
+|--------|-----------------------------------------------|---------------------------------|---------------------|
+| yolov8 | (1, 4+C, N); also YOLO11                      | cx cy w h, pixels of the input  | of classes          |
+| yolov5 | (1, N, 5+C), N: 3 for each cell of the grids  | cx cy w h, pixels of the input  | objectness, classes |
+| yolox  | (1, N, 5+C), N: 1 for each cell of the grids  | cx cy in cells, log of w h      | objectness, classes |
+| rtdetr | logits, pred_boxes                            | cx cy w h, part of the input    | logits of classes   |
+|        | (1, Q, 4+C)                                   | cx cy w h, part of the input    | of classes          |
+|        | labels, boxes, scores                         | x1 y1 x2 y2, pixels             | of one class        |
+| rfdetr | dets, labels                                  | cx cy w h, part of the input    | logits of classes   |
+| nms    | (1, K, 6); (K, 7); num_dets, det_boxes,       | x1 y1 x2 y2, pixels             | of one class        |
+|        | det_scores, det_classes                       |                                 |                     |
+
+The layouts are those that the exporters of ultralytics, YOLOX (Megvii), RT-DETR (lyuwenyu, transformers), RF-DETR
+(Roboflow) and YOLOv7 write; `nms` is the output of exports that contain the suppression of overlapping boxes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roverkit.objects.preprocessing import Fit, Preprocessing
+from roverkit.vision.camera.camera_model import Floats
+
+_STRIDES = ((8, 16, 32), (8, 16, 32, 64))
+"""Cells of the grids of YOLOv5 and YOLOX in pixels: of the usual models, and of those for large images (P6)."""
+_RATIOS = 3  # anchors of YOLOv5 for each cell
+_CLASSES = 2**31  # OpenCV's indices of classes have 32 bits
+
+Array = NDArray[Any]
+Outputs = Mapping[str, Array]
+"""Outputs of a network by their names."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidates:
+    """Boxes that a network has found."""
+
+    boxes: Floats
+    """Boxes (N, 4) of x1 y1 x2 y2 in pixels of the network's input."""
+    scores: Floats
+    """Scores (N,) from 0 to 1."""
+    classes: NDArray[np.intp]
+    """Indices (N,) of the classes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """Facts about a model from which its layout is recognized."""
+
+    size: tuple[int, int]
+    """Width and height of the input in pixels."""
+    shapes: Mapping[str, tuple[int, ...]]
+    """Shapes of the outputs by their names."""
+    classes: int | None
+    """Number of classes; None if it is unknown."""
+    suppressed: bool = False
+    """True if the metadata says that the network has chosen the best one of overlapping boxes."""
+
+    @property
+    def only(self) -> tuple[int, ...]:
+        """Shape of the only output; () if there are several."""
+        return next(iter(self.shapes.values())) if len(self.shapes) == 1 else ()
+
+    def has(self, **columns: int | None) -> bool:
+        """Return true if these are the outputs, for one image, with the same number of rows.
+
+        The number of each output is that of its columns: 0 for any, None if it has rows without columns.
+        """
+        if columns.keys() != self.shapes.keys():
+            return False
+        rows = {self.shapes[name][1:2] for name in columns}
+        return len(rows) == 1 and all(_is_part(self.shapes[name], wanted) for name, wanted in columns.items())
+
+    def cells(self) -> list[int]:
+        """Return the numbers of cells that the grids can have."""
+        width, height = self.size
+        return [sum((width // one) * (height // one) for one in strides) for strides in _STRIDES]
+
+    def fits(self, columns: int, others: int) -> bool:
+        """Return true if a number of columns is that of the classes and of `others`; true if that is unknown."""
+        return columns > others if self.classes is None else columns == self.classes + others
+
+
+Decoder = Callable[[Outputs, Signature], Candidates]
+"""Function that returns the boxes that the outputs of a model mean."""
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Meaning of a model's input and outputs."""
+
+    name: str
+    """Name for the user; variants of a layout share it."""
+    matches: Callable[[Signature], bool]
+    decode: Decoder
+    preprocessing: Preprocessing = Preprocessing()  # noqa: RUF009  # it is frozen
+    overlapping: bool = False
+    """True if an object may have several boxes, so that the best one has to be chosen."""
+
+
+def _yolov8(outputs: Outputs, _: Signature) -> Candidates:
+    table = _single(outputs).T
+    return _best(_corners(table[:, :4]), table[:, 4:])
+
+
+def _yolov5(outputs: Outputs, _: Signature) -> Candidates:
+    table = _single(outputs)
+    return _best(_corners(table[:, :4]), table[:, 4:5] * table[:, 5:])
+
+
+def _yolox(outputs: Outputs, model: Signature) -> Candidates:
+    table = _single(outputs)
+    cells, strides = _grid(model.size, len(table))
+    boxes = np.hstack([(table[:, :2] + cells) * strides, np.exp(np.minimum(table[:, 2:4], 20.0)) * strides])
+    return _best(_corners(boxes), table[:, 4:5] * table[:, 5:])
+
+
+def _detr(boxes: str, scores: str) -> Decoder:
+    def decode(outputs: Outputs, model: Signature) -> Candidates:
+        # RF-DETR can have a last column for the background, which is no class.
+        logits = outputs[scores][0][:, : model.classes]
+        return _best(_corners(outputs[boxes][0]) * _twice(model.size), _sigmoid(logits))
+
+    return decode
+
+
+def _detr_in_one(outputs: Outputs, model: Signature) -> Candidates:
+    table = _single(outputs)
+    return _best(_corners(table[:, :4]) * _twice(model.size), table[:, 4:])
+
+
+def _detr_with_labels(outputs: Outputs, _: Signature) -> Candidates:
+    return Candidates(outputs["boxes"][0], outputs["scores"][0], _indices(outputs["labels"][0]))
+
+
+def _suppressed(outputs: Outputs, _: Signature) -> Candidates:
+    table = _single(outputs)
+    return Candidates(table[:, :4], table[:, 4], _indices(table[:, 5]))
+
+
+def _suppressed_in_batch(outputs: Outputs, _: Signature) -> Candidates:
+    (table,) = outputs.values()  # image, x1, y1, x2, y2, class, score
+    return Candidates(table[:, 1:5], table[:, 6], _indices(table[:, 5]))
+
+
+def _suppressed_in_parts(outputs: Outputs, _: Signature) -> Candidates:
+    count = int(outputs["num_dets"].item())
+    boxes, scores, classes = (outputs[f"det_{name}"][0][:count] for name in ("boxes", "scores", "classes"))
+    return Candidates(boxes, scores, _indices(classes))
+
+
+def _indices(classes: Array) -> NDArray[np.intp]:
+    """Return indices of classes that a network has computed as numbers; -1 for NaN and for what is no index."""
+    return np.where((classes >= 0) & (classes < _CLASSES), classes, -1).astype(np.intp)
+
+
+def _is_table(shape: Sequence[int]) -> bool:
+    return len(shape) == 3 and shape[0] == 1
+
+
+def _has_parts(model: Signature) -> bool:
+    shapes = dict(model.shapes)
+    count = shapes.pop("num_dets", (0,))
+    return math.prod(count) == 1 and replace(model, shapes=shapes).has(det_boxes=4, det_scores=None, det_classes=None)
+
+
+def _is_part(shape: Sequence[int], columns: int | None) -> bool:
+    """Return true for a shape (1, N), or (1, N, columns); 0 is any number of columns except 0."""
+    if columns is None:
+        return len(shape) == 2 and shape[0] == 1
+    return _is_table(shape) and shape[2] > 0 and columns in (0, shape[2])
+
+
+_STRETCHED = Preprocessing(Fit.STRETCHED)
+_VARIANTS = (
+    Layout(
+        "yolov8",
+        lambda one: _is_table(one.only) and one.only[1] < one.only[2] and one.fits(one.only[1], 4),
+        _yolov8,
+        overlapping=True,
+    ),
+    Layout(
+        "yolov5",
+        lambda one: _is_table(one.only)
+        and one.only[1] in [_RATIOS * cells for cells in one.cells()]
+        and one.fits(one.only[2], 5),
+        _yolov5,
+        overlapping=True,
+    ),
+    Layout(
+        "yolox",
+        lambda one: _is_table(one.only) and one.only[1] in one.cells() and one.fits(one.only[2], 5),
+        _yolox,
+        Preprocessing(Fit.CORNER, rgb=False, unit=False),
+        overlapping=True,
+    ),
+    Layout("rtdetr", lambda one: one.has(logits=0, pred_boxes=4), _detr("pred_boxes", "logits"), _STRETCHED),
+    Layout("rtdetr", lambda one: one.has(labels=None, boxes=4, scores=None), _detr_with_labels, _STRETCHED),
+    Layout(
+        "rtdetr",
+        lambda one: _is_table(one.only)
+        and one.only[1] > one.only[2]
+        and not _is_on_grid(one)
+        and one.fits(one.only[2], 4),
+        _detr_in_one,
+        _STRETCHED,
+    ),
+    Layout(
+        "rfdetr",
+        lambda one: one.has(dets=4, labels=0),
+        _detr("dets", "labels"),
+        Preprocessing(Fit.STRETCHED, normalized=True),
+    ),
+    Layout(
+        "nms",
+        lambda one: _is_table(one.only) and one.only[2] == 6 and (one.suppressed or not _is_on_grid(one)),
+        _suppressed,
+    ),
+    Layout("nms", lambda one: len(one.only) == 2 and one.only[1] == 7, _suppressed_in_batch),
+    Layout("nms", _has_parts, _suppressed_in_parts),
+)
+LAYOUTS = tuple(dict.fromkeys(one.name for one in _VARIANTS))
+"""Names of the layouts."""
+
+
+def candidates(signature: Signature, name: str | None = None) -> list[Layout]:
+    """Return the layouts that a model can have; `name` is that of the only one that is possible, if it is known."""
+    found = [one for one in _VARIANTS if name in (None, one.name) and one.matches(signature)]
+    stated = [one for one in found if signature.suppressed and one.name == "nms"]
+    return stated or found
+
+
+def _is_on_grid(signature: Signature) -> bool:
+    """Return true if the rows of the only output are as many as the cells of the grids of YOLOv5 or YOLOX."""
+    return signature.only[1] in [count * cells for cells in signature.cells() for count in (1, _RATIOS)]
+
+
+def _single(outputs: Outputs) -> Array:
+    """Return the only output without its first axis."""
+    (table,) = outputs.values()
+    first: Array = table[0]
+    return first
+
+
+def _best(boxes: Floats, scores: Floats) -> Candidates:
+    """Return each box with its best class."""
+    classes = scores.argmax(axis=1)
+    return Candidates(boxes, scores[np.arange(len(scores)), classes], classes)
+
+
+def _corners(boxes: Floats) -> Floats:
+    """Return boxes (N, 4) of cx cy w h as x1 y1 x2 y2."""
+    half = boxes[:, 2:4] / 2
+    return np.hstack([boxes[:, :2] - half, boxes[:, :2] + half])
+
+
+def _grid(size: tuple[int, int], count: int) -> tuple[Floats, Floats]:
+    """Return the column and row (N, 2) of each cell of YOLOX's grids, and the cells' sides (N, 1) in pixels."""
+    strides = next(one for one in _STRIDES if sum((size[0] // s) * (size[1] // s) for s in one) == count)
+    cells, sides = [], []
+    for stride in strides:
+        columns, rows = np.meshgrid(np.arange(size[0] // stride), np.arange(size[1] // stride))
+        cells.append(np.column_stack([columns.ravel(), rows.ravel()]))
+        sides.append(np.full((columns.size, 1), float(stride)))
+    return np.vstack(cells).astype(float), np.vstack(sides)
+
+
+def _twice(size: tuple[int, int]) -> Floats:
+    return np.array([*size, *size], float)
+
+
+def _sigmoid(logits: Floats) -> Floats:
+    with np.errstate(over="ignore"):
+        found: Floats = 1 / (1 + np.exp(-logits.astype(float)))
+    return found

@@ -1,0 +1,216 @@
+"""Implementation of ``roverlink objects track``: reads frames, and writes objects to ROS 2, JSON and a video.
+
+| topic                     | type                         | content                                                |
+|---------------------------|------------------------------|--------------------------------------------------------|
+| objects/detections        | vision_msgs/Detection2DArray | objects in the image                                   |
+| objects/detections_3d     | vision_msgs/Detection3DArray | positions of those with a depth, in the camera's frame |
+| objects/image/compressed  | sensor_msgs/CompressedImage  | the frame with the objects drawn into it               |
+| detected_object           | message of the row           | objects for the basestation                            |
+"""
+
+from __future__ import annotations
+
+import roverkit.vision  # noqa: F401  # first: it explains how to install numpy and OpenCV
+
+# isort: split
+
+import argparse
+import itertools
+import json
+import logging
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from roverkit.node.ros_connection import RosConnection, full_topic
+from roverkit.objects.chosen_detector import open_detector
+from roverkit.objects.detected_objects import TrackedObject
+from roverkit.objects.location import Location, locate
+from roverkit.objects.object_log import ObjectLog
+from roverkit.objects.object_rows import DetectedObjectRow
+from roverkit.objects.object_tracker import ObjectTracker
+from roverkit.objects.object_types import ClassesFile, ObjectTypes
+from roverkit.vision.frames import Frame, FrameSource, TopicSource, play
+from roverkit.vision.frames.camera_source import CAMERA_FRAME, open_source, settings_of, source_of
+from roverkit.vision.frames.depth_camera import CameraTopics, DepthCamera, NoDepthError, aligned_depth_topic
+from roverkit.vision.images.film import Film
+from roverkit.vision.images.object_drawing import draw_objects
+from roverkit.vision.ros.camera_info import camera_info_topic
+from roverkit.vision.ros.image_messages import compressed_of
+from roverkit.vision.ros.object_messages import detections_2d_of, detections_3d_of
+from roverkit.vision.ros.outputs import LATEST, Outputs
+from roverlink.console import OK, NoProjectError, project_folder
+from roverlink.generated_code import load_project
+from roverlink.node_log import publish_log
+from roverlink.progress import progress
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.interfaces import sensor_msgs, vision_msgs
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
+
+_DIGITS = 6  # significant digits of JSON
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ObjectView:
+    """Frame with the objects in it, and those of their positions that are known, by the objects' numbers."""
+
+    frame: Frame
+    objects: list[TrackedObject]
+    locations: Mapping[int, Location]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the results as JSON values: pixels and metres."""
+        frame = self.frame
+        return {
+            "stamp": frame.stamp,
+            "frame": frame.number,
+            "frame_id": frame.frame_id,
+            "objects": [self._object(one) for one in self.objects],
+        }
+
+    def _object(self, one: TrackedObject) -> dict[str, Any]:
+        box = {name: _number(getattr(one.box, name)) for name in ("x", "y", "width", "height")}
+        found = {"id": one.id, "class": one.class_name, "confidence": _number(one.confidence), "box": box}
+        if location := self.locations.get(one.id):
+            found["position"] = [_number(value) for value in location.point.tolist()]
+            found["covariance"] = [_number(value) for value in location.covariance.ravel().tolist()]
+        return found
+
+
+Output = Callable[[ObjectView], None]
+
+
+def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> int:
+    """Track objects until the source of frames ends, and return the exit code.
+
+    Raises `SetupError` if a file, the source of frames or a package is missing, or if a file is wrong.
+    """
+    with ExitStack() as stack:
+        detector, classes = open_detector(arguments, arguments.score)
+        logger.info("%s: layout %s, run by %s", detector.name, detector.layout, detector.provider)
+        connection = RosConnection(ros, arguments.middleware or "auto", stack, logger.warning)
+        text = source_of(arguments, logger.warning)
+        source = stack.enter_context(open_source(text, settings_of(arguments), connection, say=logger.warning))
+        depth = _depth(source, arguments, connection, logger, stack)
+        outputs = [*_film(source, text, arguments, stack)]
+        if arguments.middleware:
+            stack.enter_context(publish_log(logger, connection.middleware, ros))
+            outputs += _publishers(arguments, classes, detector.class_names, connection, logger)
+        log = stack.enter_context(ObjectLog(logger, connection.clock))
+        tracker = ObjectTracker()
+        for frame in _frames(source, arguments, connection):
+            objects = tracker.track(detector.detect(frame.image), frame.stamp)
+            view = ObjectView(frame, objects, _locations(objects, frame, depth))
+            if arguments.json:
+                print(json.dumps(view.as_dict()), flush=True)
+            for output in outputs:
+                output(view)
+            log.add(frame, objects, live=source.live)
+    return OK
+
+
+def _frames(source: FrameSource, arguments: argparse.Namespace, ros: RosConnection) -> Iterator[Frame]:
+    """Yield the frames of a source with the name of the camera's frame, at most ``--count``; show the progress.
+
+    The frames of a recording come at full speed. But they come in real time if they are also published or repeated.
+    """
+    played = not source.live and (arguments.middleware or arguments.loop)
+    frames = play(source, loop=arguments.loop, clock=ros.clock) if played else iter(source)
+    total = None if arguments.loop or (arguments.json and sys.stdout.isatty()) else source.total
+    with progress(source.name) if total else nullcontext(lambda *_: None) as report:
+        for done, frame in enumerate(itertools.islice(frames, arguments.count), 1):
+            yield replace(frame, frame_id=arguments.camera_frame or frame.frame_id or CAMERA_FRAME)
+            report(done, total or done)
+
+
+def _depth(
+    source: FrameSource, arguments: argparse.Namespace, ros: RosConnection, logger: logging.Logger, stack: ExitStack
+) -> DepthCamera | None:
+    """Return the camera's depth, which is received from now on; None if it is not known to have one.
+
+    Nobody is told that depth is missing if nobody has asked for it.
+    """
+    wanted = arguments.depth or arguments.camera_info
+    if not isinstance(source, TopicSource):
+        if wanted:
+            raise SetupError("--depth and --camera-info have no effect, because the source is not topic:NAME")
+        return None
+    try:
+        depth = full_topic(arguments.depth, ros.arguments) if arguments.depth else aligned_depth_topic(source.name)
+    except SetupError:
+        if wanted:
+            raise
+        return None
+    info = arguments.camera_info
+    topics = CameraTopics(
+        source.name, depth, full_topic(info, ros.arguments) if info else camera_info_topic(source.name)
+    )
+    camera = DepthCamera(ros, lambda: topics, logger.warning if wanted else lambda _: None)
+    stack.enter_context(camera.in_background())
+    return camera
+
+
+def _locations(objects: list[TrackedObject], frame: Frame, depth: DepthCamera | None) -> dict[int, Location]:
+    if depth is None or not objects:
+        return {}
+    try:
+        image = depth.image(frame.stamp)
+    except NoDepthError:  # the depth camera has said it
+        return {}
+    found = {one.id: locate(one.box, image.depth, image.camera) for one in objects}
+    return {number: location for number, location in found.items() if location}
+
+
+def _film(source: FrameSource, text: str, arguments: argparse.Namespace, stack: ExitStack) -> Iterator[Output]:
+    if arguments.save:
+        path: Path = arguments.save
+        if path.exists() and Path(text).exists() and path.samefile(text):
+            raise SetupError(f"{path} is the source of the images; give --save another name")
+        film = stack.enter_context(Film(path, source.rate))
+        yield lambda view: film.add(_drawn(view), view.frame.stamp)
+
+
+def _publishers(
+    arguments: argparse.Namespace,
+    classes: ClassesFile,
+    names: tuple[str, ...],
+    ros: RosConnection,
+    logger: logging.Logger,
+) -> Iterator[Output]:
+    """Yield outputs that publish the objects, and that send them to the basestation."""
+    outputs = Outputs(ros.middleware, ros.topic, logger.warning)
+    flat = outputs.open("objects/detections", vision_msgs.Detection2DArray)
+    solid = outputs.open("objects/detections_3d", vision_msgs.Detection3DArray)
+    image = outputs.open("objects/image/compressed", sensor_msgs.CompressedImage, LATEST)
+
+    def publish(view: ObjectView) -> None:
+        stamp, frame = view.frame.stamp, view.frame.frame_id
+        flat.put(lambda: detections_2d_of(view.objects, stamp, frame))
+        solid.put(lambda: detections_3d_of(view.objects, view.locations, stamp, frame))
+        image.put(lambda: compressed_of(_drawn(view), stamp, frame))
+
+    yield publish
+    try:
+        row = DetectedObjectRow(load_project(project_folder(arguments.project)))
+    except NoProjectError as error:  # detection works without a bridge
+        logger.warning("the objects are not sent to the basestation: %s", error)
+        return
+    publisher = ros.middleware.publisher(ros.topic(row.route.topic), row.message_type, row.route.qos)
+    types = ObjectTypes(classes, row.types, names, logger.warning)
+
+    def send(view: ObjectView) -> None:
+        objects = [(one, types.of(one.class_name)) for one in view.objects]
+        publisher.publish(list(row.messages(objects, view.frame.size)))
+
+    yield send
+
+
+def _drawn(view: ObjectView) -> Any:
+    return draw_objects(view.frame.image, view.objects, view.locations)
+
+
+def _number(value: float) -> float:
+    return float(f"{value:.{_DIGITS}g}")

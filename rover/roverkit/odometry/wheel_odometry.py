@@ -1,0 +1,192 @@
+"""Odometry from the driving board and a gyroscope: where the rover is in the frame odom, and how fast it drives.
+
+The distance comes from the reports of the driving board. The turn comes from the gyroscope; while it sends nothing, the
+turn comes from the curvature of the commands, which is far less exact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from roverkit.driving.arcs import Arc, PlanarPose
+from roverkit.odometry.dead_reckoning import DeadReckoning, Matrix, OdometryNoise
+from roverkit.odometry.rolled_distance import Rolled, RolledDistance
+
+_GYRO_TIMEOUT_S = 0.2
+"""Time without a reading after which the gyroscope is not used."""
+_REGULAR_S = 0.05
+"""Time between two readings up to which none is missing."""
+_ANGULAR_ACCELERATION = 1.0
+"""Change of the angular velocity in rad/s^2 that may have remained unseen between two readings."""
+_STEERING_M = 0.1
+"""Distance in metres that the rover drives until its wheels have the curvature of a new command."""
+_UNKNOWN_CURVATURE = 1.0
+"""Standard deviation of the turn in radians, after one metre of a command that is not known."""
+_SPEED_DEVIATION = 0.01
+"""Standard deviation in m/s of the speed between two reports, beyond slip."""
+
+
+@dataclass(frozen=True, slots=True)
+class OdometryEstimate:
+    """Pose in the frame odom and velocity in base_link, with their uncertainties."""
+
+    at: int
+    """Time in nanoseconds."""
+    pose: PlanarPose
+    covariance: Matrix
+    """Covariance (3, 3) of x, y in metres and yaw in radians, in the axes of odom."""
+    speed: float
+    """Speed along x in m/s."""
+    yaw_rate: float
+    """Angular velocity in rad/s."""
+    speed_variance: float
+    yaw_rate_variance: float
+
+
+class WheelOdometry:
+    """Odometry; all times are in nanoseconds of one clock."""
+
+    def __init__(self, noise: OdometryNoise | None = None) -> None:
+        self._reckoning = DeadReckoning(noise or OdometryNoise())
+        self._wheels = RolledDistance()
+        self._gyroscope = _Gyroscope()
+        self._curvature: float | None = 0.0
+        self._yaw_rate = 0.0
+        self._unseen = 0.0
+        """Variance of the angular velocity because of lost readings."""
+        self._reported_at: int | None = None
+        self.uses_gyroscope = True
+        """False if the turn of the last distance is that of the steering, because the gyroscope sent nothing."""
+
+    @property
+    def noise(self) -> OdometryNoise:
+        """Standard deviations of the errors; they may be replaced at any time."""
+        return self._reckoning.noise
+
+    @noise.setter
+    def noise(self, noise: OdometryNoise) -> None:
+        self._reckoning.noise = noise
+
+    @property
+    def ignored(self) -> int:
+        """Number of reports that were ignored, because nothing explained them."""
+        return self._wheels.ignored
+
+    def command(self, now: int, arc: Arc) -> None:
+        """Take a command that is sent to the driving board now: the arc that the board drives for it."""
+        self._wheels.command(now, arc)
+
+    def motors(self, now: int, rpm: float) -> None:
+        """Take the mean speed of the wheels' motors, each without its sign, in revolutions per minute."""
+        self._wheels.motors(now, rpm)
+
+    def angular_velocity(self, at: int, rate: float) -> None:
+        """Take the angular velocity of base_link about z, in rad/s, that the gyroscope measured at a time."""
+        self._gyroscope.add(at, rate)
+
+    def progress(self, now: int, distance_left: float) -> OdometryEstimate | None:
+        """Take a report of the driving board, and return the new estimate; None if the report is ignored."""
+        rolled = self._wheels.report(now, distance_left)
+        if rolled is None:
+            return None
+        self._reported_at = now
+        if rolled.until > rolled.since:
+            self._move(rolled)
+        else:
+            self._gyroscope.take_turn(now)
+        self._curvature = rolled.curvature
+        return self._estimate(now, 0.0)
+
+    def silent(self, now: int) -> OdometryEstimate | None:
+        """Return the last estimate while the board reports nothing; None if it has reported nothing yet.
+
+        The rover may have driven on along its arc since then, so that the position is less certain.
+        """
+        return None if self._reported_at is None else self._estimate(now, self._wheels.unreported(now))
+
+    def _move(self, rolled: Rolled) -> None:
+        seconds = (rolled.until - rolled.since) / 1e9
+        turn = self._gyroscope.take_turn(rolled.until)
+        if turn is None:
+            if rolled.distance:
+                self.uses_gyroscope = False
+                self._steer(rolled, seconds)
+            return
+        self.uses_gyroscope = True
+        self._yaw_rate = turn.rate - self._reckoning.bias
+        self._unseen = turn.variance / seconds**2
+        if self._wheels.stands(rolled.until) and self._reckoning.stand(turn.angle / seconds, seconds):
+            self._yaw_rate = 0.0
+        else:
+            self._reckoning.turn_by_gyroscope(rolled, turn.angle, seconds, turn.variance)
+
+    def _steer(self, rolled: Rolled, seconds: float) -> None:
+        """Move along the arc of the command, because the gyroscope sends nothing."""
+        if rolled.curvature is None:
+            curvature, variance = 0.0, _UNKNOWN_CURVATURE**2 * abs(rolled.distance)
+        else:
+            curvature = rolled.curvature
+            variance = ((curvature - (self._curvature or 0.0)) * _STEERING_M) ** 2
+        self._yaw_rate = rolled.distance * curvature / seconds
+        self._reckoning.turn_by_steering(rolled, curvature, variance, seconds)
+
+    def _estimate(self, now: int, unreported: float) -> OdometryEstimate:
+        noise, speed = self.noise, self._wheels.speed
+        covariance = self._reckoning.covariance
+        for axis in range(2):
+            covariance[axis][axis] += unreported**2
+        moving = (noise.slip * speed) ** 2 + _SPEED_DEVIATION**2
+        turning = (
+            self._reckoning.bias_variance + noise.gyro_noise**2 / _REGULAR_S + self._unseen
+            if self.uses_gyroscope
+            else (noise.yaw_slip * speed) ** 2 / _STEERING_M + _SPEED_DEVIATION**2
+        )
+        silent = speed**2 if unreported else 0.0
+        return OdometryEstimate(
+            now, self._reckoning.pose, covariance, speed, self._yaw_rate, moving + silent, turning + silent
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Turn:
+    """Turn that the gyroscope measured, with its bias."""
+
+    angle: float
+    """Angle in radians."""
+    rate: float
+    """Angular velocity at the end in rad/s."""
+    variance: float
+    """Variance of the angle in rad^2 because of lost readings."""
+
+
+class _Gyroscope:
+    """Integral of the angular velocity."""
+
+    def __init__(self) -> None:
+        self._at: int | None = None
+        self._rate = self._angle = self._variance = 0.0
+        self._taken: float | None = None
+        """Angle at the last call of `take_turn`; None if the angle has been unknown since then."""
+
+    def add(self, at: int, rate: float) -> None:
+        """Take a reading."""
+        seconds = 0.0 if self._at is None else (at - self._at) / 1e9
+        if 0 <= seconds <= _GYRO_TIMEOUT_S:
+            self._angle += (self._rate + rate) / 2 * seconds
+            if seconds > _REGULAR_S:
+                self._variance += (_ANGULAR_ACCELERATION * seconds**2 / 4) ** 2
+        else:
+            self._taken = None
+        self._at, self._rate = at, rate
+
+    def take_turn(self, now: int) -> _Turn | None:
+        """Return the turn since the last call; None if readings are missing."""
+        before, variance = self._taken, self._variance
+        self._taken, self._variance = None, 0.0
+        if self._at is None or abs(seconds := (now - self._at) / 1e9) > _GYRO_TIMEOUT_S:
+            return None
+        # The next reading replaces the part since the last one.
+        self._taken = self._angle + self._rate * seconds
+        if abs(seconds) > _REGULAR_S:
+            variance += (_ANGULAR_ACCELERATION * seconds**2 / 2) ** 2
+        return None if before is None else _Turn(self._taken - before, self._rate, variance)

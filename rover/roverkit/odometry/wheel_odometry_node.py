@@ -1,0 +1,177 @@
+"""Implementation of ``roverlink odometry``: the rover's pose and velocity, from the driving board and an IMU.
+
+| topic          | type               | content                                                         |
+|----------------|--------------------|-----------------------------------------------------------------|
+| drive_motor    | message of the row | commands for the driving board; received                        |
+| drive_progress | message of the row | distance left on the current command; received                  |
+| drive_diag     | message of the row | speeds of the wheels' motors; received                          |
+| imu/data_raw   | sensor_msgs/Imu    | angular velocity; received                                      |
+| odometry/wheel | nav_msgs/Odometry  | pose in the frame odom, velocity in base_link, and covariances  |
+| /tf            | tf2_msgs/TFMessage | transform from odom to base_link, unless publish_tf is false    |
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import math
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+
+from roverkit.node.ros_connection import RosConnection
+from roverkit.odometry.odometry_messages import odometry_of, transform_of
+from roverkit.odometry.odometry_parameters import OdometryParameters
+from roverkit.odometry.odometry_rows import OdometryRows
+from roverkit.odometry.wheel_odometry import OdometryEstimate, WheelOdometry
+from roverlink.console import project_folder
+from roverlink.generated_code import load_project
+from roverlink.node_log import publish_log
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.interfaces.nav_msgs import Odometry
+from roverlink.runtime.interfaces.sensor_msgs import Imu
+from roverlink.runtime.interfaces.tf2_msgs import TFMessage
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK
+from roverlink.runtime.ros_time.headers import header_of, stamp_of
+
+IMU, ODOMETRY = "imu/data_raw", "odometry/wheel"
+"""Names of the topics; those of the driving board are in the table."""
+_TRANSFORMS = Qos(depth=100)  # the depth of tf2's broadcaster
+_IMU_QOS = Qos("best_effort", depth=50)  # best effort, so that it matches every publisher
+_PERIOD_S = 0.1
+_SILENCE_S = 0.5
+"""Time without a report of the driving board after which the last estimate is repeated."""
+
+
+def publish_odometry(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> None:
+    """Publish until the program is stopped.
+
+    Raises `SetupError` if the table lacks a row, or if a parameter is wrong.
+    """
+    rows = OdometryRows(load_project(project_folder(arguments.project)))
+    parameters = OdometryParameters(ros, logger)
+    with ExitStack() as stack:
+        connection = RosConnection(ros, arguments.middleware, stack, logger.warning, parameters)
+        stack.enter_context(publish_log(logger, connection.middleware, ros))
+        node = OdometryNode(connection, rows, parameters, logger, as_json=arguments.json)
+        node.receive()
+        logger.info(
+            "waiting for reports on %s; odometry on %s", ros.topic(rows.progress.route.topic), ros.topic(ODOMETRY)
+        )
+        node.run()
+
+
+class OdometryNode:
+    """Node that computes odometry; its topics are received on threads of the middleware."""
+
+    def __init__(
+        self,
+        connection: RosConnection,
+        rows: OdometryRows,
+        parameters: OdometryParameters,
+        logger: logging.Logger,
+        *,
+        as_json: bool,
+    ) -> None:
+        self._connection, self._rows, self._parameters, self._logger = connection, rows, parameters, logger
+        self._json = as_json
+        self._clock = connection.clock
+        self._odometry = WheelOdometry(parameters.meaning.noise)
+        # In memory, a subscriber of the odometry may send a command, which comes back at once.
+        self._lock = threading.RLock()
+        self._reported_at: int | None = None
+        self._said: set[str] = set()
+        middleware, topic = connection.middleware, connection.topic
+        self._publisher = middleware.publisher(topic(ODOMETRY), Odometry, Qos())
+        self._transforms = middleware.publisher(topic("/tf"), TFMessage, _TRANSFORMS)
+
+    def receive(self) -> None:
+        """Begin to receive the topics."""
+        middleware, topic = self._connection.middleware, self._connection.topic
+        for row, take in (
+            (self._rows.command, self._take_command),
+            (self._rows.progress, self._take_progress),
+            (self._rows.diagnostics, self._take_diagnostics),
+        ):
+            middleware.subscribe(topic(row.route.topic), row.message_type, row.route.qos, self._each(take))
+        middleware.subscribe(topic(IMU), Imu, _IMU_QOS, self._each(self._take_imu))
+
+    def run(self) -> None:
+        """Repeat the last estimate while the driving board reports nothing, until a signal interrupts this."""
+        while True:
+            now = self._clock.now()
+            self._clock.sleep_until(now + round(_PERIOD_S * 1e9), now)
+            self.tick()
+
+    def tick(self) -> None:
+        """Publish the last estimate again if the driving board has reported nothing for a while."""
+        with self._lock:
+            now = self._clock.now()
+            if self._reported_at is None or now - self._reported_at < _SILENCE_S * 1e9:
+                return
+            self._say_once("silent", "the driving board reports nothing; the position becomes uncertain")
+            if (estimate := self._odometry.silent(now)) is not None:
+                self._publish(estimate)
+
+    def _each(self, take: Callable[[bytes], None]) -> Callable[[Sequence[bytes]], None]:
+        """Return a callback that takes messages one by one, and reports the first one that cannot be used."""
+
+        def take_all(messages: Sequence[bytes]) -> None:
+            with self._lock:
+                for data in messages:
+                    try:
+                        take(data)
+                    except (ConversionError, ValueError) as error:
+                        self._say_once(take.__name__, f"ignoring a message: {error}")
+
+        return take_all
+
+    def _take_command(self, data: bytes) -> None:
+        board = self._parameters.meaning.board
+        arc = board.drivable(board.arc(self._rows.board_command(data)))
+        self._odometry.command(self._clock.now(), arc)
+
+    def _take_diagnostics(self, data: bytes) -> None:
+        if (rpm := self._rows.rpm(data)) is not None:
+            self._odometry.motors(self._clock.now(), rpm)
+
+    def _take_imu(self, data: bytes) -> None:
+        message = cdr.decode(Imu, data)
+        rate = message.angular_velocity.z
+        if not math.isfinite(rate):
+            raise ConversionError(f"the angular velocity of an IMU is {rate}")
+        # A bridge stamps with the time of the computer, which is not that of a simulation.
+        real = self._clock is SYSTEM_CLOCK and (message.header.stamp.sec or message.header.stamp.nanosec)
+        self._odometry.angular_velocity(stamp_of(message.header) if real else self._clock.now(), rate)
+
+    def _take_progress(self, data: bytes) -> None:
+        left, now = self._rows.distance_left(data), self._clock.now()
+        self._odometry.noise = self._parameters.meaning.noise
+        self._reported_at = now
+        self._said.discard("silent")
+        if (estimate := self._odometry.progress(now, left)) is None:
+            return
+        if not self._odometry.uses_gyroscope:
+            topic = self._connection.topic(IMU)
+            self._say_once("imu", f"no angular velocity comes on {topic}; the turn is that of the steering")
+        self._publish(estimate)
+
+    def _publish(self, estimate: OdometryEstimate) -> None:
+        settings = self._parameters.meaning
+        message = odometry_of(estimate, header_of(estimate.at, settings.odom_frame), settings.base_frame)
+        self._publisher.publish([cdr.encode(message)])
+        if settings.publish_tf:
+            self._transforms.publish([cdr.encode(TFMessage([transform_of(message)]))])
+        if self._json:
+            pose, speed, rate = estimate.pose, estimate.speed, estimate.yaw_rate
+            entry = {"stamp": estimate.at, "x": pose.x, "y": pose.y, "yaw": pose.yaw, "speed": speed, "yaw_rate": rate}
+            print(json.dumps({**entry, "covariance": estimate.covariance}), flush=True)
+
+    def _say_once(self, kind: str, message: str) -> None:
+        if kind not in self._said:
+            self._said.add(kind)
+            self._logger.warning("%s", message)

@@ -1,0 +1,108 @@
+"""Implementation of ``roverlink rocks measure``: answers requests with the sizes of rocks."""
+
+from __future__ import annotations
+
+import roverkit.vision  # noqa: F401  # first: it explains how to install numpy and OpenCV
+
+# isort: split
+
+import argparse
+import json
+import logging
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+
+from roverkit.node.ros_connection import RosConnection
+from roverkit.rocks import Line, RockSize, Unmeasurable, UnmeasurableError, measure
+from roverkit.rocks.camera_parameters import CameraTopicParameters
+from roverkit.rocks.rock_rows import RockRows
+from roverkit.vision.frames.depth_camera import DepthCamera, NoDepthError
+from roverlink.console import project_folder
+from roverlink.generated_code import load_project
+from roverlink.node_log import publish_log
+from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
+
+
+def measure_rocks(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> None:
+    """Answer requests until the program is stopped.
+
+    Raises `SetupError` if the table lacks a row, or if a topic is wrong.
+    """
+    rows = RockRows(load_project(project_folder(arguments.project)))
+    parameters = CameraTopicParameters(arguments, ros, logger)
+    with ExitStack() as stack:
+        connection = RosConnection(ros, arguments.middleware, stack, logger.warning, parameters)
+        middleware = connection.middleware
+        stack.enter_context(publish_log(logger, middleware, ros))
+        camera = DepthCamera(connection, lambda: parameters.meaning, logger.warning)
+        route = rows.result.route
+        publisher = middleware.publisher(ros.topic(route.topic), rows.result.message_type, route.qos)
+        answering = Answering(camera, rows, publisher.publish, logger, as_json=arguments.json)
+        route = rows.request.route
+        middleware.subscribe(ros.topic(route.topic), rows.request.message_type, route.qos, answering.take)
+        logger.info(
+            "measuring rocks with the depth on %s; requests on %s",
+            parameters.meaning.depth,
+            ros.topic(route.topic),
+        )
+        camera.receive()
+
+
+class Answering:
+    """Answers to requests, each on the result's topic, in the log and, if wanted, as JSON on standard output."""
+
+    def __init__(
+        self,
+        camera: DepthCamera,
+        rows: RockRows,
+        publish: Callable[[Sequence[bytes]], object],
+        logger: logging.Logger,
+        *,
+        as_json: bool,
+    ) -> None:
+        self._camera, self._rows, self._publish, self._logger, self._json = camera, rows, publish, logger, as_json
+
+    def take(self, messages: Sequence[bytes]) -> None:
+        """Answer serialized requests, on a thread of the middleware."""
+        for data in messages:
+            try:
+                line = self._rows.line(data)
+            except ConversionError as error:
+                self._logger.warning("ignoring a request that cannot be read: %s", error)
+                continue
+            self._answer(line)
+
+    def _answer(self, line: Line) -> None:
+        """Measure, and publish the result; a failure is published as NaN, and its reason is logged."""
+        try:
+            image = self._camera.image()
+            size = measure(image.depth, image.camera, line)
+        except NoDepthError as error:
+            self._refuse(line, Unmeasurable.NO_IMAGE, error)
+            return
+        except UnmeasurableError as error:
+            self._refuse(line, error.reason, error)
+            return
+        self._publish([self._rows.answer((size.length, size.width))])
+        self._logger.info("rock of %.1f x %.1f cm", 100 * size.length, 100 * size.width)
+        self._print({"line": line, "stamp": image.stamp, **_as_dict(size)})
+
+    def _refuse(self, line: Line, reason: Unmeasurable, error: Exception) -> None:
+        self._publish([self._rows.answer(None)])
+        self._logger.warning("no size of the rock (%s): %s", reason.value, error)
+        self._print({"line": line, "reason": reason.value, "message": str(error)})
+
+    def _print(self, entry: dict[str, object]) -> None:
+        if self._json:
+            print(json.dumps(entry), flush=True)
+
+
+def _as_dict(size: RockSize) -> dict[str, object]:
+    return {
+        "length": size.length,
+        "width": size.width,
+        "valid": size.valid,
+        "normal": size.ground.normal.tolist(),
+        "height": size.ground.height,
+    }

@@ -1,0 +1,86 @@
+"""``roverlink video send``: send images of cameras to the basestation as H.264 in RTP packets."""
+
+from __future__ import annotations
+
+import argparse
+
+from roverkit.vision.frames.camera_source import image_size
+from roverlink.console import MIDDLEWARES_HELP, NO_MIDDLEWARE, Subparsers, command, node_logger, port, rate
+from roverlink.runtime.middleware import NAMES
+from roverlink.runtime.ros_arguments import ros_args
+
+NODE = "video_sender"
+"""Default name of the node."""
+
+
+def add(commands: Subparsers) -> None:
+    """Add the command and its options to the command line."""
+    parser = command(
+        commands,
+        "send",
+        "send camera images to the basestation",
+        "roverlink video send video.yaml --host 10.0.0.7",
+        "Send camera images as H.264 in RTP packets over UDP: one stream for each camera of the file video.yaml, or\n"
+        "the stream of one source. `roverlink video receive`, GStreamer and FFmpeg show them (see docs/video.md).\n"
+        "Each stream has ROS 2 parameters, such as front.bitrate, which `ros2 param set` changes.\n"
+        "All options must stand before --ros-args. After it, these arguments are known: -p NAME.KEY:=VALUE (such as\n"
+        "video.bitrate:=500), -r FROM:=TO (remap a topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.",
+    )
+    parser.add_argument(
+        "source",
+        help="video.yaml with several streams; or one source: number of a camera, topic:NAME (ROS 2 topic with "
+        "images), video file, folder of images, or URL (http, https, rtsp)",
+    )
+    parser.add_argument(
+        "--host", help="name or address of the receiver (default: that of the file; for one source, this computer)"
+    )
+    one = parser.add_argument_group("options for one source (for several, they are keys in the file)").add_argument
+    one("--port", type=port, help="UDP port of the receiver (default: 4500)")
+    one(
+        "--size",
+        type=image_size,
+        metavar="WxH",
+        help="size of the sent images, such as 640x480 (default: the source's)",
+    )
+    one("--rate", type=rate, metavar="HZ", help="most images a second (default: 30)")
+    one("--bitrate", type=float, metavar="KBIT/S", help="most kbit/s (default: 1000)")
+    one(
+        "--overlay",
+        type=_names,
+        metavar="WHAT",
+        help="draw into the images: time, objects (of `roverlink objects track`), link; several with commas",
+    )
+    one(
+        "--pipeline",
+        metavar="TEXT",
+        help="let GStreamer encode and send, with a pipeline, in which $host, $port, $bitrate, $rate, $width and "
+        "$height are replaced, or with the one named legacy (the rover's earlier script)",
+    )
+    one(
+        "--link-rate",
+        type=float,
+        metavar="KBIT/S",
+        help="rate at which all packets together leave, so that they fill no queue on a slow radio (default: 20000)",
+    )
+    parser.add_argument("--loop", action="store_true", help="play a video or a folder again and again, until Ctrl-C")
+    parser.add_argument(
+        "--middleware",
+        choices=(*NAMES, NO_MIDDLEWARE),
+        default="auto",
+        help=f"{MIDDLEWARES_HELP}; {NO_MIDDLEWARE}: no parameters and no ROS 2 at all (default: auto)",
+    )
+    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Send until the sources end or a signal comes; the exit code is 0 in both cases."""
+    ros = ros_args.parse(arguments.ros_args, NODE)
+    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    arguments.middleware = None if arguments.middleware == NO_MIDDLEWARE else arguments.middleware
+    from roverkit.video.sending import send  # only here, so that the help needs no OpenCV
+
+    return send(arguments, ros, logger)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(one.strip() for one in text.split(",") if one.strip())

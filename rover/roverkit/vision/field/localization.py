@@ -1,0 +1,256 @@
+"""Localization: computes the pose of a camera, or of a rover with several cameras, on a field with known landmarks.
+
+All visible landmarks are used together. The pose predicts where their corners are seen. The differences to the
+observed corners are weighted by the image noise and by the accuracy with which each landmark was surveyed. A landmark
+that was moved or misidentified does not fit the pose that follows from the others; it is left out and reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from roverkit.vision.camera.camera_model import Floats
+from roverkit.vision.field.landmarks import Landmark, Landmarks
+from roverkit.vision.markers.marker_set import TargetId
+from roverkit.vision.markers.tracker import Sighting
+from roverkit.vision.poses.chi_squared import chi2_limit
+from roverkit.vision.poses.pose import IDENTITY, Pose, predict
+
+_SLACK = (100.0, 10.0, 3.0, 1.0, 1.0)
+"""Factors by which the chi-squared limit of a landmark is multiplied in successive rounds of refinement.
+
+A start pose comes from a single landmark and may fit the others badly at first.
+"""
+_SINGULAR = 1e14
+"""Condition number of the normal matrix above which the corners do not determine the pose."""
+_TRIED = 4
+"""Largest number of start poses that are refined; one is enough if all landmarks agree."""
+_STEPS = 15
+_CONVERGED = 1e-4  # relative change of chi squared
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FieldPose:
+    """Pose of a camera or a rover on the field, computed from the visible landmarks (markers and boards)."""
+
+    frame: str
+    pose: Pose
+    """Transform from the camera's optical frame, or from the rover's frame, to the field's frame, in metres."""
+    covariance: Floats
+    """Covariance (6, 6) of x y z rotX rotY rotZ, about the field's axes."""
+    used: tuple[TargetId, ...]
+    """Landmarks from which the pose is computed, because they agree with each other."""
+    rejected: tuple[TargetId, ...]
+    """Visible landmarks that do not fit the pose and are ignored: they were moved or misidentified."""
+
+    @property
+    def agreed(self) -> bool:
+        """True if most of the visible landmarks agree; otherwise it is unknown which of them are wrong."""
+        return len(self.used) > len(self.rejected)
+
+
+class Shot(NamedTuple):
+    """Landmarks that one camera of a rover has seen in a frame."""
+
+    sightings: Sequence[Sighting]
+    mount: Pose = IDENTITY
+    """Transform from the camera's optical frame to the rover's frame, in metres."""
+
+
+def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose | None:
+    """Return the camera's pose on the field; None if no landmark with a known pose is visible.
+
+    `sightings` are the markers and boards found in one frame; the pose is computed from all that are in `landmarks`. A
+    marker whose number others share is no landmark.
+    """
+    return localize_rover([Shot(sightings)], landmarks)
+
+
+def localize_rover(shots: Sequence[Shot], landmarks: Landmarks) -> FieldPose | None:
+    """Return the pose on the field of a rover with several cameras; None if no known landmark is visible.
+
+    `shots` are what the cameras have seen at nearly the same time. A marker whose number others share is no landmark,
+    even for the cameras that see only one of them.
+
+    If only two landmarks are visible and contradict each other, it is unknown which one is wrong. Then the more
+    accurate one is used, and `FieldPose.agreed` is false.
+    """
+    shared = {one.id for shot in shots for one in shot.sightings if one.shared}
+    known = [
+        _known(one, landmarks.places[one.id], camera, shot.mount)
+        for camera, shot in enumerate(shots)
+        for one in shot.sightings
+        if one.id in landmarks.places and one.id not in shared
+    ]
+    starts = [
+        one.mount @ solution.pose @ landmarks.places[one.sighting.id].pose.inverse()
+        for one in known
+        for solution in one.sighting.solutions
+    ]
+    # Best start first: usually it explains all landmarks, and the loop ends after it.
+    starts.sort(key=lambda start: _cost(known, start, _SLACK[0]))
+    best: tuple[float, Pose, list[_Known]] | None = None
+    for start in starts[:_TRIED]:
+        outcome = _agree(known, start)
+        if outcome and (best is None or outcome[0] < best[0]):
+            best = outcome
+        if best and len(best[2]) == len(known):
+            break
+    if best is None:
+        return None
+    _, pose, used = best
+    return FieldPose(
+        frame=landmarks.frame,
+        pose=pose.inverse(),
+        covariance=_of_inverse(pose, _covariance(used, pose)),
+        used=tuple(one.sighting.id for one in used),
+        rejected=tuple(one.sighting.id for one in known if one not in used),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """Sighting of a landmark whose pose on the field is known."""
+
+    sighting: Sighting
+    points: Floats
+    """Corners (N, 3) on the field in metres."""
+    own: Floats
+    """Covariance (2N, 2N) of the corners' rays by errors that only this landmark has, including its survey."""
+    whitening: Floats
+    """Matrix that makes residuals (2N,), due to all errors, independent with a standard deviation of 1."""
+    limit: float
+    """Chi squared that a correct landmark exceeds once in a thousand cases."""
+    camera: int
+    """Index of the camera."""
+    mount: Pose
+    """Transform from the camera's optical frame to the rover's frame."""
+
+
+def _known(sighting: Sighting, landmark: Landmark, camera: int, mount: Pose) -> _Known:
+    """Return a sighting of a known landmark; combine the uncertainties of the image and of the landmark's survey.
+
+    The standard deviations of the survey are equal along all axes. So they can be applied in the camera's frame.
+    """
+    seen = sighting.seen
+    _, derivative = predict(sighting.pose, seen.points)
+    by_landmark = derivative.reshape(-1, 6) * np.repeat([landmark.position_sigma, landmark.rotation_sigma], 3)
+    # With L L^T the covariance, L^-1 times the residuals has the identity as its covariance: their sum of squares is
+    # chi squared.
+    own = seen.own_covariance + by_landmark @ by_landmark.T
+    whitening = np.linalg.inv(np.linalg.cholesky(own + seen.shifts @ seen.shifts.T))
+    points = landmark.pose.apply(seen.points)
+    return _Known(sighting, points, own, whitening, chi2_limit(2 * len(points)), camera, mount)
+
+
+def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Known]] | None:
+    """Refine a start pose (field to rover) with the sightings of landmarks that fit it.
+
+    Returns the cost, the refined pose, and the sightings that fit; None if the pose cannot be refined.
+    """
+    used: list[_Known] = []
+    for slack in _SLACK:
+        used = [one for one in known if _chi2(one, pose) < slack * one.limit]
+        if not used:  # a compromise between landmarks that contradict each other, which fits none of them
+            used = [min(known, key=lambda one: _chi2(one, pose) / one.limit)]
+        refined = _refine(used, pose)
+        if refined is None:
+            return None
+        pose = refined
+    return _cost(known, pose), pose, used
+
+
+def _cost(known: Sequence[_Known], pose: Pose, slack: float = 1.0) -> float:
+    """Return the sum of chi squared over all sightings; a sighting that does not fit counts only as `slack` * limit."""
+    return sum(min(_chi2(one, pose), slack * one.limit) for one in known)
+
+
+def _chi2(one: _Known, pose: Pose) -> float:
+    residuals, _ = _terms(one, pose)
+    chi2 = float(residuals @ residuals)
+    return chi2 if np.isfinite(chi2) else np.inf
+
+
+def _terms(one: _Known, pose: Pose) -> tuple[Floats, Floats]:
+    """Return the residuals (2N,) of a landmark's corners, and the derivative (2N, 6) of the predicted corners.
+
+    Both are in standard deviations. The derivative is with respect to the pose (field to rover).
+    """
+    to_camera = one.mount.inverse()
+    rays, by_camera = predict(to_camera @ pose, one.points)
+    # The camera moves and turns as the rover does, seen in its own axes.
+    by_rover = by_camera.reshape(-1, 2, 3) @ to_camera.rotation
+    return one.whitening @ (one.sighting.seen.rays - rays).ravel(), one.whitening @ by_rover.reshape(-1, 6)
+
+
+def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
+    """Return the normal equations at a pose (matrix (6, 6) and right side (6,)), and the sum of chi squared."""
+    normal, right, chi2 = np.zeros((6, 6)), np.zeros(6), 0.0
+    for one in used:
+        residuals, derivative = _terms(one, pose)
+        normal += derivative.T @ derivative
+        right += derivative.T @ residuals
+        chi2 += float(residuals @ residuals)
+    return normal, right, chi2
+
+
+def _covariance(used: Sequence[_Known], pose: Pose) -> Floats:
+    """Return the covariance (6, 6) of a pose (field to rover) that was fitted to the corners of landmarks.
+
+    Errors that only one landmark has average out over several landmarks. Shared errors do not: those of a camera's
+    parameters and of the side of the markers move all corners that the camera sees at once.
+    """
+    inverse = np.linalg.inv(_normal(used, pose)[0])
+    covariance = np.zeros((6, 6))
+    shared: dict[int, Floats] = {}
+    for one in used:
+        gain = inverse @ _terms(one, pose)[1].T @ one.whitening
+        covariance += gain @ one.own @ gain.T
+        shared[one.camera] = shared.get(one.camera, 0) + gain @ one.sighting.seen.shifts
+    whole: Floats = covariance + sum(moved @ moved.T for moved in shared.values())
+    return whole
+
+
+def _refine(used: Sequence[_Known], pose: Pose) -> Pose | None:
+    """Return the pose with the least chi squared, found by Gauss-Newton steps; None if the corners do not determine it.
+
+    A step that makes chi squared larger is shortened.
+    """
+    normal, right, chi2 = _normal(used, pose)
+    for _ in range(_STEPS):
+        if not np.isfinite(chi2) or not np.linalg.cond(normal) < _SINGULAR:
+            return None
+        change = np.linalg.solve(normal, right)
+        # Line search: far from the solution a full Gauss-Newton step can overshoot.
+        for part in (1.0, 0.5, 0.25, 0.1):
+            moved = pose.moved(part * change)
+            trial = _normal(used, moved)
+            if trial[2] <= chi2:
+                break
+        else:
+            return pose
+        gain = chi2 - trial[2]
+        pose, (normal, right, chi2) = moved, trial
+        if gain < _CONVERGED * (1 + chi2):
+            break
+    return pose
+
+
+def _of_inverse(pose: Pose, covariance: Floats) -> Floats:
+    """Return the covariance (6, 6) of the inverse of a pose, given the covariance of the pose.
+
+    If R' = exp(r) R and t' = t + d, the inverse rotates by -R^T r, and its translation -R'^T t' changes by -R^T (d + t
+    x r).
+    """
+    back = pose.rotation.T
+    change = np.zeros((6, 6))
+    change[:3, :3] = -back
+    change[:3, 3:] = -back @ np.cross(pose.translation, np.eye(3)).T
+    change[3:, 3:] = -back
+    result = change @ covariance @ change.T
+    symmetric: Floats = (result + result.T) / 2
+    return symmetric

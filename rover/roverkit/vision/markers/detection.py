@@ -1,0 +1,155 @@
+"""Detection of markers: in the whole frame, thoroughly or quickly, or in a part of the frame.
+
+The corners have the accuracy of OpenCV's detector without refinement, which is about a pixel; the module `edges` makes
+them more accurate. Without refinement, OpenCV 4.11 and 5.0 agree that integer coordinates are the centres of pixels; a
+test checks this. With the refinement APRILTAG, the corners of 5.0 are shifted by half a pixel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roverkit.vision.camera.camera_model import Floats
+from roverkit.vision.markers.marker_set import MarkerSet
+from roverkit.vision.opencv import cv2
+
+Image = NDArray[np.uint8]
+
+_SMALLEST_SIDE = 9
+"""Side in pixels of the smallest marker that can be read."""
+_STEP = 64
+"""Step in pixels to which the sizes of regions are rounded up, so that regions of similar size share a detector."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Detection:
+    """Detected marker: its number, and its corners (4, 2) in pixels, in OpenCV's order."""
+
+    number: int
+    corners: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """Rectangular part of an image in pixels; `right` and `bottom` are the first column and row outside."""
+
+    left: int
+    top: int
+    right: int
+    bottom: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Search:
+    """Way to search an image.
+
+    A pixel is black if it is darker than the mean of a window around it by `contrast` levels. OpenCV tries each of the
+    windows from `smallest` to `largest` pixels in steps of `step`. Each black or white cell of a marker is resampled to
+    `cell` x `cell` pixels before it is read.
+    """
+
+    contrast: int
+    smallest: int
+    largest: int
+    step: int
+    cell: int
+
+
+CELL = 8
+"""Side in pixels to which OpenCV resamples each black or white cell of a marker before it reads the cell.
+
+With OpenCV's default of 4, cells of markers below 30 pixels are often misread.
+"""
+_WHOLE_CELL = 5
+"""As `CELL`, for partly covered markers: from 8 pixels on, OpenCV does not read the rim of a cell.
+
+Without the rim, a third of the markers of 96 pixels that are crossed by thin bars are not found.
+"""
+# CPU time of OpenCV's detector for a textured scene of 720p: 15 to 18 ms with `_THOROUGH`, 2 with `_SHARP`, 5 with
+# `_BLURRED`. It spends most of its time on the contours of noise, and a larger contrast leaves fewer of them. At half
+# resolution with a contrast of 7, it takes 6 ms and misses most markers below 25 pixels.
+_THOROUGH = _Search(7, 3, 23, 10, _WHOLE_CELL)
+"""The threshold is OpenCV's default."""
+_SHARP = _Search(15, 5, 5, 2, CELL)
+"""Finds sharp markers of all sizes whose white and black differ by 60 grey levels or more."""
+_BLURRED = _Search(15, 23, 23, 2, _WHOLE_CELL)
+"""Finds markers that are blurred, partly covered or of less contrast, down to 30 pixels."""
+_BLURRED_EVERY = 3
+"""Number of quick scans of which one searches for blurred markers, too."""
+_REGION = _Search(7, 15, 15, 2, CELL)
+"""Enough for most regions; if nothing is found, `_THOROUGH` is tried."""
+
+
+def to_grey(image: Image) -> Image:
+    """Convert an image, grey (H, W) or BGR (H, W, 3), to a grey image (H, W)."""
+    return np.ascontiguousarray(image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
+
+
+def to_colour(image: Image) -> Image:
+    """Convert an image, grey (H, W) or BGR (H, W, 3), to a BGR image (H, W, 3), which is a copy."""
+    colour: Image = image.copy() if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+    return colour
+
+
+class Detector:
+    """Finds markers in images with OpenCV's detector, with different parameters for each kind of search."""
+
+    def __init__(self, markers: MarkerSet) -> None:
+        self._markers = markers
+        self._detectors: dict[tuple[_Search, int], Any] = {}
+        self._scans = 0
+
+    def scan(self, image: Image) -> list[Detection]:
+        """Return the markers in a whole grey image (H, W)."""
+        return self._detect(image, _THOROUGH)
+
+    def scan_quickly(self, image: Image) -> list[Detection]:
+        """Return the sharp markers in a whole grey image, in a fifth of the time; a marker may be returned twice.
+
+        Every third scan finds markers that are blurred, partly covered or of little contrast, too.
+        """
+        self._scans += 1
+        found = self._detect(image, _SHARP)
+        return found if self._scans % _BLURRED_EVERY else found + self._detect(image, _BLURRED)
+
+    def look(self, image: Image, region: Region) -> list[Detection]:
+        """Return the markers in a part of a grey image (H, W); their corners are in pixels of the whole image."""
+        part = np.ascontiguousarray(image[region.top : region.bottom, region.left : region.right])
+        offset = (region.left, region.top)
+        found = self._detect(part, _REGION) or self._detect(part, _THOROUGH)
+        return [Detection(one.number, one.corners + offset) for one in found]
+
+    def _detect(self, image: Image, search: _Search) -> list[Detection]:
+        height, width = image.shape
+        if min(height, width) < 2 * _SMALLEST_SIDE:
+            return []
+        # shapes differ between OpenCV versions: ids are (N, 1), (N,) or None
+        corners, numbers, _ = self._detector(search, max(height, width)).detectMarkers(image)
+        found = [] if numbers is None else np.reshape(numbers, -1).tolist()
+        return [
+            Detection(number, np.reshape(corner, (4, 2)).astype(float))
+            for number, corner in zip(found, corners)
+            if number in self._markers
+        ]
+
+    def _detector(self, search: _Search, longest: int) -> Any:
+        longest = -(-longest // _STEP) * _STEP
+        if (search, longest) not in self._detectors:
+            self._detectors[search, longest] = cv2.aruco.ArucoDetector(self._markers.bits, _parameters(search, longest))
+        return self._detectors[search, longest]
+
+
+def _parameters(search: _Search, longest: int) -> Any:
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.adaptiveThreshConstant = search.contrast
+    parameters.adaptiveThreshWinSizeMin = search.smallest
+    parameters.adaptiveThreshWinSizeMax = search.largest
+    parameters.adaptiveThreshWinSizeStep = search.step
+    parameters.perspectiveRemovePixelPerCell = search.cell
+    # OpenCV wants the perimeter relative to the longer side of the image.
+    parameters.minMarkerPerimeterRate = 4 * _SMALLEST_SIDE / longest
+    return parameters

@@ -1,0 +1,182 @@
+"""Selection of the pixels near the edges of a marker's pattern. The edge fit compares these pixels with a model.
+
+A module is one black or white cell of a marker; u and v are coordinates along its sides. The shape (K, ..., N) means K
+markers with up to N pixels each; the rows of markers with fewer pixels are padded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roverkit.vision.camera.camera_model import CameraParameters, Floats
+from roverkit.vision.markers.pattern import Pattern
+
+ACROSS = (-1.0, 0.0, 1.0)
+"""Distances from an edge, in pixels, at which pixels are taken."""
+CLEAR = 2.2
+"""Smallest distance in pixels between a pixel that is used and the outer limit of the marker's white border.
+
+The white border is at least one module wide. A module is one black or white cell of the marker.
+"""
+SQUARE = np.array([[-1.0, 1, 1, -1], [-1.0, -1, 1, 1]])  # a marker's corners, v down, in OpenCV's order
+LIFTED = np.vstack([SQUARE, np.ones(4)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Views:
+    """K markers to fit, as arrays of M points on edges; the rows of markers with fewer points are padded."""
+
+    differences: Floats
+    """Mixed differences (K, n, n) of the patterns, as in `Pattern`."""
+    places: Floats
+    """Points (K, 2, M) on the edges: u and v in modules (cells of the marker)."""
+    across_u: NDArray[np.bool_]
+    """Mask (K, M) of the points whose edge is crossed along u; the other edges are crossed along v."""
+    real: NDArray[np.bool_]
+    """Mask (K, M) of the real points; false for padding."""
+    half: float
+    """Half the number of modules of a side."""
+    centre: Floats
+    """Mean (K, 2) of the rays of a marker's corners; a ray is a point in the plane z = 1."""
+    scale: Floats
+    """Extent (K,) of the rays of a marker's corners. The fit works with scaled rays: (ray - `centre`) / `scale`."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pixels:
+    """Pixels near the edges that were selected for each of K markers, up to N for each."""
+
+    grey: Floats
+    """Grey values (K, N); 0 for padding."""
+    points: Floats
+    """Scaled rays (K, 2, N) of the pixels, as `Views` defines them."""
+    by_pixel: Floats
+    """Derivative (K, 2, 2, N) of `points` with respect to the coordinates of the pixels."""
+    real: Floats
+    """Weights (K, N): 1, or 0 for padding."""
+
+    def every(self, stride: int) -> Pixels:
+        """Return a selection with only every `stride`-th pixel."""
+        return Pixels(*(part[..., ::stride] for part in (self.grey, self.points, self.by_pixel, self.real)))
+
+
+def make_views(patterns: Sequence[Pattern], rays: Floats) -> Views:
+    """Return K markers as arrays, given their patterns and the rays (K, 4, 2) of their approximate corners."""
+    most = max(pattern.across_u.size for pattern in patterns)
+    places = np.zeros((len(patterns), 2, most))
+    across_u, real = np.zeros((2, len(patterns), most), dtype=bool)
+    for k, pattern in enumerate(patterns):
+        count = pattern.across_u.size
+        places[k, :, :count], across_u[k, :count], real[k, :count] = pattern.places, pattern.across_u, True
+    centre = rays.mean(axis=1)
+    return Views(
+        differences=np.stack([pattern.differences for pattern in patterns]),
+        places=places,
+        across_u=across_u,
+        real=real,
+        half=patterns[0].modules / 2,
+        centre=centre,
+        scale=np.abs(rays - centre[:, None]).max(axis=(1, 2)),
+    )
+
+
+def homographies(points: Floats) -> Floats:
+    """Return the homographies (K, 3, 3) that map the corners of `SQUARE` to points (K, 2, 4).
+
+    Their last element is 1.
+    """
+    u, v = SQUARE
+    rows = np.zeros((len(points), 2, 4, 8))
+    rows[:, 0, :, :3] = rows[:, 1, :, 3:6] = LIFTED.T
+    rows[:, :, :, 6] = -u * points
+    rows[:, :, :, 7] = -v * points
+    solution = np.linalg.solve(rows.reshape(-1, 8, 8), points.reshape(-1, 8, 1))
+    whole: Floats = np.concatenate([solution[..., 0], np.ones((len(points), 1))], axis=1)
+    return whole.reshape(-1, 3, 3)
+
+
+def apply(homography: Floats, points: Floats) -> tuple[Floats, Floats]:
+    """Map points (K, 2, N) by homographies (K, 3, 3).
+
+    Returns the mapped points (K, 2, N), and their derivative (K, 2, 2, N) with respect to the given points.
+    """
+    lifted = homography[:, :, :2] @ points + homography[:, :, 2:]
+    images = lifted[:, :2] / lifted[:, 2:]
+    slope = homography[:, :2, :2, None] - images[:, :, None] * homography[:, 2, None, :2, None]
+    return images, slope / lifted[:, 2, None, None]
+
+
+def _inverse(matrices: Floats) -> Floats:
+    """Return the inverses of 2x2 matrices (K, 2, 2, N)."""
+    a, b, c, d = matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 0], matrices[:, 1, 1]
+    # Written out: numpy.linalg.inv loops over the matrices, and takes 15 times as long for 2x2.
+    swapped: Floats = np.stack([d, -b, -c, a], axis=1).reshape(matrices.shape)
+    return swapped / (a * d - b * c)[:, None, None]
+
+
+def product(left: Floats, right: Floats) -> Floats:
+    """Return the products of 2x2 matrices (K, 2, 2, N)."""
+    return left[:, :, :1] * right[:, :1] + left[:, :, 1:] * right[:, 1:]
+
+
+def _turned(matrices: Floats, vectors: Floats) -> Floats:
+    """Return the products of 2x2 matrices (K, 2, 2, N) and vectors (K, 2, M, N)."""
+    return matrices[:, :, :1] * vectors[:, None, 0] + matrices[:, :, 1:] * vectors[:, None, 1]
+
+
+def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, views: Views, homography: Floats) -> Pixels:
+    """Select the pixels along the edges of each marker's pattern.
+
+    `homography` (K, 3, 3) maps `SQUARE` to the scaled rays at which each marker is expected. Only points on the edges
+    are undistorted, because undistorting each pixel would be slow. The ray of a pixel follows from the nearest point on
+    an edge and the derivative of the undistortion at this point.
+    """
+    points, by_square = apply(homography, views.places / views.half - 1)
+    rays = points * views.scale[:, None, None] + views.centre[:, :, None]
+    seen, slope = camera.distort_with_derivative(rays.transpose(0, 2, 1))
+    seen, by_pixel = seen.transpose(0, 2, 1), _inverse(np.moveaxis(slope, 1, -1)) / views.scale[:, None, None, None]
+    modules_by_pixel = product(_inverse(by_square) * views.half, by_pixel)
+    modules_a_pixel = np.sqrt((modules_by_pixel**2).sum(axis=2))
+    normal = modules_by_pixel / modules_a_pixel[:, :, None]
+    normal = np.where(views.across_u[:, None], normal[:, 0], normal[:, 1])
+    places = np.rint(seen[:, :, None] + np.array(ACROSS)[:, None] * normal[:, :, None])  # (K, 2, offsets, M)
+    moved = places - seen[:, :, None]
+    outside = np.abs(views.places[:, :, None] + _turned(modules_by_pixel, moved) - views.half) - views.half
+    usable = (outside <= np.maximum(0, 1 - CLEAR * modules_a_pixel)[:, :, None]).all(axis=1) & views.real[:, None]
+    height, width = image.shape
+    usable &= (places >= 0).all(axis=1) & (places[:, 0] < width) & (places[:, 1] < height)
+    index = np.where(usable, places[:, 1] * width + places[:, 0], 0).astype(np.intp)
+    marker, chosen = _distinct(index, usable, image.size)
+    start = np.searchsorted(marker, np.arange(len(index) + 1))
+    row = np.arange(marker.size) - start[marker]
+    moved_points = points[:, :, None] + _turned(by_pixel, moved)
+    flat = moved_points.reshape(len(index), 2, -1)
+    count = max(int(np.diff(start).max(initial=0)), 1)
+    edge = chosen % seen.shape[2]
+    grey, real = np.zeros((2, len(index), count))
+    out_points, out_slopes = np.zeros((len(index), 2, count)), np.zeros((len(index), 2, 2, count))
+    out_slopes[:, 0, 0] = out_slopes[:, 1, 1] = 1
+    grey[marker, row] = image.ravel()[index.reshape(len(index), -1)[marker, chosen]]
+    real[marker, row] = 1
+    out_points[marker, :, row] = flat[marker, :, chosen]
+    out_slopes[marker, :, :, row] = by_pixel[marker, :, :, edge]
+    return Pixels(grey, out_points, out_slopes, real)
+
+
+def _distinct(
+    index: NDArray[np.intp], usable: NDArray[np.bool_], size: int
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return, for each usable pixel, the marker and the place in its row, ordered by marker and without duplicates.
+
+    `index` (K, ..., M) holds the positions of the pixels in an image of `size` pixels; `usable` is a mask of this
+    shape.
+    """
+    each = index[0].size
+    keys = (index + np.arange(len(index))[:, None, None] * size)[usable]
+    _, first = np.unique(keys, return_index=True)
+    place = np.flatnonzero(usable)[first]
+    return place // each, place % each

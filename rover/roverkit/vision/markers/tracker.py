@@ -1,0 +1,391 @@
+"""Tracking of markers from frame to frame.
+
+Every few frames, the whole frame is searched quickly, and rarely thoroughly. In all frames, each marker of the previous
+frames is fitted at its predicted position. If that fails, the region around this position is searched, and then the
+whole frame. Every marker is fitted at full resolution, so the accuracy of its pose does not depend on how it was found.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from roverkit.vision.camera.camera_model import CameraParameters, Floats
+from roverkit.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_by_camera, pixels_to_rays
+from roverkit.vision.markers.detection import Detection, Detector, Image, Region, to_grey
+from roverkit.vision.markers.edges import Fit, Guess
+from roverkit.vision.markers.flips import Flips
+from roverkit.vision.markers.marker_fits import Fitted, extent, fit_markers
+from roverkit.vision.markers.marker_set import MarkerSet, TargetId
+from roverkit.vision.opencv import cv2
+from roverkit.vision.poses.pnp import Corners, Solution, side_shifts, solve, square_poses, with_all_errors
+from roverkit.vision.poses.pose import Pose
+from roverlink.runtime.core.errors import SetupError
+
+SCAN_EVERY = 3
+"""Number of frames between searches of the whole frame; at 30 frames a second, a new marker is seen after 0.1 s."""
+THOROUGH_EVERY = 20
+"""Number of searches of the whole frame of which one, the first, is thorough; the others are quick."""
+FORGOTTEN_S = 0.5
+"""Time in seconds for which a lost marker is still searched at its predicted position."""
+NEAR = 1.0
+"""Largest distance in pixels between fitted and predicted corners.
+
+A fit that ends farther away may have started with wrong pixels.
+"""
+TOGETHER = 3
+"""Number of frames with several markers of one number after which each of them counts as shared, even if it is alone.
+
+In a single frame, something else may have been taken for a marker.
+"""
+_SURPRISE = 0.5
+"""Error in pixels of the last prediction from the velocity above which the next one comes from the image."""
+_BENT = 0.15
+"""Difference between the motions of a marker's corners, relative to its size, above which the optical flow is wrong."""
+_REGIONS = 4
+"""Number of regions that are searched in less time than the whole frame is searched quickly."""
+_FLOW = {"winSize": (15, 15), "maxLevel": 3, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW}
+"""Optical flow at the corners: it follows them over some tens of pixels from where they are expected."""
+_MARGIN = 0.3  # border around the predicted position, as a fraction of the marker's size
+_LEAST_MARGIN = 10  # pixels
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sighting:
+    """Landmark (marker or board) that was found in an image, with its pose.
+
+    The pose is in the camera's optical frame: x right, y down, z forward.
+    """
+
+    id: TargetId
+    """Number of the marker, or name of the board."""
+    stamp: int
+    """Time in nanoseconds, as given with the image."""
+    corners: Floats
+    """Refined corners (N, 2) in pixels, 4 for each visible marker, in OpenCV's order."""
+    pose: Pose
+    """Transform from the landmark's frame to the camera's, in metres."""
+    covariance: Floats
+    """Covariance (6, 6) of the pose: x y z rotX rotY rotZ, about the camera's axes; see `vision/poses/pose.py`."""
+    ambiguity: float
+    """Ratio of the rejected pose's reprojection error to that of `pose`; infinity if there is only one pose.
+
+    A flat marker has two possible poses. If the ratio is near 1, one frame cannot decide between them. If it is below
+    1, the rejected pose fits this frame better, but `pose` was chosen because it fitted the earlier frames better.
+    """
+    error: float
+    """Reprojection error: root mean square distance in pixels between observed and projected corners."""
+    seen: Corners
+    """Corners from which the pose was computed, as points of the landmark and as rays."""
+    solutions: tuple[Solution, ...]
+    """All possible poses that were found, the best fitting first; `pose` is one of them."""
+    shared: bool = False
+    """True if several markers have this number, so the number does not say which one it is.
+
+    They are in this frame, or they were together in `TOGETHER` earlier ones. Such a marker is never part of a board:
+    `id` is its own number, and `pose` that of its own frame.
+    """
+
+
+@dataclass(slots=True, eq=False)
+class _Track:
+    """Marker that was seen in earlier frames."""
+
+    number: int
+    fit: Fit
+    corners: Floats
+    """Corners (4, 2) in pixels when it was seen last."""
+    stamp: int
+    blur: float
+    velocity: Floats = field(default_factory=lambda: np.zeros((4, 2)))
+    """Velocity (4, 2) of the corners in pixels per second."""
+    surprise: float = math.inf
+    """Error in pixels of the last prediction from the velocity; infinity if there was none."""
+    flips: Flips = field(default_factory=Flips)
+
+    def predicted(self, stamp: int) -> tuple[Floats, float]:
+        """Return the corners predicted for `stamp`, and the largest error of the prediction in pixels."""
+        seconds = (stamp - self.stamp) / 1e9
+        return self.corners + self.velocity * seconds, float(np.abs(self.velocity).max()) * seconds / 2
+
+    def moved(self, fitted: Fitted, stamp: int) -> None:
+        """Set what was seen at `stamp`."""
+        if stamp > self.stamp:
+            self.surprise = float(np.abs(fitted.corners - self.predicted(stamp)[0]).max())
+            self.velocity = (fitted.corners - self.corners) / ((stamp - self.stamp) / 1e9)
+        self.fit, self.corners, self.stamp, self.blur = fitted.fit, fitted.corners, stamp, fitted.blur
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Landmark:
+    """Visible markers of a landmark, with their corners (4, 3) in the landmark's frame, in metres."""
+
+    id: TargetId
+    tracks: Sequence[_Track]
+    points: Sequence[Floats]
+    flips: Flips
+    shared: bool = False
+
+
+class Tracker:
+    """Finds the markers in the frames of one camera, and computes their poses. Not thread-safe."""
+
+    def __init__(
+        self,
+        camera: CameraParameters,
+        markers: MarkerSet,
+        *,
+        scan_every: int = SCAN_EVERY,
+        thorough_every: int = THOROUGH_EVERY,
+        uncertainty: Uncertainty = Uncertainty(),  # noqa: B008  # it is frozen
+    ) -> None:
+        """Create a tracker that searches the whole frame every `scan_every` frames.
+
+        Every `thorough_every`-th of these searches is thorough; the others are quick. `uncertainty` tells the errors
+        beside the noise of the image, which the covariances contain.
+        """
+        self._camera, self._markers, self._uncertainty = camera, markers, uncertainty
+        self._roots = camera_roots(camera)
+        self._detector = Detector(markers)
+        self._scan_every, self._thorough_every = scan_every, thorough_every
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all markers of earlier frames. Called when the time of the frames jumps back."""
+        self._tracks: list[_Track] = []
+        self._together = Counter[int]()
+        self._board_flips: dict[TargetId, Flips] = {}
+        self._frames = self._scans = 0
+        self._stamp = 0
+        self._before: Image | None = None
+
+    def track(self, image: Image, stamp: int) -> tuple[Sighting, ...]:
+        """Return the landmarks in an image, grey (H, W) or BGR (H, W, 3), that was taken at `stamp`, in nanoseconds.
+
+        Raises `SetupError` if the image does not have the size of the images of the camera's calibration.
+        """
+        grey = self._grey(image)
+        # A looped recording or a changed clock: predictions across the jump would be wrong.
+        if stamp < self._stamp:
+            self.reset()
+        self._tracks = [track for track in self._tracks if stamp - track.stamp < FORGOTTEN_S * 1e9]
+        landmarks = self._landmarks(self._find(grey, stamp))
+        # A caller may write the next grey image into the same array.
+        self._stamp, self._before = stamp, grey.copy() if image.ndim == 2 else grey
+        seen = self._seen(landmarks, len(grey))
+        found = solve(seen, _starts(landmarks))
+        return tuple(
+            self._sight(landmark, corners, solutions)
+            for landmark, corners, solutions in zip(landmarks, seen, found)
+            if solutions
+        )
+
+    def _grey(self, image: Image) -> Image:
+        height, width = image.shape[:2]
+        if self._camera.size not in (None, (width, height)):
+            raise SetupError(
+                "the camera was calibrated with images of {}x{} pixels, but this image has {}x{}; calibrate at this "
+                "size, or scale the parameters".format(*(self._camera.size or ()), width, height)
+            )
+        if image.dtype != np.uint8 or image.ndim not in (2, 3):
+            raise SetupError(
+                f"the image is {image.dtype} of shape {image.shape}; it must be uint8, (H, W) or (H, W, 3)"
+            )
+        return to_grey(image)
+
+    # --- finding ---
+
+    def _find(self, grey: Image, stamp: int) -> list[_Track]:
+        """Return the markers in an image.
+
+        Search the whole frame when it is time for a search, or when a marker is lost.
+        """
+        due = self._frames % self._scan_every == 0
+        self._frames += 1
+        seen = self._follow(grey, stamp)
+        # A marker that has left the image is lost, too; `FORGOTTEN_S` limits how long frames pay for its search.
+        lost = [track for track in self._tracks if track not in seen]
+        scanned = due or len(lost) > _REGIONS
+        found = self._scan(grey) if due else self._detector.scan_quickly(grey) if scanned else []
+        numbers = [one.number for one in _distinct(found, seen)]
+        for track in lost:
+            if track.number in numbers:
+                numbers.remove(track.number)
+            else:
+                found += self._detector.look(grey, _region(track.predicted(stamp), grey.shape))
+        if not scanned and len(_distinct(found, seen)) < len(lost):
+            found += self._detector.scan_quickly(grey)
+        seen += self._fit_found(grey, _distinct(found, seen), stamp)
+        return seen
+
+    def _scan(self, grey: Image) -> list[Detection]:
+        thorough = self._scans % self._thorough_every == 0
+        self._scans += 1
+        return self._detector.scan(grey) if thorough else self._detector.scan_quickly(grey)
+
+    def _follow(self, grey: Image, stamp: int) -> list[_Track]:
+        """Fit the markers of earlier frames at their predicted positions; return those that are there."""
+        places = self._predicted(grey, stamp)
+        guesses = [Guess(self._markers.pattern(track.number), place, track.blur) for track, place in places]
+        seen: list[_Track] = []
+        for (track, place), one in zip(places, fit_markers(grey, self._camera, guesses)):
+            if one and np.abs(one.corners - place).max() <= NEAR * one.shrunk:
+                track.moved(one, stamp)
+                seen.append(track)
+        return seen
+
+    def _predicted(self, grey: Image, stamp: int) -> list[tuple[_Track, Floats]]:
+        """Return the markers of earlier frames that are expected somewhere, with their expected corners (4, 2).
+
+        These come from the marker's velocity, or from optical flow if the last prediction from the velocity was bad. If
+        the flow is wrong, the marker is left out, because a fit that starts at a wrong place takes long.
+        """
+        steady: list[tuple[_Track, Floats]] = []
+        doubtful: list[tuple[_Track, Floats]] = []
+        for track in self._tracks:
+            by_flow = track.surprise > _SURPRISE and track.stamp == self._stamp
+            (doubtful if by_flow else steady).append((track, track.predicted(stamp)[0]))
+        if not doubtful or self._before is None or self._before.shape != grey.shape:
+            return steady + doubtful
+        corners = np.concatenate([track.corners for track, _ in doubtful]).astype(np.float32)
+        expected = np.concatenate([place for _, place in doubtful]).astype(np.float32)
+        flow, good, _ = cv2.calcOpticalFlowPyrLK(self._before, grey, corners, expected, **_FLOW)
+        for (track, _), place, known in zip(doubtful, flow.reshape(-1, 4, 2).astype(float), good.reshape(-1, 4)):
+            motion = place - track.corners
+            if known.all() and np.abs(motion - motion.mean(axis=0)).max() < _BENT * extent(track.corners):
+                steady.append((track, place))
+        return steady
+
+    def _fit_found(self, grey: Image, found: Sequence[Detection], stamp: int) -> list[_Track]:
+        """Fit detected markers, and return their tracks: those of lost markers with the same numbers, or new ones."""
+        guesses = [Guess(self._markers.pattern(one.number), one.corners) for one in found]
+        seen = []
+        for detection, one in zip(found, fit_markers(grey, self._camera, guesses)):
+            if one is None:
+                continue
+            lost = [track for track in self._tracks if track.number == detection.number and track.stamp != stamp]
+            track = min(lost, key=lambda track: _distance(track.corners, one.corners), default=None)
+            if track is None:
+                track = _Track(detection.number, one.fit, one.corners, stamp, one.blur)
+                self._tracks.append(track)
+            else:
+                track.moved(one, stamp)
+            seen.append(track)
+        return seen
+
+    # --- poses ---
+
+    def _landmarks(self, seen: Iterable[_Track]) -> list[_Landmark]:
+        """Return the landmarks to which the visible markers belong."""
+        tracks = sorted(seen, key=lambda track: (track.number, *track.corners[0]))
+        counts = Counter(track.number for track in tracks)
+        self._together.update(number for number, count in counts.items() if count > 1)
+        landmarks, boards = [], dict[TargetId, list[_Track]]()
+        for track in tracks:
+            target = self._markers.target(track.number)
+            shared = counts[track.number] > 1 or self._together[track.number] >= TOGETHER
+            if shared or target == track.number:
+                points = self._markers.own_points(track.number)
+                landmarks.append(_Landmark(track.number, [track], [points], track.flips, shared))
+            else:
+                boards.setdefault(target, []).append(track)
+        for name, group in boards.items():
+            points_of = [self._markers.points(track.number) for track in group]
+            landmarks.append(_Landmark(name, group, points_of, self._board_flips.setdefault(name, Flips())))
+        return landmarks
+
+    def _seen(self, landmarks: Sequence[_Landmark], height: int) -> list[Corners]:
+        """Return the corners of each landmark with their covariance; `height` is the number of rows of the image."""
+        tracks = [track for landmark in landmarks for track in landmark.tracks]
+        if not tracks:
+            return []
+        given = self._uncertainty
+        rays = np.concatenate([track.fit.rays for track in tracks])
+        rows = np.concatenate([track.corners[:, 1] for track in tracks])
+        seconds = given.readout_time * ((rows + 0.5) / height - 0.5)
+        motion = np.concatenate([track.velocity for track in tracks]) * seconds[:, None]
+        floor = np.broadcast_to(given.corner_floor * np.eye(2), (len(rays), 2, 2))
+        pixels = [floor, pixels_by_camera(self._camera, self._roots, rays), motion[..., None]]
+        shifts = pixels_to_rays(self._camera, rays, np.concatenate(pixels, axis=2)) * given.covariance_scale
+        of_tracks = iter(shifts.reshape(len(tracks), 4, 2, -1))
+        return [self._corners(one, np.concatenate([next(of_tracks) for _ in one.tracks])) for one in landmarks]
+
+    def _corners(self, landmark: _Landmark, shifts: Floats) -> Corners:
+        """Return a landmark's corners; `shifts` (N, 2, S) of its rays are due to all errors, the first two its own."""
+        count = len(shifts)
+        noise, own = np.zeros((count // 4, 8, count // 4, 8)), np.zeros((count, 2, count, 2))
+        marker, corner = np.arange(count // 4), np.arange(count)
+        noise[marker, :, marker] = [track.fit.covariance for track in landmark.tracks]
+        own[corner, :, corner] = shifts[..., :2] @ shifts[..., :2].swapaxes(1, 2)
+        return Corners(
+            points=np.concatenate(landmark.points),
+            rays=np.concatenate([track.fit.rays for track in landmark.tracks]),
+            covariance=noise.reshape(2 * count, -1) * self._uncertainty.covariance_scale**2,
+            own=own.reshape(2 * count, -1),
+            shared=shifts[..., 2:].reshape(2 * count, -1),
+        )
+
+    def _sight(self, landmark: _Landmark, seen: Corners, solutions: Sequence[Solution]) -> Sighting:
+        stamp, given = landmark.tracks[0].stamp, self._uncertainty
+        sides = side_shifts(solutions[0].pose, seen.points) * given.side_sigma * given.covariance_scale
+        seen = replace(seen, shared=np.concatenate([seen.shifts, sides], axis=1))
+        seen, solutions = with_all_errors(seen, solutions[:2])
+        chosen = landmark.flips.decide(solutions, stamp)
+        best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
+        other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
+        return Sighting(
+            id=landmark.id,
+            stamp=stamp,
+            corners=np.concatenate([track.corners for track in landmark.tracks]),
+            pose=best.pose,
+            covariance=best.covariance,
+            ambiguity=other / max(best.error, 1e-12),
+            error=best.error * focal,
+            seen=seen,
+            solutions=tuple(solutions),
+            shared=landmark.shared,
+        )
+
+
+def _distinct(found: Iterable[Detection], seen: Iterable[_Track]) -> list[Detection]:
+    """Return the detections of markers that are not seen yet; of several detections of a marker, the largest one."""
+    distinct: list[Detection | _Track] = list(seen)
+    known = len(distinct)
+    for one in sorted(found, key=lambda one: -extent(one.corners)):
+        if not any(_is_same(one, other) for other in distinct):
+            distinct.append(one)
+    return [one for one in distinct[known:] if isinstance(one, Detection)]
+
+
+def _is_same(one: Detection | _Track, other: Detection | _Track) -> bool:
+    """Return true if these are the same marker, and not two markers with the same number."""
+    if one.number != other.number:
+        return False
+    return _distance(one.corners, other.corners) < max(extent(one.corners), extent(other.corners)) / 2
+
+
+def _distance(corners: Floats, others: Floats) -> float:
+    return float(np.linalg.norm(corners.mean(axis=0) - others.mean(axis=0)))
+
+
+def _region(predicted: tuple[Floats, float], shape: tuple[int, ...]) -> Region:
+    corners, doubt = predicted
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    margin = max(_MARGIN * float(np.max(high - low)), _LEAST_MARGIN) + doubt
+    left, top = np.floor(np.maximum(low - margin, 0)).astype(int)
+    right, bottom = np.ceil(np.minimum(high + margin, (shape[1], shape[0]))).astype(int)
+    return Region(int(left), int(top), max(int(right), 0), max(int(bottom), 0))
+
+
+def _starts(landmarks: Sequence[_Landmark]) -> list[list[Pose]]:
+    """Return the start poses for each landmark: the possible poses of its single markers."""
+    if not landmarks:
+        return []
+    points = np.stack([points for landmark in landmarks for points in landmark.points])
+    rays = np.stack([track.fit.rays for landmark in landmarks for track in landmark.tracks])
+    poses = iter(square_poses(points, rays))
+    return [[pose for _ in landmark.tracks for pose in next(poses)] for landmark in landmarks]

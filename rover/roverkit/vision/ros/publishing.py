@@ -1,0 +1,84 @@
+"""Publishing of a camera's results on ROS 2 topics.
+
+| topic                   | type                                    | content                                         |
+|-------------------------|-----------------------------------------|-------------------------------------------------|
+| /tf                     | tf2_msgs/TFMessage                      | transform of each landmark                      |
+| aruco/<name>/pose       | geometry_msgs/PoseWithCovarianceStamped | pose of one landmark, with covariance           |
+| aruco/detections        | vision_msgs/Detection3DArray            | landmarks of a frame, each with all its poses   |
+| aruco/camera_info       | sensor_msgs/CameraInfo                  | the camera's parameters                         |
+| aruco/image/compressed  | sensor_msgs/CompressedImage             | the frame with the landmarks drawn into it      |
+| aruco/camera_pose       | geometry_msgs/PoseWithCovarianceStamped | pose of the camera on the field                 |
+
+A landmark is a marker or a board. A flat marker has two possible poses. A message is made only if its topic has a
+subscriber, because making some of the messages takes long. Markers that share a number are only in the detections and
+in the drawn image.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from roverkit.vision.camera.camera_model import CameraParameters
+from roverkit.vision.field.view import View
+from roverkit.vision.images.drawing import draw
+from roverkit.vision.ros import sighting_messages
+from roverkit.vision.ros.image_messages import compressed_of
+from roverkit.vision.ros.outputs import LATEST, Output, Outputs
+from roverkit.vision.ros.sighting_messages import FrameNames
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
+from roverlink.runtime.middleware import Middleware
+
+NODE = "aruco_tracker"
+_TRANSFORMS = Qos(depth=100)  # the depth of tf2's broadcaster
+
+
+class Publishing:
+    """Publishers for the results of one camera: poses of landmarks, the drawn image, and the camera's pose."""
+
+    def __init__(
+        self,
+        middleware: Middleware,
+        camera: CameraParameters,
+        marker_frame: str,
+        topic: Callable[[str], str],
+        say: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        """Create the publishers; `topic` returns the fully qualified name of a topic.
+
+        `marker_frame` is the start of the name of a landmark's coordinate frame, as in `FrameNames`.
+        `say` is called with a message if a topic cannot be published, for instance if rclpy lacks the message type.
+        """
+        self._camera, self._marker_frame = camera, marker_frame
+        self._outputs = outputs = Outputs(middleware, topic, say)
+        self._transforms = outputs.open("/tf", tf2_msgs.TFMessage, _TRANSFORMS)
+        self._detections = outputs.open("aruco/detections", vision_msgs.Detection3DArray)
+        self._camera_info = outputs.open("aruco/camera_info", sensor_msgs.CameraInfo, LATEST)
+        self._image = outputs.open("aruco/image/compressed", sensor_msgs.CompressedImage, LATEST)
+        self._camera_pose = outputs.open("aruco/camera_pose", geometry_msgs.PoseWithCovarianceStamped)
+        self._poses: dict[str, Output] = {}
+
+    def publish(self, view: View) -> None:
+        """Publish the results of a frame on all topics. If the frame has no landmarks, nothing is published on /tf."""
+        stamp, sightings = view.frame.stamp, view.sightings
+        names = FrameNames(view.frame.frame_id, self._marker_frame)
+        # With two frames of the same name, a listener to /tf would see one marker that jumps.
+        if unique := [one for one in sightings if not one.shared]:
+            self._transforms.put(lambda: sighting_messages.transforms_of(unique, names))
+        for one in unique:
+            self._pose_of(names.of(one.id)).put(partial(sighting_messages.marker_pose_of, one, names))
+        self._detections.put(lambda: sighting_messages.detections_of(sightings, stamp, names))
+        self._camera_info.put(lambda: sighting_messages.camera_info_of(self._camera, view.frame.size, stamp, names))
+        self._image.put(lambda: compressed_of(self._drawn(view), stamp, names.camera))
+        if (place := view.place) and place.agreed:
+            self._camera_pose.put(lambda: sighting_messages.field_pose_of(place, stamp))
+
+    def _drawn(self, view: View) -> Any:
+        return draw(view.frame.image, self._camera, view.sightings, view.place)
+
+    def _pose_of(self, name: str) -> Output:
+        if name not in self._poses:
+            self._poses[name] = self._outputs.open(f"aruco/{name}/pose", geometry_msgs.PoseWithCovarianceStamped)
+        return self._poses[name]

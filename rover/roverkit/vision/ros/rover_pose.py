@@ -1,0 +1,72 @@
+"""Publishing of the rover's pose on ROS 2 topics (REP 105).
+
+| topic         | type                                    | content                                               |
+|---------------|-----------------------------------------|-------------------------------------------------------|
+| aruco/pose    | geometry_msgs/PoseWithCovarianceStamped | pose of the rover's frame in the frame of the field   |
+| /tf           | tf2_msgs/TFMessage                      | if asked for: from the field's frame to the odometry's |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from roverkit.vision.field.rover import RoverPose
+from roverkit.vision.poses.transform_tree import TransformError, TransformTree
+from roverkit.vision.ros.sighting_messages import field_pose_of, transform_of
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.interfaces import geometry_msgs, tf2_msgs
+from roverlink.runtime.middleware import Middleware
+
+_TRANSFORMS = Qos(depth=100)  # the depth of tf2's broadcaster
+
+
+class RoverFrames(NamedTuple):
+    """Names of the rover's coordinate frames."""
+
+    base: str = "base_link"
+    """Frame of the rover's body."""
+    odom: str = ""
+    """Frame of the odometry, to which a transform from the field's frame is published; empty for none."""
+
+
+class RoverPublishing:
+    """Publishers of the rover's pose."""
+
+    def __init__(
+        self,
+        middleware: Middleware,
+        frames: RoverFrames,
+        tree: TransformTree,
+        topic: Callable[[str], str],
+        say: Callable[[str], None],
+    ) -> None:
+        """Create the publishers; `topic` returns the fully qualified name of a topic.
+
+        `tree` has the transforms of the odometry. `say` is called with a message if they are missing.
+        """
+        self._frames, self._tree, self._say = frames, tree, say
+        self._said = ""
+        self._pose = middleware.publisher(topic("aruco/pose"), geometry_msgs.PoseWithCovarianceStamped, Qos())
+        self._transforms = middleware.publisher(topic("/tf"), tf2_msgs.TFMessage, _TRANSFORMS) if frames.odom else None
+
+    def publish(self, rover: RoverPose) -> None:
+        """Publish the pose, and the transform to the odometry's frame if it is wanted and known."""
+        if self._pose.has_subscribers():
+            self._pose.publish([cdr.encode(field_pose_of(rover.place, rover.stamp))])
+        if self._transforms is None:
+            return
+        try:
+            odom_to_base = self._tree.look_up(self._frames.base, self._frames.odom, rover.stamp)
+        except TransformError as error:
+            # Once for each reason: the age in the text changes with every frame.
+            reason = str(error).partition(":")[0]
+            if reason != self._said:
+                self._said = reason
+                self._say(f"no transform from {rover.place.frame!r} to {self._frames.odom!r} is published: {error}")
+            return
+        self._said = ""
+        place = rover.place
+        transform = transform_of(place.pose @ odom_to_base, place.frame, self._frames.odom, rover.stamp)
+        self._transforms.publish([cdr.encode(tf2_msgs.TFMessage([transform]))])

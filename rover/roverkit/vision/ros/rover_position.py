@@ -1,0 +1,63 @@
+"""Publishing of the rover's position on the topic from which a bridge sends it to the basestation.
+
+The row can have extra topics (table key ``also``) with the position that a filter fuses from all sensors. The bridge
+sends these itself. While messages come on one of them, the position from the markers alone is not published, so the
+basestation gets one source at a time.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+
+from roverkit.vision.camera.camera_model import Floats
+from roverlink.runtime import Registry
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.middleware import Middleware
+
+ROW = "rover_localization"
+"""Name of the row in mapping.yaml whose message carries the rover's position to the basestation."""
+AXES = ("x", "y", "z")
+"""Fields of the row's ROS message for the coordinates: metres in the coordinate frame of the playing field."""
+FUSED_S = 1.0
+"""Time in seconds after a message on an extra topic of the row, in which the position from the markers is held back."""
+
+
+def position_publisher(
+    middleware: Middleware,
+    registry: Registry,
+    topic: Callable[[str], str],
+    warn: Callable[[str], object] = lambda _: None,
+) -> Callable[[Floats], None]:
+    """Return a function that publishes the rover's position (3,), in metres, as the message of the row `ROW`.
+
+    `topic` returns the fully qualified name of a topic. If the table (mapping.yaml) has no such row, or if its message
+    has no field for one of `AXES`, ``warn`` is called with a message, and the returned function does nothing. This is
+    no error, because tracking is useful without a peer too.
+
+    The function publishes nothing for `FUSED_S` after each message on an extra topic of the row.
+    """
+    try:
+        row = registry.row(ROW, AXES, inbound=False)
+    except SetupError as error:
+        warn(f"the rover's position is not sent: {error}")
+        return lambda _: None
+    route, message_type = row.route, row.message_type
+    publish = middleware.publisher(topic(route.topic), message_type, route.qos).publish
+    fused_at = -math.inf
+
+    def fused(_: Sequence[bytes]) -> None:
+        nonlocal fused_at
+        fused_at = time.monotonic()
+
+    for extra in registry.extra_topics:
+        if extra.route.name == ROW:
+            middleware.subscribe(topic(extra.route.topic), extra.message_type, extra.route.qos, fused)
+
+    def publish_position(position: Floats) -> None:
+        if time.monotonic() - fused_at > FUSED_S:
+            publish([cdr.encode(message_type(**dict(zip(AXES, position.tolist()))))])
+
+    return publish_position

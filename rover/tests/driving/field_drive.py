@@ -1,0 +1,170 @@
+"""Drive of the simulated rover on a field with landmarks, with `Fusion` as another node in this process.
+
+The rover follows a square by its true pose, as a person would steer it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+
+import numpy as np
+from roverkit.driving.arcs import Arc, PlanarPose, arc_to
+from roverkit.fusion.fusing import DETECTIONS, FIX, FUSED, ODOMETRY, Fusion
+from roverkit.fusion.planar_gaussian import PlanarGaussian, rotation
+from roverkit.node.ros_connection import RosConnection
+from roverkit.odometry.odometry_messages import odometry_of
+from roverkit.odometry.wheel_odometry import OdometryEstimate, WheelOdometry
+from roverkit.simulation.rover_model import MotorReport, ProgressReport, RoverModel
+from roverkit.simulation.rover_sensors import GpsFix, ImuReading
+from roverkit.vision import TargetId
+
+from rover.tests.driving.simulated_tracker import SimulatedTracker, field, standing
+from roverlink.runtime.convert.rotations import angles
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
+from roverlink.runtime.interfaces.nav_msgs import Odometry
+from roverlink.runtime.middleware.memory import MemoryMiddleware
+from roverlink.runtime.ros_arguments import ros_args
+from roverlink.runtime.ros_time.headers import header_of, stamp_of
+
+_CORNERS = ((1.5, 1.5), (-1.5, 1.5), (-1.5, -1.5), (1.5, -1.5))
+_NEAR_M = 0.7
+_STEP_S = 0.1
+_COMMAND_STEPS = 5
+_IMAGE_STEPS = 2
+_PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
+
+
+class FieldDrive:
+    """Simulated rover with its odometry and its tracker, and what the fusion makes of them."""
+
+    def __init__(
+        self,
+        seed: int,
+        stack: ExitStack,
+        moved: Mapping[TargetId, tuple[float, float]] = {},  # never changed
+        *,
+        gps: bool = False,
+        logger: logging.Logger | None = None,
+    ) -> None:
+        self.start = PlanarPose(1.5, -1.0, math.pi / 2)
+        self.model = RoverModel(seed, start=self.start)
+        self._odometry = WheelOdometry()
+        landmarks = field()
+        self._tracker = SimulatedTracker(seed, standing(landmarks, seed, moved))
+        self._corner = self._steps = 0
+        self.sees = True  # False while somebody stands before the camera
+        self.stamp = 10**9  # at which the model starts
+        self.middleware = middleware = MemoryMiddleware()
+        self._wheel = middleware.publisher(f"/{ODOMETRY}", Odometry, Qos())
+        self._detections = middleware.publisher(f"/{DETECTIONS}", vision_msgs.Detection3DArray, Qos())
+        self._fixes = middleware.publisher(f"/{FIX}", sensor_msgs.NavSatFix, Qos())
+        datum = self.model.settings.gps.datum
+        arguments = argparse.Namespace(
+            base_frame="base_link", json=False, datum=[datum.latitude, datum.longitude, 0.0] if gps else None
+        )
+        said = logger or logging.getLogger("fusion of a test")
+        connection = RosConnection(ros_args.parse([], "fusion"), "memory", stack, said.warning)
+        connection.middleware = middleware  # so that both nodes are in one graph
+        Fusion(connection, landmarks, arguments, said).receive(DETECTIONS, self._tracker.mount)
+        self.fused: list[Odometry] = []
+        self.shifts: list[geometry_msgs.TransformStamped] = []
+        middleware.subscribe(f"/{FUSED}", Odometry, Qos(), self._take)
+        middleware.subscribe("/tf", tf2_msgs.TFMessage, Qos(), self._take_transforms)
+        self.by_odometry: PlanarGaussian | None = None
+
+    def stand(self, seconds: float) -> None:
+        """Let the rover stand."""
+        for _ in range(round(seconds / _STEP_S)):
+            self._step()
+
+    def drive(self, metres: float) -> None:
+        """Drive along the square for a distance."""
+        until = self.model.rolled + metres
+        while self.model.rolled < until:
+            if self._steps % _COMMAND_STEPS == 0:
+                self._steer()
+            self._step()
+
+    @property
+    def error(self) -> tuple[np.ndarray, np.ndarray]:
+        """Error (3,) of the newest fused pose in its axes, and its covariance (3, 3)."""
+        message = self.fused[-1]
+        place = message.pose.pose
+        pose = PlanarPose(place.position.x, place.position.y, angles(place.orientation)[2])
+        turned = rotation(pose.yaw)
+        covariance = turned.T @ np.reshape(message.pose.covariance, (6, 6))[_PLANAR] @ turned
+        apart = pose.inverse() @ self.model.pose
+        return np.array([apart.x, apart.y, math.remainder(apart.yaw, 2 * math.pi)]), covariance
+
+    @property
+    def odometry_error(self) -> tuple[np.ndarray, np.ndarray]:
+        """Error (3,) of the newest pose of the odometry alone in the frame odom, and its covariance (3, 3)."""
+        assert self.by_odometry is not None
+        pose, truth = self.by_odometry.pose, self.start.inverse() @ self.model.pose
+        turned = math.remainder(truth.yaw - pose.yaw, 2 * math.pi)
+        return np.array([truth.x - pose.x, truth.y - pose.y, turned]), self.by_odometry.covariance
+
+    def _steer(self) -> None:
+        x, y = _CORNERS[self._corner % len(_CORNERS)]
+        ahead = self.model.pose.inverse() @ PlanarPose(x, y)
+        if math.hypot(ahead.x, ahead.y) < _NEAR_M:
+            self._corner += 1
+            self._steer()
+            return
+        board = self.model.settings.board
+        arc = board.drivable(arc_to(ahead.x, ahead.y) if ahead.x > 0.1 else Arc(2.0, math.copysign(1.5, ahead.y)))
+        self.model.command(board.command(arc))
+        self._odometry.command(self.model.now, arc)
+
+    def _step(self) -> None:
+        self._steps += 1
+        for one in self.model.advance(_STEP_S):
+            if isinstance(one, ImuReading):
+                self._odometry.angular_velocity(one.at, one.angular_velocity[2])
+            elif isinstance(one, MotorReport):
+                self._odometry.motors(one.at, (abs(one.left_rpm) + abs(one.right_rpm)) / 2)
+            elif isinstance(one, ProgressReport):
+                estimate = self._odometry.progress(one.at, one.distance_left)
+                if estimate is not None:
+                    self._publish(estimate)
+            elif isinstance(one, GpsFix):
+                self._fixes.publish([cdr.encode(_fix(one, self.stamp))])
+        if self.sees and self._steps % _IMAGE_STEPS == 0:
+            image = self._tracker.see(self.model.pose, self.stamp + self.model.now)
+            self._detections.publish([cdr.encode(image)])
+
+    def _publish(self, estimate: OdometryEstimate) -> None:
+        self.by_odometry = PlanarGaussian(estimate.pose, np.array(estimate.covariance))
+        header = header_of(self.stamp + estimate.at, "odom")
+        self._wheel.publish([cdr.encode(odometry_of(estimate, header, "base_link"))])
+
+    def _take(self, messages: Sequence[bytes]) -> None:
+        self.fused += [cdr.decode(Odometry, one) for one in messages]
+
+    def _take_transforms(self, messages: Sequence[bytes]) -> None:
+        for one in messages:
+            self.shifts += cdr.decode(tf2_msgs.TFMessage, one).transforms
+
+    @property
+    def is_current(self) -> bool:
+        """True if the newest fused pose is of now."""
+        return bool(self.fused) and stamp_of(self.fused[-1].header) == self.stamp + self.model.now
+
+
+def _fix(one: GpsFix, start: int) -> sensor_msgs.NavSatFix:
+    variance = 0.6**2
+    return sensor_msgs.NavSatFix(
+        header_of(start + one.at, "gps_link"),
+        sensor_msgs.NavSatStatus(sensor_msgs.NavSatStatus.STATUS_FIX, sensor_msgs.NavSatStatus.SERVICE_GPS),
+        one.latitude,
+        one.longitude,
+        one.altitude,
+        np.diag([variance, variance, 4 * variance]).ravel().tolist(),
+        sensor_msgs.NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN,
+    )

@@ -1,0 +1,130 @@
+"""Geometry of the fusion: motions from odometry, and sightings on the plane, for any poses."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from needs import NO_GTSAM, NO_OPENCV
+
+pytest.importorskip("cv2", reason=NO_OPENCV)
+pytest.importorskip("gtsam", reason=NO_GTSAM)
+
+from roverkit.driving.arcs import PlanarPose
+from roverkit.fusion.landmark_agreement import agreeing
+from roverkit.fusion.odometry_track import OdometryPoint, OdometryTrack
+from roverkit.fusion.planar_gaussian import PlanarGaussian, adjoint
+from roverkit.fusion.planar_landmarks import planar_sightings
+from roverkit.fusion.slipping_motion import slipping_motion
+from roverkit.vision import Landmark, Landmarks, Pose
+from roverkit.vision.poses.pose import quaternion_of, rotation_of
+
+from roverlink.runtime.interfaces import geometry_msgs, vision_msgs
+from roverlink.runtime.ros_time.headers import header_of
+
+_metres = st.floats(-20, 20)
+_angles = st.floats(-math.pi, math.pi)
+_poses = st.builds(PlanarPose, _metres, _metres, _angles)
+_covariances = st.lists(st.floats(-0.2, 0.2), min_size=9, max_size=9).map(
+    lambda numbers: np.reshape(numbers, (3, 3)) @ np.reshape(numbers, (3, 3)).T + 1e-3 * np.eye(3)
+)
+_gaussians = st.builds(PlanarGaussian, _poses, _covariances)
+_rotations = st.tuples(_angles, _angles, _angles).map(lambda angles: rotation_of(np.array(angles) / 2))
+
+
+def _point(place: PlanarGaussian, rolled: float = 0.0, turn_deviation: float = 0.0) -> OdometryPoint:
+    return OdometryPoint(0, place.pose, place.outer_covariance, 0.0, rolled, turn_deviation)
+
+
+@given(_gaussians, _gaussians)
+def test_a_long_motion_is_what_odometry_has_added(start: PlanarGaussian, motion: PlanarGaussian) -> None:
+    """The motion between a pose and the pose with a motion added is that motion, with its covariance."""
+    found = _point(start).motion_to(_point(start @ motion, 1e7, 1e3))
+    assert (found.pose.x, found.pose.y) == pytest.approx((motion.pose.x, motion.pose.y), abs=1e-9)
+    assert math.remainder(found.pose.yaw - motion.pose.yaw, 2 * math.pi) == pytest.approx(0, abs=1e-9)
+    assert found.covariance[:3, :3] == pytest.approx(motion.covariance, abs=2e-6)  # the least covariance is added
+    assert found.kept == 0
+
+
+@given(_gaussians, _gaussians, st.floats(0.0, 0.1))
+def test_the_error_of_a_turn_is_limited_by_that_of_the_angular_velocity(
+    start: PlanarGaussian, motion: PlanarGaussian, most: float
+) -> None:
+    """A constant bias of a gyroscope lets the variance of the yaw grow ever faster, but not the error of one turn."""
+    found = _point(start).motion_to(_point(start @ motion, 1.0, most))
+    assert found.covariance[2, 2] == pytest.approx(min(motion.covariance[2, 2], most**2), abs=1e-6)
+    assert (np.linalg.eigvalsh(found.covariance) > 0).all()
+
+
+@given(st.floats(0.01, 3), st.floats(0.01, 3), st.sampled_from([1, -1]))
+def test_successive_motions_are_one_motion(first: float, second: float, direction: int) -> None:
+    """On a straight line, the slip at the end of one motion is that at the start of the next one."""
+
+    def moved(distance: float) -> tuple[np.ndarray, np.ndarray]:
+        growth = np.diag([0.05, 0.01, 0.0]) ** 2 * distance
+        motion = slipping_motion(PlanarPose(direction * distance), growth, distance)
+        carried = np.eye(5)
+        carried[:3, :3] = adjoint(motion.pose.inverse())
+        carried[:3, 3:], carried[3:, 3:] = motion.by_slip, motion.kept * np.eye(2)
+        return carried, motion.covariance
+
+    (one, before), (two, after), (both, whole) = moved(first), moved(second), moved(first + second)
+    assert two @ one == pytest.approx(both, abs=1e-9)
+    assert two @ before @ two.T + after == pytest.approx(whole, abs=5e-6)  # the least covariance is added twice
+
+
+@given(_poses, _rotations, st.tuples(_metres, _metres, _metres), _rotations)
+@settings(max_examples=50)
+def test_a_sighting_leads_from_the_rover_to_the_surveyed_place(
+    rover: PlanarPose, turn: np.ndarray, position: tuple[float, float, float], tilt: np.ndarray
+) -> None:
+    """For any landmark and any mount: the place that the rover computes is the surveyed one, with the yaw 0."""
+    landmark, mount = Pose(turn, np.array(position)), Pose(tilt, np.array([0.3, 0.1, 0.5]))
+    base = Pose(rotation_of(np.array([0, 0, rover.yaw])), np.array([rover.x, rover.y, 0]))
+    seen = (base @ mount).inverse() @ landmark
+    turned = geometry_msgs.Quaternion(*quaternion_of(seen.rotation).tolist())
+    pose = geometry_msgs.Pose(geometry_msgs.Point(*seen.translation.tolist()), turned)
+    with_covariance = geometry_msgs.PoseWithCovariance(pose, (1e-4 * np.eye(6)).ravel().tolist())
+    result = vision_msgs.ObjectHypothesisWithPose(vision_msgs.ObjectHypothesis("7", 1.0), with_covariance)
+    header = header_of(1, "camera")
+    detection = vision_msgs.Detection3D(header, [result], vision_msgs.BoundingBox3D(), "aruco_7")
+    known = Landmarks("map", {7: Landmark(landmark)})
+    (place,) = planar_sightings(vision_msgs.Detection3DArray(header, [detection]), mount, known).values()
+    found = rover @ place.pose
+    assert (found.x, found.y) == pytest.approx(position[:2], abs=1e-6)
+    assert math.remainder(found.yaw, 2 * math.pi) == pytest.approx(0, abs=1e-6)
+    assert place.covariance == pytest.approx(1e-4 * np.eye(3), abs=1e-9)
+
+
+@given(_poses, st.sets(st.integers(0, 5), min_size=0, max_size=2), st.floats(0.5, 3), _angles)
+@settings(max_examples=30)
+def test_the_landmarks_that_agree_are_those_that_nobody_moved(
+    frame: PlanarPose, moved: set[int], way: float, direction: float
+) -> None:
+    """Of six landmarks, up to two stand elsewhere, each in another direction; sightings are in any frame."""
+    places = {number: PlanarPose(3.0 * number, (number * number) % 5, 0.0) for number in range(6)}
+    survey = {number: PlanarGaussian(place, 1e-4 * np.eye(3)) for number, place in places.items()}
+    seen = {}
+    for number, place in places.items():
+        angle = direction + number
+        shift = PlanarPose(way * math.cos(angle), way * math.sin(angle)) if number in moved else PlanarPose()
+        seen[number] = frame @ shift @ place
+    joint = np.zeros((3, 3))
+    found = agreeing(seen, lambda one, other: 1e-4 * np.eye(3) if one == other else joint, survey, ())
+    assert found == set(range(6)) - moved
+
+
+def test_odometry_that_was_started_again_begins_a_new_track() -> None:
+    """Its pose jumps, or its time; a repeated point changes nothing."""
+    track = OdometryTrack()
+    at = [OdometryPoint(10**9 * second, PlanarPose(2.0 * second), np.eye(3), 1.0) for second in range(20)]
+    assert all(track.add(point) for point in at)
+    assert track.add(at[-1])
+    assert track.at(12_500_000_000) is not None
+    assert not track.add(OdometryPoint(at[-1].stamp + 10**8, PlanarPose(), np.eye(3), 1.0))
+    assert track.at(12_500_000_000) is None
+    assert track.newest is not None
+    assert not track.add(OdometryPoint(10**9, PlanarPose(), np.eye(3), 1.0))

@@ -1,0 +1,168 @@
+"""The launch files of the package rtt_slam, expanded by the checker as ROS 2 expands them, and its other files.
+
+The command lines in `cases` come from launch and launch_ros of Humble, and from the launch file of Nav2: these were run
+once, with programs that wrote down how they were started. A parameter file that launch_ros made of values is in braces.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from check_launch.catalogue.catalogue_files import read_catalogue
+from check_launch.expansion.expander import Expander, Expansion, StartedNode
+from check_launch.expansion.launch_context import Packages
+from golden import ROOT
+
+from roverlink.command_line import command_line
+
+_CASES = sorted((Path(__file__).parent / "cases").glob("*.txt"))
+_ROS_ARGUMENTS = "--ros-args"
+_Meaning = tuple[list[str], dict[str, list[str]]]
+"""Words before the arguments for ROS 2, and the values of each of these in their order."""
+
+
+def _expanded(file: str, *arguments: str) -> Expansion:
+    """Expand a launch file of the package with arguments such as ``stvl:=true``."""
+    packages = read_catalogue("humble").packages.values()
+    stored = {(package.name, path): file for package in packages for path, file in package.launch_files.items()}
+    expander = Expander(Packages([ROOT / "rover" / "navigation", ROOT / "generated" / "ros"]), _shown, stored, set())
+    return expander.expand(
+        ROOT / "rover" / "navigation" / "launch" / file, dict(one.split(":=", 1) for one in arguments)
+    )
+
+
+def _shown(path: str) -> str:
+    return os.path.relpath(path, ROOT) if os.path.isabs(path) else path
+
+
+def _words(node: StartedNode) -> Iterator[str]:
+    """Spell a node as launch_ros does."""
+    yield from (str(node.package), str(node.executable), *(_shown(str(word)) for word in node.arguments))
+    yield _ROS_ARGUMENTS
+    if node.name:
+        yield from ("-r", f"__node:={node.name}")
+    yield from ("-r", f"__ns:={node.namespace or '/'}")
+    for one in node.remappings:
+        yield from ("-r", f"{one.source}:={one.target}")
+    for value in node.general_values:
+        yield from ("-p", f"{value.name}:={value.value}")
+    for use in node.files:
+        yield from ("--params-file", use.shown)
+    for value in node.values:
+        yield from ("--params-file", f"{{{value.name}: {value.value}}}")
+
+
+def _meaning(words: list[str]) -> _Meaning:
+    """Return what a command line means to the program; the level of the log does not count."""
+    start = words.index(_ROS_ARGUMENTS)
+    options: dict[str, list[str]] = {}
+    rest = iter(word for word in words[start:] if word != _ROS_ARGUMENTS)
+    for option in rest:
+        value = next(rest)
+        while value.startswith("{") and not value.endswith("}"):
+            value = f"{value} {next(rest)}"
+        if option != "--log-level":
+            options.setdefault(option, []).append(value)
+    return words[:start], options
+
+
+@pytest.mark.parametrize("case", _CASES, ids=lambda path: path.stem)
+def test_the_programs_start_as_with_ros(case: Path) -> None:
+    """Executables, arguments, names, namespaces, parameters and remappings are those that ROS 2's launch has given."""
+    first, *lines = case.read_text(encoding="utf-8").splitlines()
+    expansion = _expanded(*first.split())
+    assert expansion.problems == []
+    found = sorted((_meaning(list(_words(node))) for node in expansion.nodes), key=str)
+    assert found == sorted((_meaning(line.split(" ")) for line in lines), key=str)
+
+
+@pytest.mark.parametrize(("argument", "layer"), [("stvl:=false", "voxel_layer"), ("stvl:=true", "stvl_layer")])
+def test_the_costmap_has_the_layer_of_the_argument(argument: str, layer: str) -> None:
+    """Nav2 reads the substitutions in navigation.yaml, for the layer and for the topic in the rover's namespace."""
+    expansion = _expanded("navigation_launch.yaml", argument, "namespace:=rover")
+    (controller,) = (node for node in expansion.nodes if node.executable == "controller_server")
+    (use,) = controller.files
+    (section,) = (one for one in use.sections if one.matches("/rover/local_costmap/local_costmap"))
+    given = {one.name: one.value for one in section.values}
+    assert given["plugins"] == [layer, "inflation_layer"]
+    assert given[f"{layer}.marking.topic"] == "/rover/camera/camera/depth/color/points"
+
+
+# --- The ROS 2 package rtt_slam, without ROS 2: its files name each other, and its programs are ---------------------
+
+_PACKAGE = ROOT / "rover" / "navigation"
+_LAUNCH_FILES = sorted((_PACKAGE / "launch").glob("*_launch.yaml"))
+
+
+def _entities(actions: list[dict[str, Any]]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Each action of a launch file with its kind, also those in groups."""
+    for action in actions:
+        ((kind, content),) = action.items()
+        if kind == "group":
+            yield from _entities(content["children"] if isinstance(content, dict) else content)
+        else:
+            yield kind, content
+
+
+def _all_of(path: Path, wanted: str) -> list[dict[str, Any]]:
+    whole = yaml.safe_load(path.read_text(encoding="utf-8"))
+    return [content for kind, content in _entities(whole["launch"]) if kind == wanted]
+
+
+@pytest.mark.parametrize("path", _LAUNCH_FILES, ids=lambda path: path.stem)
+def test_every_argument_has_a_default_and_a_description(path: Path) -> None:
+    """So that a launch file starts without arguments, and --show-args explains them; no value is missing in a file."""
+    arguments = _all_of(path, "arg")
+    assert arguments
+    for one in arguments:
+        assert isinstance(one["default"], str), one
+        assert one["description"], one
+    for file in re.findall(r"\$\((?:dirname|find-pkg-share rtt_slam)\)/([\w./-]+\.(?:yaml|rviz))", path.read_text()):
+        folder = _PACKAGE / "launch" if file.startswith("..") else _PACKAGE
+        assert (folder / file).is_file(), file
+
+
+def test_every_program_of_the_launch_files_is_installed_and_is_a_command() -> None:
+    """CMake makes the programs from a list of commands of roverlink."""
+    text = (_PACKAGE / "CMakeLists.txt").read_text(encoding="utf-8")
+    (listed,) = re.findall(r"foreach\(COMMAND (.*)\)", text)
+    commands = re.findall(r'"([\w ]+)"', listed)
+    nodes = [node for path in _LAUNCH_FILES for node in _all_of(path, "node")]
+    used = {node["exec"] for node in nodes if node["pkg"] == "rtt_slam"}
+    assert used <= {command.replace(" ", "_") for command in commands}
+    for command in commands:
+        with pytest.raises(SystemExit) as end:
+            command_line(command.split()).parse_args([*command.split(), "--help"])
+        assert end.value.code == 0, command
+
+
+def test_the_maps_in_rviz_get_what_was_published_before() -> None:
+    """RTAB-Map and the costmaps publish their maps once, for subscribers that may come later."""
+    whole = yaml.safe_load((_PACKAGE / "rviz" / "rover.rviz").read_text(encoding="utf-8"))
+    displays = whole["Visualization Manager"]["Displays"]
+    maps = {one["Topic"]["Value"]: one["Topic"] for one in displays if one["Class"] == "rviz_default_plugins/Map"}
+    assert sorted(maps) == ["global_costmap/costmap", "local_costmap/costmap", "map"]
+    assert {topic["Durability Policy"] for topic in maps.values()} == {"Transient Local"}
+    topics = [one.get("Topic", {}).get("Value", "") for one in displays]
+    assert not [topic for topic in topics if topic.startswith("/")], "in a namespace"
+
+
+def test_one_node_publishes_each_transform() -> None:
+    """RTAB-Map publishes map -> odom only where the filter of the map is not started, and its odometry nothing."""
+    config = {path.stem: yaml.safe_load(path.read_text(encoding="utf-8")) for path in _PACKAGE.glob("config/*.yaml")}
+    modes = [
+        config[f"rtabmap_{mode}"]["/**/rtabmap"]["ros__parameters"]["publish_tf"] for mode in ("slam", "landmarks")
+    ]
+    assert modes == [True, False]
+    assert config["rtabmap"]["/**/rgbd_odometry"]["ros__parameters"]["publish_tf"] is False
+    whole = yaml.safe_load((_PACKAGE / "launch" / "localization_launch.yaml").read_text(encoding="utf-8"))["launch"]
+    (outer,) = (action["group"] for action in whole if "group" in action)
+    (inner,) = (action["group"] for action in outer if "group" in action)
+    assert inner["if"] == "$(var map_filter)"
+    assert "ekf_filter_node_map" in [node["node"]["name"] for node in inner["children"]]

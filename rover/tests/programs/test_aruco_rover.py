@@ -1,0 +1,151 @@
+"""The pose of a rover: the cameras of a file, mounts from the file or from /tf_static, and what is published."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from needs import NO_OPENCV, needs_dds
+from node_in_memory import hear
+from polling import wait_until
+from repeating import repeated
+
+from roverlink.__main__ import main
+from roverlink.runtime import Qos
+from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
+
+cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
+np = pytest.importorskip("numpy", reason=NO_OPENCV)
+
+from driven_film import Field, lines  # noqa: E402  # they need OpenCV
+from roverkit.vision.frames import TopicSets  # noqa: E402
+
+from generated.messages import BasestationRoverLocalization  # noqa: E402
+from rover.bench.vision.circling_film import rover_position  # noqa: E402
+from rover.tests.vision.d435i import COLOUR, DEPTH, INFO, RenderedD435i  # noqa: E402
+from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs  # noqa: E402
+
+_FRAMES = 3
+
+
+@pytest.fixture
+def field(tmp_path: Path) -> Field:
+    """A short drive, and a file of cameras with the drive."""
+    return Field.written(tmp_path, _FRAMES)
+
+
+def _words(field: Field, *more: object) -> list[str]:
+    return field.words(*more, source=field.folder / "cameras.yaml")
+
+
+def _with_a_second_camera(field: Field, mount: str = "[0, 0, 0.6]") -> None:
+    text = (field.folder / "cameras.yaml").read_text()
+    (field.folder / "cameras.yaml").write_text(
+        f"{text}  left:\n    source: frames\n    rate: 10\n    parameters: camera.yml\n    frame: left_eye\n"
+        f"    mount: {{position: {mount}, rpy: [0, 0, 0]}}\n"
+    )
+
+
+def test_the_mount_of_a_camera_gives_the_rover_s_pose(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each frame says where the camera and the rover are; a file of one camera is enough."""
+    views, _ = lines(capsys, _words(field, "--json"))
+    assert len(views) == _FRAMES
+    for view in views:
+        truth = field.film.truth[view["frame"]]
+        assert (view["name"], view["frame_id"]) == ("front", "front_optical_frame")
+        assert np.linalg.norm(view["camera"]["position"] - truth.translation) < 0.01
+        assert np.linalg.norm(view["rover"]["position"] - rover_position(truth)) < 0.01
+        assert (view["rover"]["stamp"], view["rover"]["frame"]) == (view["stamp"], "map")
+
+
+def test_frames_of_two_cameras_give_one_pose(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """The landmarks of both are used together, so the covariance is smaller than that of one camera alone."""
+    alone, _ = lines(capsys, _words(field, "--json"))
+    _with_a_second_camera(field)
+    views, told = lines(capsys, _words(field, "--json"))
+    assert [view["name"] for view in views] == ["front", "left"] * _FRAMES
+    assert {view["frame_id"] for view in views} == {"front_optical_frame", "left_eye"}
+    assert "left: found landmark 7" in told
+    for view in views:
+        assert ("rover" in view) == (view["name"] == "left")
+    for one, both in zip(alone, views[1::2], strict=True):
+        assert both["rover"]["used"] == [7, 8, 9, 10] * 2
+        assert np.linalg.norm(both["rover"]["position"] - rover_position(field.film.truth[both["frame"]])) < 0.01
+        assert both["rover"]["covariance"][0] < 0.8 * one["rover"]["covariance"][0]
+
+
+def test_cameras_that_contradict_each_other_give_no_pose(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """If a mount is wrong, it is unknown which one: this is told once, and no position is given."""
+    _with_a_second_camera(field, "[0, 0.3, 0.6]")
+    views, told = lines(capsys, _words(field, "--json"))
+    assert all("position" not in view["rover"] for view in views[1::2])
+    assert told.count("contradict each other; there is no pose until most of them agree") == 1
+
+
+def test_a_camera_without_a_mount_is_told(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """Where no ROS 2 could give it, the rover's pose comes from the other cameras, without delay."""
+    _with_a_second_camera(field)
+    whole = (field.folder / "cameras.yaml").read_text()
+    (field.folder / "cameras.yaml").write_text(whole[: whole.rindex("    mount:")])
+    views, told = lines(capsys, _words(field, "--json"))
+    assert "camera left has no mount, so the pose of the rover is computed without it; add 'mount' to" in told
+    assert [view["rover"]["stamp"] for view in views if "rover" in view] == [view["stamp"] for view in views[::2]]
+
+
+def test_each_camera_has_its_film(field: Field) -> None:
+    """The name of the camera is in the name of the file."""
+    _with_a_second_camera(field)
+    assert main(_words(field, "--save", field.folder / "seen.avi")) == 0
+    for name in ("front", "left"):
+        capture = cv2.VideoCapture(str(field.folder / f"seen_{name}.avi"))
+        assert sum(capture.grab() for _ in range(_FRAMES + 1)) == _FRAMES
+
+
+@contextmanager
+def _driver(node: Middleware, camera: RenderedD435i) -> Iterator[None]:
+    """A driver that publishes images, and the rover's description."""
+    qos = Qos(depth=5)
+    publishers = [
+        node.publisher(topic, message_type, qos)
+        for topic, message_type in (
+            (COLOUR, sensor_msgs.Image),
+            (DEPTH, sensor_msgs.Image),
+            (INFO, sensor_msgs.CameraInfo),
+        )
+    ]
+    static = node.publisher("/tf_static", tf2_msgs.TFMessage, Qos(depth=1, durability="transient_local"))
+    static.publish([cdr.encode(camera.transforms)])
+
+    def publish(number: int) -> None:
+        for publisher, message in zip(publishers, camera.messages(number), strict=True):
+            publisher.publish([cdr.encode(message)])
+
+    with repeated(publish):
+        yield
+
+
+@needs_dds
+def test_a_d435i_says_where_base_link_is(field: Field) -> None:
+    """The pose comes from images over DDS and the transforms on /tf_static; the basestation gets the same."""
+    camera = RenderedD435i(8)
+    with open_middleware("dds", NodeIdentity("driver")) as node, _driver(node, camera):
+        poses = hear(node, "/aruco/pose", geometry_msgs.PoseWithCovarianceStamped, Qos(depth=100))
+        positions = hear(node, "/rover_localization", BasestationRoverLocalization, Qos(depth=100))
+        assert main(field.words("--middleware", "dds", "--count", 30, source=f"topic:{COLOUR}")) == 0
+        wait_until(lambda: len(poses) >= 20 and positions, "poses of the rover")
+        with TopicSets(node, [COLOUR, DEPTH, INFO], print) as sets:
+            colour, depth, _ = next(iter(sets))
+    inside = []
+    for one in poses:
+        stamp = one.header.stamp.sec * 10**9 + one.header.stamp.nanosec
+        place = one.pose.pose.position
+        assert one.header.frame_id == "map"
+        inside.append(camera.is_inside(stamp, (place.x, place.y, place.z), one.pose.covariance))
+    assert np.mean(inside) > 0.8
+    found = {(one.pose.pose.position.x, one.pose.pose.position.y) for one in poses}
+    assert any(np.hypot(*(np.subtract((place.x, place.y), one))) < 1e-5 for place in positions for one in found)
+    assert colour.stamp == depth.stamp
+    assert depth.pixels.min() < 3500 < depth.pixels.max()

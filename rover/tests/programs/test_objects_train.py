@@ -1,0 +1,74 @@
+"""``roverlink objects render``, ``train`` and ``measure``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from needs import NO_ONNX, NO_OPENCV, needs_jax
+
+from roverlink.__main__ import main
+
+cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
+pytest.importorskip("onnxruntime", reason=NO_ONNX)
+
+
+@pytest.fixture(scope="module")
+def scenes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with 16 rendered images."""
+    folder = tmp_path_factory.mktemp("objects") / "scenes"
+    assert main(["objects", "render", str(folder), "--images", "16", "--seed", "7"]) == 0
+    return folder
+
+
+def _refused(capsys: pytest.CaptureFixture[str], *words: object) -> str:
+    capsys.readouterr()
+    assert main(["objects", *map(str, words)]) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    return line
+
+
+def test_rendered_scenes_are_a_folder_to_learn_from(scenes: Path) -> None:
+    """Every eighth image is for the measurement, and each has a file of labels."""
+    assert len(list((scenes / "images/train").iterdir())) == 14
+    assert len(list((scenes / "labels/val").iterdir())) == 2
+    assert "names: [rock, main_switch," in (scenes / "data.yaml").read_text()
+
+
+@needs_jax
+@pytest.mark.slow
+def test_a_network_is_trained_and_measured(scenes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The file is a model for `measure` and `track`; the result has each class of the images."""
+    model = tmp_path / "m.onnx"
+    words = ("--out", str(model), "--epochs", "1", "--size", "128x96")
+    assert main(["objects", "train", str(scenes), *words]) == 0
+    out = capsys.readouterr().out.splitlines()
+    assert out[-1].split()[0] == "mAP50"
+    assert out[-1].endswith("(2 images)")
+    assert main(["objects", "measure", str(scenes), "--model", str(model), "--json"]) == 0
+    result: Any = json.loads(capsys.readouterr().out)
+    assert set(result) == {"images", "mAP50", "AP50"}
+    assert [line.split()[0] for line in out[:-1]] == list(result["AP50"])
+    assert main(["objects", "track", str(scenes / "images/val"), "--model", str(model), "--json"]) == 0
+    assert list(tmp_path.iterdir()) == [model]
+
+
+@needs_jax
+def test_a_file_of_somebody_else_stays(scenes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The exit code is 2."""
+    other = tmp_path / "other.onnx"
+    other.write_text("somebody's")
+    assert f"{other} exists, and" in _refused(capsys, "train", scenes, "--out", other)
+    assert other.read_text() == "somebody's"
+
+
+def test_other_classes_are_refused(scenes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A measurement would be 0 for each class."""
+    np = pytest.importorskip("numpy")
+    pytest.importorskip("onnx", reason=NO_ONNX)
+    from rover.tests.vision.onnx_models import write
+
+    model = write(tmp_path / "m.onnx", {"output0": np.zeros((1, 6, 84), np.float32)}, metadata={"names": ["a", "b"]})
+    assert "those of m.onnx are a, b; give both the same names" in _refused(capsys, "measure", scenes, "--model", model)

@@ -1,0 +1,156 @@
+"""``roverlink rocks measure``: requests of the basestation, depth images over ROS 2, and the answers."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import threading
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from typing import Any
+
+import pytest
+from needs import NO_OPENCV
+from node_in_memory import NodeInMemory
+from polling import wait_until
+from repeating import repeated
+
+from generated.messages import BasestationRockMeasureRequest, BasestationRockMeasureResult
+from generated.registry import REGISTRY
+from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware import Middleware
+
+cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
+np = pytest.importorskip("numpy", reason=NO_OPENCV)
+
+from roverkit.rocks.camera_parameters import CameraTopicParameters  # noqa: E402
+from roverkit.rocks.measuring import Answering  # noqa: E402
+from roverkit.rocks.rock_rows import RockRows  # noqa: E402
+from roverkit.vision.frames import depth_camera  # noqa: E402
+from roverkit.vision.frames.depth_camera import DepthCamera  # noqa: E402
+
+from rover.bench.vision.rock_scenes import RockScene, camera, scenes  # noqa: E402  # they need OpenCV
+from rover.tests.vision.ros_images import Camera, camera_info, image  # noqa: E402
+from roverlink.runtime.interfaces.sensor_msgs import CameraInfo  # noqa: E402
+
+_COLOUR = "/camera/camera/color/image_raw"
+_PERIOD = 33_333_333
+_BEGAN = 1_700_000_000_000_000_000
+
+
+@pytest.fixture(scope="module")
+def scene() -> RockScene:
+    """A rock before the depth camera."""
+    return next(scenes(1, 4))
+
+
+@contextmanager
+def _driver(node: Middleware, scene: RockScene, namespace: str = "/camera/camera", **fields: Any) -> Iterator[None]:
+    """A driver that publishes the depth of a scene in millimetres, and the parameters of the colour camera."""
+    depths = Camera(node, f"{namespace}/aligned_depth_to_color/image_raw")
+    infos = Camera(node, f"{namespace}/color/camera_info", CameraInfo)
+    millimetres = np.rint(1000 * np.nan_to_num(scene.depth)).astype(np.uint16)
+
+    def publish(number: int) -> None:
+        stamp = _BEGAN + _PERIOD * number
+        info = camera_info(camera(), stamp)
+        for name, value in fields.items():
+            setattr(info, name, value)
+        depths.publish(image(millimetres, "16UC1", stamp))
+        infos.publish(info)
+
+    with repeated(publish):
+        yield
+
+
+def _is_size(scene: RockScene, result: BasestationRockMeasureResult) -> bool:
+    return result.length_cm == pytest.approx(100 * scene.length, rel=0.04) and result.width_cm == pytest.approx(
+        100 * scene.width, rel=0.08
+    )
+
+
+class _Measuring(NodeInMemory):
+    """The program without its command line."""
+
+    def __init__(self, held: ExitStack, *, depth: str | None = None, camera_info: str | None = None) -> None:
+        words = argparse.Namespace(camera=_COLOUR, depth=depth, camera_info=camera_info)
+        super().__init__(held, "rock_measurement", (), lambda *given: CameraTopicParameters(words, *given))
+        self._camera = DepthCamera(self.connection, lambda: self.parameters.meaning, self.logger.warning)
+        self._answers: list[bytes] = []
+        self._answering = Answering(self._camera, RockRows(REGISTRY), self._answers.extend, self.logger, as_json=False)
+        threading.Thread(target=self._camera.receive, daemon=True).start()
+
+    def answer(self, scene: RockScene) -> BasestationRockMeasureResult:
+        """The answer to a request with the line of a scene."""
+        self._answering.take([cdr.encode(BasestationRockMeasureRequest(*scene.line))])
+        return cdr.decode(BasestationRockMeasureResult, self._answers.pop())
+
+    def reason(self, scene: RockScene, what: str) -> str:
+        """Wait until the answer is no size, for a reason with a text."""
+
+        def reason() -> str:
+            assert math.isnan(self.answer(scene).length_cm)
+            return self.log[-1] if what in self.log[-1] else ""
+
+        return wait_until(reason, what)
+
+    def ignores(self, data: bytes) -> bool:
+        """True if there is no answer to a message."""
+        self._answering.take([data])
+        return not self._answers
+
+
+def test_ros_2_selects_the_camera(scene: RockScene) -> None:
+    """Another camera has its own depth and parameters; that of the old one is not used any more."""
+    with ExitStack() as held:
+        measuring = _Measuring(held)
+        held.enter_context(_driver(measuring.middleware, scene))
+        wait_until(lambda: _is_size(scene, measuring.answer(scene)), "a size")
+        measuring.parameters.change({"camera": "/right/color/image_raw"})
+        assert math.isnan(measuring.answer(scene).length_cm)
+        assert "no depth came on /right/aligned_depth_to_color/image_raw" in measuring.log[-1]
+        held.enter_context(_driver(measuring.middleware, scene, "/right"))
+        wait_until(lambda: _is_size(scene, measuring.answer(scene)), "a size")
+
+
+def test_an_old_depth_image_is_not_measured(scene: RockScene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """When the camera has stopped, the rover may have moved."""
+    with ExitStack() as held:
+        measuring = _Measuring(held)
+        with _driver(measuring.middleware, scene):
+            wait_until(lambda: _is_size(scene, measuring.answer(scene)), "a size")
+        monkeypatch.setattr(depth_camera, "STALLED_S", 0.0)
+        assert math.isnan(measuring.answer(scene).length_cm)
+        assert "no size of the rock (no_image)" in measuring.log[-1]
+
+
+def test_a_camera_that_is_not_calibrated_gives_no_size(scene: RockScene) -> None:
+    """The reason names the topic and the cure."""
+    with ExitStack() as held:
+        measuring = _Measuring(held)
+        held.enter_context(_driver(measuring.middleware, scene, k=[0.0] * 9))
+        assert measuring.reason(scene, "/camera/camera/color/camera_info: the camera is not calibrated")
+
+
+def test_the_topics_may_be_named(scene: RockScene) -> None:
+    """Colour images as depth are no depth, and the reason says so."""
+    with ExitStack() as held:
+        measuring = _Measuring(held, depth="/grey", camera_info="/info")
+        grey, infos = Camera(measuring.middleware, "/grey"), Camera(measuring.middleware, "/info", CameraInfo)
+        held.enter_context(
+            repeated(
+                lambda number: (
+                    grey.publish(image(np.zeros((480, 640), np.uint8), "mono8", _BEGAN + _PERIOD * number)),
+                    infos.publish(camera_info(camera(), _BEGAN + _PERIOD * number)),
+                )
+            )
+        )
+        assert measuring.reason(scene, "an image with the encoding mono8 shows no depths")
+
+
+def test_a_damaged_request_is_told() -> None:
+    """There is nothing to answer."""
+    with ExitStack() as held:
+        measuring = _Measuring(held)
+        assert measuring.ignores(b"\0\1\0\0\1")
+        assert measuring.log[-1].startswith("ignoring a request that cannot be read: ")

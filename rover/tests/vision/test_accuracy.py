@@ -1,0 +1,132 @@
+"""What the bench measures, with few poses and wide margins; the slow tests measure as much as was promised."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from statistics import mean
+
+import cv2
+import numpy as np
+import pytest
+from needs import NO_ONNX
+from roverkit.vision import CameraParameters, MarkerSet, Tracker
+
+from rover.bench.vision import nothing
+from rover.bench.vision.accuracy import OURS, Accuracy, measure_size, nees_band
+from rover.bench.vision.consistency import DEGRADATIONS, GOAL, IMAGE, measure_degradation
+from rover.bench.vision.lenses import measure_runs as measure_lenses
+
+GOALS = {24: (95, 0.3, 1.5, 0.7, np.inf), 48: (99, 0.08, 0.25, 0.12, 0.6), 96: (99, 0.04, 0.10, 0.06, 0.25)}
+"""By side in pixels: detected %, translation median and p95 in %, rotation median and p95 in degrees."""
+ROOM = Path(__file__).parents[4] / "shared" / "photos" / "room"  # Photographs that nobody of this project took
+APRILTAG = "OpenCV APRILTAG"
+BY_NAME = {one.name: one for one in DEGRADATIONS}
+
+
+def is_chance(nees: float, count: int) -> bool:
+    """True if a mean squared error of poses is in its band, widened to 99.9 %."""
+    low, high = nees_band(count)
+    return 6 - 1.7 * (6 - low) < nees < 6 + 1.7 * (high - 6)
+
+
+def check(side_px: int, poses: int, least_detected: float) -> Accuracy:
+    """Measure poses, and compare them with the goals."""
+    (found,) = (one for one in measure_size(side_px, poses, names=[OURS]) if one.contestant == OURS)
+    _, *goals = GOALS[side_px]
+    assert found.detected >= least_detected
+    assert found.false_ids == 0
+    assert found.flips <= (0 if side_px >= 48 else 3)  # %; below, one frame cannot always decide
+    figures = found.translation_median, found.translation_p95, found.rotation_median, found.rotation_p95
+    assert np.less(figures, goals).all(), figures
+    return found
+
+
+def test_poses_are_as_accurate_as_promised() -> None:
+    """A dozen poses at 48 px; one may be missed."""
+    check(48, 12, 100 * 11 / 12 - 0.01)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("side_px", GOALS)
+def test_poses_are_as_accurate_as_promised_over_many(side_px: int) -> None:
+    """Two hundred poses reach the goals, and the NEES its band."""
+    assert is_chance(check(side_px, 200, GOALS[side_px][0]).nees, 200)
+
+
+@pytest.mark.skipif(not ROOM.is_dir(), reason="need the photographs of a room (../shared/photos)")
+def test_markers_in_photographs_are_seen_and_nothing_else() -> None:
+    """On the walls of a room: most that a person listed, and no other; and of another dictionary, none."""
+    camera = CameraParameters(np.array([[700.0, 0, 408], [0, 700, 306], [0, 0, 1]]), np.zeros(5), (816, 612))
+    listed = [line.split() for line in (ROOM / "markers.txt").read_text(encoding="utf-8").splitlines()]
+    found = []
+    for name, *ids in listed:
+        image = cv2.imread(str(ROOM / name), cv2.IMREAD_GRAYSCALE)
+        seen = [str(one.id) for one in Tracker(camera, MarkerSet("DICT_APRILTAG_36h11"), scan_every=1).track(image, 0)]
+        assert set(seen) <= set(ids), name
+        assert Tracker(camera, MarkerSet(), scan_every=1).track(image, 0) == (), name
+        found += [one in seen for one in ids]
+    assert np.mean(found) > (0.7 if cv2.__version__.startswith("4") else 0.9)  # OpenCV 4 finds fewer outlines
+
+
+@pytest.mark.parametrize("frames", [8, pytest.param(500, marks=pytest.mark.slow)])
+def test_nothing_is_seen_where_nothing_is(frames: int) -> None:
+    """Rendered textures, boxes and chequers are no markers."""
+    assert nothing.measure(frames, lambda _: None).data["false_ids"][OURS] == 0
+
+
+@pytest.mark.parametrize("name", ["white balance, clipped", "JPEG q20", "print of 100 px", "side 1 % too small"])
+def test_covariances_are_never_far_too_confident(name: str) -> None:
+    """The mean NEES of some markers of 48 px stays below that of standard deviations that are 4 times too small."""
+    (ours,) = measure_degradation(BY_NAME[name], 48, 5, (OURS,))
+    assert ours.count == 5
+    assert ours.too_confident < GOAL
+
+
+def test_corners_are_better_than_those_of_apriltag() -> None:
+    """A blur along one direction is part of the model of the edge fit."""
+    ours, other = measure_degradation(BY_NAME["motion blur 6 px"], 96, 6, (IMAGE, APRILTAG))
+    assert ours.translation_median < other.translation_median
+    assert ours.rotation_median < other.rotation_median
+
+
+@pytest.mark.exhaustive
+def test_the_intervals_of_all_lenses_hold_the_truth() -> None:
+    """From images, with a narrow, a wide and a fisheye lens."""
+    ours = [run for run in measure_lenses(2) if run.contestant == OURS]
+    assert np.mean([run.inside for run in ours]) >= 0.9
+    assert max(run.projection for run in ours) < 0.3
+
+
+def test_the_shipped_model_is_small_and_names_its_classes() -> None:
+    """So it needs no classes.yaml."""
+    pytest.importorskip("onnxruntime", reason=NO_ONNX)
+    from roverkit.objects.detector import ObjectDetector
+    from roverkit.objects.scenes import CLASSES
+    from roverkit.objects.shipped_model import PATH
+
+    assert PATH.stat().st_size < 5_000_000
+    assert ObjectDetector(PATH).class_names == CLASSES
+
+
+@pytest.mark.exhaustive
+def test_the_shipped_model_finds_the_objects_of_other_scenes() -> None:
+    """With another seed than that of the training, mAP50 is at least 0.9 and IDF1 0.95.
+
+    If a fifth of the boxes is missing, IDF1 is at least 0.8 (0.89 is the largest possible).
+    """
+    for module in ("onnx", "onnxruntime", "scipy"):
+        pytest.importorskip(module, reason=NO_ONNX)
+    from roverkit.objects.detector import ObjectDetector
+    from roverkit.objects.metrics import average_precisions
+    from roverkit.objects.object_tracker import ObjectTracker
+    from roverkit.objects.scenes import scenes
+    from roverkit.objects.shipped_model import PATH
+
+    from rover.bench.vision.objects import detected, idf1, perfect, sequences
+
+    all_of, sure = ObjectDetector(PATH, score=0.01), ObjectDetector(PATH)
+    truths = ((scene.image, [(one.class_name, one.box) for one in scene.objects]) for scene in scenes(77, 150))
+    assert mean(average_precisions((all_of.detect(image), truth) for image, truth in truths).values()) >= 0.9
+    films = list(sequences(4, 45))
+    assert mean(idf1(detected(film, sure), ObjectTracker()) for film in films) >= 0.95
+    assert min(idf1(perfect(film, 0.2), ObjectTracker()) for film in films) >= 0.8

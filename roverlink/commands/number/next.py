@@ -1,0 +1,64 @@
+"""``roverlink number next``: print the number that the next payload of the envelope should get."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from roverlink.console import UNABLE, Subparsers, command
+from roverlink.diagnostic_text import show_error
+from roverlink.generator.diagnostics import DiagnosticsError
+from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.project import Question
+from roverlink.generator.table import LARGEST_NUMBER
+from roverlink.lint_scope import add_subject, folder_of, in_repository, linted, print_limits
+from roverlink.progress import progress
+
+
+def add(commands: Subparsers) -> None:
+    """Add the command and its options to the command line."""
+    parser = command(
+        commands,
+        "next",
+        "print the envelope number for the next payload, and why other numbers are skipped",
+        "roverlink number next",
+        "Print the number for the next payload of the envelope, the protobuf message that holds each payload in a\n"
+        "oneof. Use it if you write a row of mapping.yaml yourself; `roverlink add` uses this number on its own.\n\n"
+        "The number is greater than all numbers in use, and it was never used before: it is not in mapping.yaml or\n"
+        "mapping.lock, not reserved or commented out in the envelope, not in git's history, and not on another\n"
+        "branch. If numbers are skipped, the reasons are printed on standard error.",
+    )
+    add_subject(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the next number on standard output, and the reasons for skipped numbers on standard error."""
+    try:
+        with progress("reading history") as report:
+            question = Question(branches=in_repository(folder_of(arguments)), envelope=True, report=report)
+            found = linted(arguments, question)
+    except DiagnosticsError as error:
+        show_error(error, folder_of(arguments), sys.stderr)
+        return UNABLE
+    code = print_limits(found, found.context.table.envelope.message)
+    if found.context.past is None:
+        print("not a git repository, so the history was not checked", file=sys.stderr)
+    envelope, schema = found.context.table.envelope, found.context.schema
+    if schema and envelope.message in schema.messages and not envelope.oneof:
+        print(f"{envelope.message!r} has no oneof, so all its fields count as payloads", file=sys.stderr)
+    print_skipped(found.context)
+    number = found.context.next_number()
+    if number > LARGEST_NUMBER:
+        print(f"no number is left: numbers end at {LARGEST_NUMBER}", file=sys.stderr)
+        return UNABLE
+    print(number)
+    return code
+
+
+def print_skipped(context: Context) -> None:
+    """Print on standard error the numbers skipped before the next free one, each with the reason: ``14 is retired``."""
+    largest, number = context.largest_number(), context.next_number()
+    for start in [largest + 1] if number > largest else [largest + 1, 1]:
+        for first, last, why in context.occupied(start):
+            print(f"{first if first == last else f'{first} to {last}'} {why}", file=sys.stderr)
