@@ -28,6 +28,10 @@ ELSEWHERE = {
     "check-launch": ("check-launch",),
 }
 """Names of the commands that other packages of this repository add."""
+FOLDERS = {"roverkit": "rover", "check-launch": "check_launch"}
+"""Folders of these packages in the repository."""
+COMMANDS = tuple(name for names in (*GROUPS.values(), *ELSEWHERE.values()) for name in names)
+"""Names of all commands."""
 ENTRY_POINTS = "roverlink.commands"
 """Group of entry points of the packages that add commands: each is a module with a function ``add``."""
 
@@ -162,7 +166,8 @@ class _Parser(argparse.ArgumentParser):
         if action is self._commands:
             package = next((name for name, commands in ELSEWHERE.items() if value in commands), None)
             if package and not self.prog.count(" "):
-                raise argparse.ArgumentError(None, f"{value!r} is a command of {package}: pip install {package}")
+                cure = f"install it from roverlink's repository with `pip install ./{FOLDERS[package]}`"
+                raise argparse.ArgumentError(None, f"{value!r} is a command of {package}; {cure}")
             raise argparse.ArgumentError(None, f"unknown command {_with_hint(value, action.choices)}")
         raise argparse.ArgumentError(action, f"unknown value {_with_hint(value, action.choices)}")
 
@@ -195,7 +200,7 @@ def _parser(arguments: Sequence[str] | None, parser_class: type[argparse.Argumen
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="show the version of roverlink and exit")
     parser.set_defaults(takes_ros_args=False, runs_until_stopped=False)
-    commands = parser.add_subparsers(required=True, metavar="command", parser_class=parser_class)
+    commands = parser.add_subparsers(required=True, metavar="command", prog="roverlink", parser_class=parser_class)
     own = {name: f"roverlink.commands.{name.replace('-', '_')}" for group in GROUPS.values() for name in group}
     # Only the first argument names a command: `roverlink explain run` calls `explain`.
     first = next(iter(arguments or ()), "")

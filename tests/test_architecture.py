@@ -16,16 +16,18 @@ ROOT = Path(__file__).parents[1]
 _SHARED_NAMES = {
     *("conversions", "handlers", "interfaces", "messages", "registry"),  # of each target
     *("extra_topics", "reader", "__main__", "board"),  # of target and bridge, table and recording, command and output
-    *("track", "send", "measure", "run"),  # commands: of markers and objects, datagrams and video, rocks, missions
+    *("track", "send", "measure", "run", "command"),  # commands: of markers and objects, datagrams and video, rocks
 }
-LINKED = ("generator", "runtime", "vision", "driving", "launch_check")
+LINKED = ("generator", "runtime")
 """Folders of the repository that are imported as `roverlink.<folder>`."""
+PRODUCTS = ("rover/roverkit", "check_launch/check_launch")
+"""Packages of the other products of the repository."""
 
 
 @cache
 def _modules() -> dict[str, Path]:
     """Every module of ours by its import name."""
-    files = {path for folder in (*LINKED, "generated") for path in (ROOT / folder).rglob("*.py")}
+    files = {path for folder in (*LINKED, "generated", *PRODUCTS) for path in (ROOT / folder).rglob("*.py")}
     files = {path for path in files if path.relative_to(ROOT).parts[1] != "ros"}  # generated/ros is run by ROS 2
     own = [path for path in (ROOT / "roverlink").iterdir() if not path.is_symlink()]
     files |= {path for entry in own for path in ([entry] if entry.suffix == ".py" else entry.rglob("*.py"))}
@@ -33,8 +35,9 @@ def _modules() -> dict[str, Path]:
 
 
 def _import_name(path: Path) -> str:
-    name = ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
-    return f"roverlink.{name}" if name.split(".")[0] in LINKED else name
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    name = ".".join(parts[1:] if "/".join(parts[:2]) in PRODUCTS else parts).removesuffix(".__init__")
+    return f"roverlink.{name}" if parts[0] in LINKED else name
 
 
 @cache
@@ -89,10 +92,26 @@ def test_parts_import_only_what_the_table_allows() -> None:
         f"{module} imports {other}"
         for module in _modules()
         for other in sorted(_imports(module))
-        if not _is_below(_part(other), _part(module))
+        if _part(module) not in PRODUCTS
+        and not _is_below(_part(other), _part(module))
         and not any(_is_below(_part(other), allowed) for allowed in _table()[_part(module)])
     ]
     assert crossings == []
+
+
+@pytest.mark.parametrize("product", PRODUCTS)
+def test_other_products_import_what_is_public(product: str) -> None:
+    """The packages roverkit and check-launch stand on the modules that docs/public-api.md lists, and on no other of ours."""
+    page = (ROOT / "docs" / "public-api.md").read_text(encoding="utf-8")
+    public = set(re.findall(r"^\| `([\w.*]+)` \|", page, re.MULTILINE))
+    crossings = {
+        f"{module} imports {other}"
+        for module in _modules()
+        for other in _imports(module)
+        if _part(module) == product != _part(other)
+        if other not in public and not any(f"{other}.".startswith(name[:-1]) for name in public if name.endswith(".*"))
+    }
+    assert crossings == set()
 
 
 def test_no_module_is_part_of_an_import_cycle() -> None:

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Iterator
 
 from roverlink.command_line import COMMANDS, command_line
+from roverlink.console import SUMMARY
 
 INDEX = "reference/commands/index.md"
 
@@ -24,8 +25,10 @@ def pages() -> dict[str, str]:
     """Return the pages of all commands, and the list of them, by path."""
     parser = command_line()
     commands = _subcommands(parser)
-    summaries = {choice.dest: choice.help for choice in commands._choices_actions}  # argparse keeps them nowhere else
-    rows = [f"| [`roverlink {name}`]({name}.md) | {_cell(summaries[name] or '')} |" for name in commands.choices]
+    rows = [
+        f"| [`roverlink {name}`]({name}.md) | {_cell(one.get_default(SUMMARY))} |"
+        for name, one in commands.choices.items()
+    ]
     overview = ["# Commands", "", "| command | what it does |", "|---|---|", *rows, ""]
     texts = {path(name): "\n".join(_page(one)) for name, one in commands.choices.items()}
     return {INDEX: "\n".join(overview), **texts}

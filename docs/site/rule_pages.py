@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import groupby
 
-from check_launch.rules.launch_rules import launch_rules
-
+from roverlink.commands.explain import all_rules
 from roverlink.generator.diagnostics import Rule
-from roverlink.generator.rule_catalogue import rules
 
 INDEX = "reference/rules/index.md"
-_RULES = dict(sorted({**rules(), **launch_rules()}.items()))
+_RULES = dict(sorted(all_rules().items()))
 IDS = frozenset(_RULES)
 _SUBJECTS = {
     "ADO": "taking over a tree of protos",

@@ -32,7 +32,7 @@ class DemoSetting:
 
 
 class DemoPart:
-    """Part of a demo that sends messages of its own, or shows something. Methods that a part does not need do nothing."""
+    """Part of a demo that sends messages of its own, or shows something. Its methods do nothing if it needs none."""
 
     rows: Collection[str] = ()
     """Names of the rows whose messages the part sends; the demo sends no example values for them."""

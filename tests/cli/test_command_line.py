@@ -15,8 +15,9 @@ from programs import Start
 from running import exit_code, record_one_message
 
 from roverlink.__main__ import main
-from roverlink.command_line import COMMANDS, command_line
+from roverlink.command_line import COMMANDS, ELSEWHERE, ENTRY_POINTS, GROUPS, command_line
 from roverlink.console import NoProjectError, node_logger, project_folder
+from roverlink.installed_packages import entry_points
 from roverlink.runtime.ros_arguments import ros_args
 
 _SUBCOMMANDS = [
@@ -28,6 +29,7 @@ _SUBCOMMANDS = [
 ]
 
 _ROOT = Path(__file__).parents[2]
+_OWN = [name for names in GROUPS.values() for name in names]
 
 
 @pytest.mark.parametrize("command", [*COMMANDS, *_SUBCOMMANDS])
@@ -48,11 +50,36 @@ def test_every_help_has_an_example(
 
 
 def test_the_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
-    """Without a command, the help lists all of them."""
+    """The help lists all commands by their job; so does `roverlink` alone, which is not a success."""
     assert exit_code("--help") == 0
     text = capsys.readouterr().out
     assert "example: " in text
-    assert re.findall(r"^    (\S+)", text, re.MULTILINE) == list(COMMANDS)
+    listed = re.findall(r"^  ([a-z]\S+) ", text, re.MULTILINE)
+    assert sorted(listed) == sorted(COMMANDS)
+    assert listed[: len(_OWN)] == _OWN
+    assert (exit_code(), capsys.readouterr().out) == (2, text)
+
+
+def test_a_command_of_a_package_that_is_not_installed_is_named(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`roverlink aruco` without roverkit says how to install roverkit; the help lists roverlink's own commands."""
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())
+    assert exit_code("aruco", "track", "0") == 2
+    assert (
+        "'aruco' is a command of roverkit; install it from roverlink's repository with `pip install ./rover`"
+        in capsys.readouterr().err
+    )
+    assert exit_code("--help") == 0
+    assert re.findall(r"^  ([a-z]\S+) ", capsys.readouterr().out, re.MULTILINE) == _OWN
+
+
+def test_the_packages_add_the_commands_that_roverlink_names() -> None:
+    """What roverlink says about commands of other packages is what these packages declare."""
+    added = {
+        name: {entry.name for entry in entry_points(ENTRY_POINTS) if entry.dist.name == name} for name in ELSEWHERE
+    }
+    assert added == {name: set(commands) for name, commands in ELSEWHERE.items()}
 
 
 def test_the_version_is_the_package_s(capsys: pytest.CaptureFixture[str]) -> None:
@@ -126,7 +153,9 @@ print([name for name in sys.modules if name.startswith(slow)])
     assert done.stdout.splitlines()[1:] == ["[]"]
 
 
-@pytest.mark.parametrize("line", ["run", "replay a.mcap", "send imu_info", "listen --port 0", "simulate", "demo"])
+@pytest.mark.parametrize(
+    "line", ["run", "recording replay a.mcap", "send imu_info", "listen --port 0", "simulate", "demo"]
+)
 def test_outside_of_a_project_the_way_to_start_one_is_told(
     line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -141,7 +170,11 @@ def test_outside_of_a_project_the_way_to_start_one_is_told(
 @pytest.mark.parametrize(
     ("package", "line", "install"),
     [
-        ("pyarrow", "export {run} --topic imu_data --to parquet", "install it with `pip install 'pyarrow>=17'`"),
+        (
+            "pyarrow",
+            "recording export {run} --topic imu_data --to parquet",
+            "install it with `pip install 'pyarrow>=17'`",
+        ),
         (
             "prometheus_client",
             "run --middleware memory --metrics 0 --ros-args -p listen_port:=0",

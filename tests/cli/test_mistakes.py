@@ -15,9 +15,11 @@ from running import exit_code, record_one_message
 
 _HERE = Path(__file__).parent
 _ROOT = Path(__file__).parents[2]
+_FILES_OF_CASES = [_HERE / "mistakes.txt", _ROOT / "rover" / "tests" / "programs" / "mistakes.txt"]
 _CASES = [
     line.split(" | ")
-    for line in (_HERE / "mistakes.txt").read_text(encoding="utf-8").splitlines()
+    for file in _FILES_OF_CASES
+    for line in file.read_text(encoding="utf-8").splitlines()
     if line and not line.startswith("#")
 ]
 _IN_THE_FOLDER = {"aruco", "link", "objects", "video"}

@@ -18,15 +18,17 @@ _FILES = ("*.md", "*.py", "*.j2", "*.yml", "*.yaml", "*.toml", "Makefile")
 
 
 def _requirements() -> set[str]:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extras = project["optional-dependencies"].values()
-    all_of_them = [*project["dependencies"], *(one for extra in extras for one in extra)]
-    return {one.partition(";")[0].strip() for one in all_of_them}
+    found = set()
+    for product in ("", "rover", "check_launch"):
+        project = tomllib.loads((ROOT / product / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+        extras = project.get("optional-dependencies", {}).values()
+        found |= {*project["dependencies"], *(one for extra in extras for one in extra)}
+    return {one.partition(";")[0].strip() for one in found}
 
 
 def test_every_hint_names_a_package_that_is_required_or_a_place() -> None:
     """Behind `pip install` stands a path, an address or a requirement of pyproject.toml, and never roverlink's name."""
-    known = {one for one in _requirements() if not one.startswith("roverlink")}
+    known = {one for one in _requirements() if not one.startswith(("roverlink", "roverkit"))}
     known.add("build")  # the PyPA's tool, for `make dist`
     known.add("numpy<2")  # a requirement, too, for OpenCV before 4.10
     known |= {re.split(r"[<>=\[]", one)[0] for one in known}

@@ -9,12 +9,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from check_launch.rules.launch_rules import launch_rules
 from page import ROOT
 
 from roverlink.command_line import COMMANDS
+from roverlink.commands.explain import all_rules
 from roverlink.generator.ir import interfaces, model
-from roverlink.generator.rule_catalogue import rules
 
 
 def _build(project: Path, site: Path) -> subprocess.CompletedProcess[str]:
@@ -38,7 +37,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 def test_every_rule_command_and_class_is_there(pages: dict[str, str]) -> None:
     """A link to `reference/rules/ENV.html#env101` leads to the rule; commands show options, the bridge its classes."""
-    known = {**rules(), **launch_rules()}
+    known = all_rules()
     assert [id for id in known if f'id="{id.lower()}"' not in pages[f"reference/rules/{id[:3]}.html"]] == []
     commands = {Path(path).stem for path in pages if path.startswith("reference/commands/")}
     assert commands == {*COMMANDS, "index"}

@@ -16,7 +16,6 @@ from page import ROOT
 from roverkit.driving.drive_control import State
 from roverkit.driving.drive_parameters import PARAMETERS
 
-from roverlink.command_line import COMMANDS
 from roverlink.generator.emit import targets
 from roverlink.generator.table import Table, reader
 from roverlink.generator.table.parts import object_of
@@ -116,7 +115,7 @@ def test_navigation_lists_rules_and_arguments() -> None:
 
 def test_vision_lists_the_topics() -> None:
     """Those of `roverkit.vision.ros.publishing` and `rover_pose`, with their types."""
-    code = "".join(_page(f"vision/ros/{name}.py") for name in ("publishing", "rover_pose"))
+    code = "".join(_page(f"rover/roverkit/vision/ros/{name}.py") for name in ("publishing", "rover_pose"))
     topics = dict(re.findall(r"^\| (\S+) +\| (\w+/\w+)", code, re.MULTILINE))
     listed = dict(re.findall(r"^\| `([\w/]+)` \| `(\w+/\w+)`", _page("docs/vision.md"), re.MULTILINE))
     assert len(topics) == 7
@@ -135,11 +134,6 @@ def test_security_lists_the_reasons_of_signed_datagrams() -> None:
     reasons = [reason.value for reason in Reason]
     listed = re.findall(r"^\| `(\w+)` \|", section, re.MULTILINE)
     assert listed == reasons[reasons.index("unsigned") : reasons.index("ahead") + 1]
-
-
-def test_the_readme_lists_the_commands() -> None:
-    """Those of `roverlink --help`, in that order."""
-    assert [row.split()[1] for row in _rows("README.md", "command")] == list(COMMANDS)
 
 
 def test_what_development_names_exists() -> None:

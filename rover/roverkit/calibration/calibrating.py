@@ -31,8 +31,8 @@ from roverkit.calibration import (
     View,
 )
 from roverkit.calibration import calibrate as solve
+from roverkit.calibration.calibration_page import serve_page
 from roverkit.calibration.calibration_text import CalibrationText, JsonText, PlainText
-from roverkit.calibration.live_page import serve_page
 from roverkit.calibration.page.live_calibration import LiveCalibration
 from roverkit.calibration.report import report, write_report
 from roverkit.calibration.writing import write_calibration

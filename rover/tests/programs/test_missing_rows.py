@@ -16,7 +16,7 @@ from roverlink.runtime.core.errors import SetupError
 @pytest.mark.parametrize(
     ("module", "rows", "missing", "wrong", "fields"),
     [
-        ("drive.drive_rows", "DriveRows", "control_mode", "control_mode", "mode"),
+        ("driving.drive_rows", "DriveRows", "control_mode", "control_mode", "mode"),
         ("odometry.odometry_rows", "OdometryRows", "drive_progress", None, None),
         ("rocks.rock_rows", "RockRows", "rock_measure_request", "rock_measure_result", "length_cm, width_cm"),
         ("objects.object_rows", "ObjectSelectionRow", "object_selection", "object_selection", "object_id"),
@@ -28,7 +28,7 @@ def test_a_table_without_the_rows_is_refused(
 ) -> None:
     """The message names the row, or the field that its message lacks."""
     pytest.importorskip("cv2", reason=NO_OPENCV)
-    rows_of = getattr(import_module(f"roverlink.{module}"), rows)
+    rows_of = getattr(import_module(f"roverkit.{module}"), rows)
     others = tuple(handler for handler in REGISTRY.handlers if handler.route.name != missing)
     with pytest.raises(SetupError, match=f"the table has no row '{missing}' in the direction from a peer"):
         rows_of(replace(REGISTRY, handlers=others))
