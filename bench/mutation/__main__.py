@@ -27,7 +27,7 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m bench.mutation",
         description="Give a seeded sample of places in the code one small fault each, and count those that the tests "
-        "notice. The default tests that cover the line judge.",
+        "notice. The default and slow tests that cover the line judge.",
         epilog=EXAMPLE,
     )
     parser.add_argument(

@@ -51,6 +51,7 @@ def filmed(folder: Path, count: int, still: int) -> Path:
     return film
 
 
+@pytest.mark.slow
 def test_images_become_a_file_of_parameters(images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The camera is found to a thousandth; the file says how sure that is, and the image that is of no use is named."""
     out = tmp_path / "camera.yml"

@@ -127,6 +127,7 @@ def _driver(node: Middleware, camera: RenderedD435i) -> Iterator[None]:
         yield
 
 
+@pytest.mark.slow
 @needs_dds
 def test_a_d435i_says_where_base_link_is(field: Field) -> None:
     """The pose comes from images over DDS and the transforms on /tf_static; the basestation gets the same."""

@@ -187,6 +187,7 @@ def test_the_options_of_the_covariance_are_used(field: Field, capsys: pytest.Cap
             assert after["covariance"][14] > 2 * before["covariance"][14]
 
 
+@pytest.mark.slow
 @needs_dds
 def test_ros_2_hears_what_is_seen(field: Field) -> None:
     """Over DDS each topic has its message, under the names that were asked for, stamped with the time of the frame."""

@@ -138,6 +138,7 @@ def test_outside_of_a_project_the_way_to_start_one_is_told(
     assert "`roverlink init`" in errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("package", "line", "install"),
     [

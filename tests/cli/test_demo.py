@@ -106,6 +106,7 @@ def test_an_interrupted_demo_is_exit_code_130(start: Start) -> None:
     assert demo.interrupt() == 130
 
 
+@pytest.mark.slow
 def test_messages_that_do_not_cross_are_exit_code_1(capsys: pytest.CaptureFixture[str]) -> None:
     """Without any time nothing crosses: each message is named, and the exit code is 1."""
     assert main(["demo", "--seconds", "0", "--middleware", "memory"]) == 1

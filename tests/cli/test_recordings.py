@@ -53,6 +53,7 @@ def _recorded_messages(path: Path, topic: str) -> int:
     return 0
 
 
+@pytest.mark.slow
 def test_a_bridge_is_recorded(bridge: Bridge, peer: socket.socket, tmp_path: Path) -> None:
     """Every datagram and every message is on disk, in order; diagnostics are replayed only where they are asked for."""
     path = tmp_path / "run.mcap"

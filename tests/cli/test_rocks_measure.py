@@ -99,6 +99,7 @@ class _Measuring(NodeInMemory):
         return not self._answers
 
 
+@pytest.mark.slow
 def test_ros_2_selects_the_camera(scene: RockScene) -> None:
     """Another camera has its own depth and parameters; that of the old one is not used any more."""
     with ExitStack() as held:

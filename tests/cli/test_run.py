@@ -27,6 +27,7 @@ def _imu(number: float = 1.0) -> bytes:
     return REGISTRY.envelope(imu_info={"accel_x": number}).SerializeToString()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("middleware", ["memory", pytest.param("dds", marks=needs_dds)])
 def test_a_signal_stops_it_well(bridge: Bridge, peer: socket.socket, middleware: str, number: signal.Signals) -> None:

@@ -206,6 +206,7 @@ def test_link_messages_count_what_the_program_has_sent_since_its_start(names: li
     assert any(life for _, life in sent) == ("reboot" in names)
 
 
+@pytest.mark.slow
 def test_a_simulated_board_with_old_protos_is_named(done: Start, tmp_path: Path) -> None:
     """The report names each board whose schema differs, with its rows, and all sums agree."""
     project = write_project(tmp_path / "rover")

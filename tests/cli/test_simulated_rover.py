@@ -144,6 +144,7 @@ def test_a_command_that_is_no_number_is_ignored() -> None:
     assert (simulation.unsendable, simulation.sent.total()) == (85, 0)
 
 
+@pytest.mark.slow
 def test_the_program_is_a_peer_of_the_bridge(start: Start, peer: socket.socket) -> None:
     """Over UDP: it gets a command, and its reports come back; at the end it says where the rover is."""
     options = ("--to", f"127.0.0.1:{peer.getsockname()[1]}", "--listen", 0, "--middleware", "none", "--json")

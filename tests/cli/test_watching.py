@@ -45,6 +45,7 @@ def _speaking(port: int) -> Iterator[None]:
         yield
 
 
+@pytest.mark.slow
 @needs_dds
 def test_top_shows_the_bridge(bridge: Bridge, start: Start, called: Called) -> None:
     """As a page, and as JSON for scripts, from a second program; exit code 1 where no bridge is heard."""
@@ -131,6 +132,7 @@ async def _foxglove(address: str) -> tuple[list[dict[str, Any]], bytes]:
                     await connection.send(json.dumps(asked))
 
 
+@pytest.mark.slow
 def test_doctor_finds_what_is_wrong(called: Called, peer: socket.socket) -> None:
     """A port that is taken, and by whom; exit code 1. A host that does not resolve is a warning: it may boot later."""
     taken = peer.getsockname()[1]

@@ -56,6 +56,7 @@ def _bends(draw: st.DrawFn) -> list[Point]:
     return points
 
 
+@pytest.mark.slow
 @given(points=_bends(), aside=st.floats(-0.5, 0.5), yaw=st.floats(-0.7, 0.7))
 def test_a_path_with_bends_is_followed_to_its_end(points: list[Point], aside: float, yaw: float) -> None:
     """Also from a start beside it. On its way the rover stays near, and does not take short cuts."""

@@ -168,6 +168,7 @@ def _steps(link: FaultyLink) -> list[tuple[float, float]]:
     return [((new.at - old.at) / 1e9, new.pose.distance_to(old.pose)) for old, new in pairs]
 
 
+@pytest.mark.slow
 @given(_seeds, _faults, st.booleans())
 @settings(max_examples=5, derandomize=True)  # seed 102999 with lost=0.1, late=0.05 and no motors is off by 0.5 m
 def test_replaced_arcs_and_a_bad_link_lose_no_distance(seed: int, faults: Faults, backwards: bool) -> None:
@@ -188,6 +189,7 @@ def test_a_stream_of_commands_gives_the_distance(seed: int, faults: Faults) -> N
     assert _distance_error(link) < 0.05 * link.model.rolled + 0.15
 
 
+@pytest.mark.slow
 @given(_seeds, st.booleans())
 @settings(max_examples=3)
 def test_a_board_that_restarts_causes_no_jump(seed: int, motors: bool) -> None:
@@ -312,6 +314,7 @@ def _normalized_error(link: FaultyLink) -> float:
     return float(error @ np.linalg.solve(np.array(link.estimates[-1].covariance), error))
 
 
+@pytest.mark.slow
 def test_the_error_is_as_large_as_the_covariance_says() -> None:
     """The mean normalized error of short drives is within the band of chance."""
     errors = []

@@ -125,6 +125,7 @@ def rover(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_direction_that_is_turned_around_is_refused(rover: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Both `lint` and `generate` report it; with a reason, generate takes it, and the old direction is the change."""
     table, ledger = rover / "mapping.yaml", rover / "mapping.lock"

@@ -54,6 +54,7 @@ def _silence(link: WatchedLink, events: Events) -> dict[str, Any]:
     return events.alarm("stop drive_motor")
 
 
+@pytest.mark.slow
 def test_an_alarm_is_acknowledged_for_all_browsers(link: WatchedLink) -> None:
     """The bridge keeps it, so that another browser gets it, too; its log says who has done it."""
     with Events(link.url) as events:
@@ -102,6 +103,7 @@ def test_a_refused_change_has_a_reason_and_changes_nothing(
     assert _parameters(shared_link) == before
 
 
+@pytest.mark.slow
 def test_only_the_page_itself_acts(link: WatchedLink) -> None:
     """A POST from another site, without an origin, to another name, or without the token is refused."""
     with Events(link.url) as events:

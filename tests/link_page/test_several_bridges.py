@@ -32,6 +32,7 @@ def _bridges(events: Events, count: int) -> list[dict[str, Any]]:
     return bridges
 
 
+@pytest.mark.slow
 def test_each_browser_selects_its_bridge(page: FollowedPage) -> None:
     """A browser gets the state of the bridge that it asks for, or of the first, and the list and the alarms of all."""
     page.hear("one")
@@ -48,6 +49,7 @@ def test_each_browser_selects_its_bridge(page: FollowedPage) -> None:
             assert events.next("state")["node"]["name"] == name
 
 
+@pytest.mark.slow
 def test_a_bridge_that_was_started_again_keeps_its_place(page: FollowedPage) -> None:
     """Its alarms stay, its log says so, and a browser that shows it goes on with the new process."""
     page.hear("one", instance="a", pid=12, ages={"imu_info": 9.0})

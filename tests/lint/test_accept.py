@@ -146,6 +146,7 @@ def _status() -> str:
 # --- one number ---
 
 
+@pytest.mark.slow
 def test_one_number_is_accepted(reused: Repository) -> None:
     """Only the accepted number is quiet, `generate` goes on as before, and a third meaning of the number is found."""
     envelope, name = reused.full("Env"), str(reused.ledger)
@@ -178,6 +179,7 @@ def test_one_number_is_accepted(reused: Repository) -> None:
     assert "accepted: the GPS board was never built" in found["help"]
 
 
+@pytest.mark.slow
 def test_what_was_accepted_is_known_to_all(reused: Repository, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The same question writes the same bytes; the committed file settles the numbers, also for clones and for refs.
 
@@ -210,6 +212,7 @@ def test_what_was_accepted_is_known_to_all(reused: Repository, tmp_path: Path, m
 # --- kinds of findings ---
 
 
+@pytest.mark.slow
 def test_each_kind_of_finding_is_accepted(tree: Repository) -> None:
     """Reused numbers, replaced contents and doubtful names are settled one by one, and new contents are found."""
     tree.commit(*_FIRST)
@@ -254,6 +257,7 @@ def test_a_reuse_that_was_corrected_has_a_way_out(tree: Repository) -> None:
     assert tree.lint()[0] == 0
 
 
+@pytest.mark.slow
 def test_a_rename_is_one_meaning(project: Repository) -> None:
     """A rename that the lint takes for another meaning passes `generate` and `--against` once it is accepted."""
     assert project.lint("--accept")[0] == 0
@@ -345,6 +349,7 @@ def test_a_ledger_of_an_earlier_version_keeps_a_number_in_use(project: Repositor
         assert (code, err) == (0, ""), (command, out, err)
 
 
+@pytest.mark.slow
 def test_init_takes_the_accepted_numbers_over(tree: Repository) -> None:
     """A project that starts from a tree has the accepted numbers in its own ledger, and the tree's file is gone."""
     _reused(tree)
@@ -429,6 +434,7 @@ def test_a_damaged_file_is_reported_and_kept(tree: Repository, text: str, rule: 
     assert tree.ledger.read_bytes() == text.encode("latin-1")
 
 
+@pytest.mark.slow
 def test_both_sides_of_a_merge_conflict_count(tree: Repository) -> None:
     """Branches that accepted different numbers have a conflict; accepting one again writes the file anew."""
     _reused(tree)

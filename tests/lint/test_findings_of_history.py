@@ -159,6 +159,7 @@ def test_a_content_from_a_broken_file_is_a_doubt(link: Link) -> None:
     assert f"in doubt: {why}\n" in link.text()
 
 
+@pytest.mark.slow
 def test_only_limits_of_the_envelope_concern_its_numbers(
     link: Link, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

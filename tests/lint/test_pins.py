@@ -63,6 +63,7 @@ def _gravest(found: set[tuple[str, int | None, bool]]) -> set[tuple[str, int | N
     return {one for one in found if one[2] or (*one[:2], True) not in found}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "edits",
     [

@@ -224,6 +224,7 @@ def test_exit_codes(lint: Run, tmp_path: Path) -> None:
 # --- other states, and what is around ---
 
 
+@pytest.mark.slow
 @needs_buf
 def test_a_git_ref_and_a_descriptor_set(by_rule: Found, tmp_path: Path) -> None:
     """Buf compares with whatever the lint compares with; a missing state is what it is without buf."""

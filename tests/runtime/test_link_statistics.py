@@ -46,6 +46,7 @@ def test_one_message_says_nothing_yet() -> None:
     assert (statistics.jitter_us, statistics.round_trip_us, statistics.clock_offset_us) == (None, None, None)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.randoms(use_true_random=False))
 def test_the_loss_is_that_of_the_link(random: Random) -> None:

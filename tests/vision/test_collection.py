@@ -29,6 +29,7 @@ class Hands:
         return self.collection.offer(image, self._stamp + FRAME_NS)
 
 
+@pytest.mark.slow
 def test_views_are_taken_until_nothing_is_missing() -> None:
     """What each adds is no longer missing; when all is there, the collection is complete and takes no more."""
     hands = Hands(wanted=10)

@@ -151,6 +151,7 @@ def test_a_stream_that_goes_is_opened_again(webcam: Callable[[int], Webcam], han
     assert numbers == sorted(set(numbers))
 
 
+@pytest.mark.slow
 def test_a_stream_that_stays_away_is_asked_for_less_and_less(webcam: Callable[[int], Webcam]) -> None:
     """The pauses double, and it says so; closing the source ends the wait at once."""
     phone, said = webcam(5), list[str]()

@@ -78,6 +78,7 @@ def test_landmarks_are_solved_together_as_each_alone() -> None:
     assert solve([], []) == square_poses(np.empty((0, 4, 3)), np.empty((0, 4, 2))) == []
 
 
+@pytest.mark.slow
 def test_the_covariance_is_honest() -> None:
     """Over many draws the squared error in its units is 6 on average: the mean of 400 stays within 4 sigma."""
     rng, nees = np.random.default_rng(5), []
@@ -126,6 +127,7 @@ def _is_known(tree: TransformTree, target: str, source: str, stamp: int) -> bool
     return False
 
 
+@pytest.mark.slow
 @given(st.lists(_poses, min_size=1, max_size=6), st.data())
 def test_a_transform_is_the_product_of_those_on_its_way(poses: list[Pose], data: st.DataObject) -> None:
     """Between any two frames of any tree, in both directions, whatever the root is."""

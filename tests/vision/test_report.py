@@ -79,6 +79,7 @@ def lines(picture: ElementTree.Element, kind: str) -> np.ndarray:
     return np.array(numbers, dtype=float)
 
 
+@pytest.mark.slow
 def test_it_needs_nothing_else() -> None:
     """Nothing is fetched, nothing runs, and the same calibration gives the same bytes at any time of the day."""
     assert _Text(page()).fetched == []

@@ -55,6 +55,7 @@ def _size(depth: Any, line: Line, lens: CameraParameters | None = None) -> tuple
     return found.length, found.width
 
 
+@pytest.mark.slow
 def test_a_rendered_rock_has_its_size() -> None:
     """Noise, holes and rounded endpoints included; the ground is the one on which the rock was put."""
     found = measure(_scene().depth, camera(), _scene().line)
@@ -121,6 +122,7 @@ def test_bare_ground_has_no_size() -> None:
     assert _refused(_bare(), (0, 350, _WIDTH - 1, 360)) in (Unmeasurable.NO_ROCK, Unmeasurable.NO_PLANE)
 
 
+@pytest.mark.slow
 @given(*[st.integers(0, 2**32 - 1) | st.integers(0, _WIDTH) for _ in range(4)])
 @settings(max_examples=30)
 def test_any_line_has_a_size_or_a_reason(x1: int, y1: int, x2: int, y2: int) -> None:

@@ -37,6 +37,7 @@ def film() -> list[DriveFrame]:
     return list(drive(2, 5))
 
 
+@pytest.mark.slow
 def test_an_unknown_side_makes_the_distance_uncertain() -> None:
     """A side that is known to 1 % gives a distance that is known to 1 %, and the same rotation."""
     for exact, other in zip(seen(), seen(side_sigma=0.01)):

@@ -29,6 +29,7 @@ def rendered() -> Grey:
     return render(CAMERA, texture(CAMERA.size, rng), [(board_print(40), POSE)], rng)
 
 
+@pytest.mark.slow
 def test_corners_are_found_to_hundredths_of_a_pixel() -> None:
     """All of them; and their standard deviations are what the errors have."""
     view = BoardDetector(BOARD).find(rendered())
