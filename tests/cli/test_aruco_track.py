@@ -57,6 +57,7 @@ def test_json_says_what_is_where(field: Field, tmp_path: Path, capsys: pytest.Ca
     assert lines(capsys, field.words("--json", "--count", 2))[0] == views[:2]  # nothing depends on the time
 
 
+@pytest.mark.slow
 def test_a_landmark_that_was_moved_is_named(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It is left out, and said once."""
     moved = tmp_path / "moved.yaml"
@@ -89,6 +90,7 @@ def test_markers_that_share_a_number_are_told_and_no_landmarks(
     assert told.count("several markers with the number 7 are visible") == 1
 
 
+@pytest.mark.slow
 def test_another_dictionary_is_suggested(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """Once, if markers are visible and none is of the chosen dictionary."""
     told = lines(capsys, field.words("--json", "--dictionary", "DICT_6X6_250"))[1]
@@ -99,6 +101,7 @@ def test_another_dictionary_is_suggested(field: Field, capsys: pytest.CaptureFix
     assert told.count(expected) == 1
 
 
+@pytest.mark.slow
 def test_new_markers_are_searched_for_as_often_as_asked(
     field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -42,6 +42,7 @@ def test_a_row_is_found_by_whatever_it_is_called(word: str, capsys: pytest.Captu
     assert "    68 01           is_calibrated = 13: true" in said
 
 
+@pytest.mark.slow
 def test_the_json_is_one_object(called: Called) -> None:
     """For scripts: its example is what the registry makes of it."""
     said = json.loads(called("explain", "imu_info", "--json")[1])

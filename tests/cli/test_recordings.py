@@ -99,6 +99,7 @@ def test_a_replay_reproduces_the_original_datagrams(
     assert [peer.recv(65_536) for _ in range(_COUNT)] == [_datagram(number) for number in range(_COUNT)]
 
 
+@pytest.mark.slow
 def test_a_replay_begins_again_until_it_is_interrupted(run: Path, start: Start, peer: socket.socket) -> None:
     """With `--loop`, the first datagram follows the last."""
     program = start("replay", run, "--speed", 100, "--loop", "--to", f"127.0.0.1:{peer.getsockname()[1]}")

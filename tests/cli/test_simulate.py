@@ -92,6 +92,7 @@ def test_flood_is_one_row_that_says_the_same_a_hundred_times() -> None:
     assert len(others) == 14
 
 
+@pytest.mark.slow
 def test_reboot_is_a_silence_and_a_start_at_zero() -> None:
     """In another life, which has a port of its own."""
     stream = [emission for emission in _first(4000, "reboot") if emission.peer == "hardware"]
@@ -252,6 +253,7 @@ def test_attacks_are_refused_each_for_its_reason(
     assert account["bridge"]["links_received"] == account["sent"]["link message"]
 
 
+@pytest.mark.slow
 def test_a_missing_key_is_told(done: Start, signed_project: Path, tmp_path: Path) -> None:
     """Exit code 2, and one line that names the option."""
     make_key_file(tmp_path / "base.keys", "base", datetime.now(timezone.utc))

@@ -166,6 +166,7 @@ def test_the_program_is_a_peer_of_the_bridge(start: Start, peer: socket.socket) 
     assert report["sent"]["drive_progress"] > 0
 
 
+@pytest.mark.slow
 def test_it_simulates_for_some_seconds(capsys: pytest.CaptureFixture[str]) -> None:
     """Of the rover's time, as fast as possible."""
     options = ("--middleware", "none", "--speed", "max", "--seconds", "60", "--listen", "0", "--to", "127.0.0.1:9")

@@ -166,6 +166,7 @@ def test_doctor_warns_if_the_table_was_changed_and_not_generated(done: Start, tm
         assert bool(says) == bool(said)
 
 
+@pytest.mark.slow
 def test_doctor_goes_on_where_something_keeps_it_from_checking(called: Called, tmp_path: Path) -> None:
     """Without generated code, or with a wrong parameter: that is told, and the rest is looked at all the same."""
     code, output, _ = called("doctor", "--json", "--project", tmp_path)

@@ -126,6 +126,7 @@ _poses = st.builds(PlanarPose, _metres, _metres, _angles)
 _distances = st.floats(0.1, 20)
 
 
+@pytest.mark.slow
 @given(_poses, _metres, _metres, st.one_of(st.none(), _angles), _distances, _angles)
 def test_the_rover_looks_at_the_landmark_from_its_distance(
     start: PlanarPose, x: float, y: float, facing: float | None, distance: float, angle: float

@@ -180,6 +180,7 @@ def test_replaced_arcs_and_a_bad_link_lose_no_distance(seed: int, faults: Faults
     assert all(metres <= 0.55 * (seconds + faults.lateness) + 0.05 for seconds, metres in _steps(link))
 
 
+@pytest.mark.slow
 @given(_seeds, st.sampled_from([Faults(), Faults(lost=0.02, repeated=0.02)]))
 @settings(max_examples=3)
 def test_a_stream_of_commands_gives_the_distance(seed: int, faults: Faults) -> None:
@@ -246,6 +247,7 @@ def test_a_rover_that_is_carried_while_its_wheels_stand_turns() -> None:
     assert estimate.pose.yaw == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.slow
 def test_without_a_gyroscope_the_steering_tells_the_turn() -> None:
     """The covariance is far larger; with the gyroscope back, the turn is measured again."""
     with_gyro, without = FaultyLink(2, Faults(), _REAL), FaultyLink(2, Faults(imu=False), _REAL)

@@ -93,6 +93,7 @@ def _imu(number: int) -> bytes:
     return bytes(REGISTRY.envelope(imu_info={"accel_x": float(number)}).SerializeToString())
 
 
+@pytest.mark.slow
 def test_a_link_that_loses_repeats_and_reorders(network: Network) -> None:
     """Whatever comes through is published, once for each time it comes; nothing else is, and the sums agree."""
     count, burst = 1000, 50

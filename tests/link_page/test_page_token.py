@@ -174,6 +174,7 @@ def test_without_the_option_there_is_nothing_to_unlock() -> None:
         assert act(link.url, "/acknowledge", [1], TOKEN)[0] == 501
 
 
+@pytest.mark.slow
 def test_a_missing_file_is_made(tmp_path: Path) -> None:
     """It has a random token that works, and is readable for its owner only, whatever the umask; the log names it."""
     path = tmp_path / "token"

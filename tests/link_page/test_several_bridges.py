@@ -64,6 +64,7 @@ def test_a_bridge_that_was_started_again_keeps_its_place(page: FollowedPage) -> 
         assert "was started again: process 34 on rover" in events.next("log")["lines"][0]["text"]
 
 
+@pytest.mark.slow
 def test_two_bridges_with_one_name_are_both_shown(page: FollowedPage) -> None:
     """Host and process tell them apart, each can be selected, and a warning names the cure."""
     for _ in range(2):
@@ -78,6 +79,7 @@ def test_two_bridges_with_one_name_are_both_shown(page: FollowedPage) -> None:
         assert events.next("state")["node"]["pid"] == 34
 
 
+@pytest.mark.slow
 def test_the_number_of_bridges_is_bounded(page: FollowedPage) -> None:
     """One more bridge is refused with a warning, until another one has been gone for a minute."""
     for number in range(MOST + 1):

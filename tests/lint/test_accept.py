@@ -245,6 +245,7 @@ def test_each_kind_of_finding_is_accepted(tree: Repository) -> None:
     assert ("HIS103", "rover.Env", 2) in tree.found()
 
 
+@pytest.mark.slow
 def test_a_reuse_that_was_corrected_has_a_way_out(tree: Repository) -> None:
     """A reuse that was committed and taken back is reported with the command that settles it."""
     tree.commit(*_FIRST)
@@ -280,6 +281,7 @@ def test_a_rename_is_one_meaning(project: Repository) -> None:
     assert project.lint()[0] == 0
 
 
+@pytest.mark.slow
 def test_other_types_of_one_number(tree: Repository) -> None:
     """A renamed map is accepted, whose type the history spells in another way than today's schema.
 
@@ -298,6 +300,7 @@ def test_other_types_of_one_number(tree: Repository) -> None:
 # --- numbers that are free ---
 
 
+@pytest.mark.slow
 def test_a_burned_number_that_is_free_is_given_to_nobody(tree: Repository) -> None:
     """A free number is refused for a field, an enum value and a payload, also with an earlier meaning."""
     before = _TYPES.replace("IDLE = 0; DRIVE = 1;", "IDLE = 0; DRIVE = 1; STOP = 2;")
@@ -325,6 +328,7 @@ def test_a_burned_number_that_is_free_is_given_to_nobody(tree: Repository) -> No
 # --- projects ---
 
 
+@pytest.mark.slow
 def test_a_number_that_is_free_gets_reserved(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The ledger takes note of a number that no payload has today, and the envelope reserves it."""
     project = _repository(run, "rover", True, tmp_path / "repository", monkeypatch)
@@ -339,6 +343,7 @@ def test_a_number_that_is_free_gets_reserved(run: Run, tmp_path: Path, monkeypat
     assert project.lint()[0] == 0
 
 
+@pytest.mark.slow
 def test_a_ledger_of_an_earlier_version_keeps_a_number_in_use(project: Repository) -> None:
     """Earlier versions wrote types without the package, and lost which meaning the number had."""
     text = project.ledger.read_text().rpartition("checksum:")[0]
@@ -402,6 +407,7 @@ def test_a_reuse_of_an_open_branch_is_not_accepted_elsewhere(tree: Repository) -
     assert "water" not in tree.ledger.read_text()
 
 
+@pytest.mark.slow
 def test_a_tree_without_the_name_of_its_envelope(tree: Repository) -> None:
     """`18` is no number of any message; and without the file of accepted numbers, free ones would look unused."""
     _reused(tree)

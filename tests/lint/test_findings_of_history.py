@@ -67,6 +67,7 @@ def link(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> Link:
 # --- text ---
 
 
+@pytest.mark.slow
 def test_the_declarations_stand_side_by_side(link: Link) -> None:
     """One sentence, then both declarations in columns, with place, commit, date, author and a short subject.
 
@@ -193,6 +194,7 @@ def _prints(link: Link) -> dict[str, str]:
     return dict(zip(texts, prints))
 
 
+@pytest.mark.slow
 def test_places_are_files_of_the_repository(link: Link, monkeypatch: pytest.MonkeyPatch) -> None:
     """Wherever one calls it, paths start at the top of the repository, and each place is a file that exists."""
     link.commit("Measure the wind", **_WINDY)
@@ -213,6 +215,7 @@ def test_places_are_files_of_the_repository(link: Link, monkeypatch: pytest.Monk
     assert all("file=protos/" in line for line in out.splitlines())
 
 
+@pytest.mark.slow
 def test_fingerprints_outlive_other_changes(link: Link) -> None:
     """Moved lines, other commits and other findings leave a fingerprint as it is; another meaning changes it."""
     link.commit("Measure the wind", **_WINDY)

@@ -196,6 +196,7 @@ def branches(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
     [
@@ -215,6 +216,7 @@ def test_each_change_is_judged_by_its_meaning(
     assert _verdicts(capsys, command) == expected
 
 
+@pytest.mark.slow
 def test_years_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """The history judges two names alike if the number was unused between them."""
     between = {f"protos/{name}.proto": _file(name, _BETWEEN) for name in _OF_NAMES}

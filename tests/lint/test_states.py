@@ -73,6 +73,7 @@ def _said(found: list[dict[str, Any]], *keys: str) -> list[tuple[Any, ...]]:
 # --- the three kinds of states ---
 
 
+@pytest.mark.slow
 def test_a_change_is_found_against_every_kind_of_state(tree: Path, run: Run, found: Found) -> None:
     """A number that was given to another payload is found at its place, whatever the other state comes from.
 

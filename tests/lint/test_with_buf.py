@@ -173,6 +173,7 @@ after/imu.proto:13:22: warning[ENUM_VALUE_SAME_NAME] Enum value "1" on enum "Mod
     )
 
 
+@pytest.mark.slow
 @needs_buf
 def test_formats_have_what_scripts_ask_for(lint: Run, by_rule: Found) -> None:
     """A finding of buf's has type and number as ours have; its rule is declared, and is a failed test."""
@@ -208,6 +209,7 @@ def test_formats_have_what_scripts_ask_for(lint: Run, by_rule: Found) -> None:
     assert "FIELD_SAME_TYPE buf-breaking" in [case.get("name") for case in suite if case.find("failure") is not None]
 
 
+@pytest.mark.slow
 @needs_buf
 def test_exit_codes(lint: Run, tmp_path: Path) -> None:
     """0 if buf and we find nothing; buf's findings are warnings, which --fail-on error lets pass."""

@@ -224,6 +224,7 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(small_disk: Path) -> No
     assert {len(message.data) for message in messages} == {1400}
 
 
+@pytest.mark.slow
 def test_any_limit_leaves_a_file_with_an_end_or_none(tmp_path: Path) -> None:
     """Wherever in a file the room ends: it has an end and holds what it counts, or it could not be made at all."""
     none, empty, some = 0, 0, 0

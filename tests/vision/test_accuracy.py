@@ -75,6 +75,7 @@ def test_nothing_is_seen_where_nothing_is(frames: int) -> None:
     assert nothing.measure(frames, lambda _: None).data["false_ids"][OURS] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["white balance, clipped", "JPEG q20", "print of 100 px", "side 1 % too small"])
 def test_covariances_are_never_far_too_confident(name: str) -> None:
     """The mean NEES of some markers of 48 px stays below that of standard deviations that are 4 times too small."""

@@ -48,6 +48,7 @@ def test_views_are_taken_until_nothing_is_missing() -> None:
     assert "adds nothing" in hands.hold(frame((10, -25), (0.4, 0.6), 0.5)).reason
 
 
+@pytest.mark.slow
 def test_the_same_view_is_not_taken_twice() -> None:
     """But it is where somebody asks for it. A view that is discarded is missing again."""
     hands = Hands()

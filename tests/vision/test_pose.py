@@ -141,6 +141,7 @@ def test_a_transform_is_the_product_of_those_on_its_way(poses: list[Pose], data:
     assert _same(tree.look_up(source, target, 0), tree.look_up(target, source, 0).inverse())
 
 
+@pytest.mark.slow
 @given(_poses, _numbers, _numbers, st.floats(0, 1), st.permutations([0, 1, 2]))
 def test_between_two_stamps_motion_is_even(start: Pose, turn: float, way: float, part: float, order: list[int]) -> None:
     """Transforms that arrive in any order give the pose of a body that moves evenly."""

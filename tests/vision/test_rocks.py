@@ -80,6 +80,7 @@ def test_sizes_are_as_accurate_as_promised() -> None:
         assert rocks.quantiles([one.length for one in alone])[1] > 2 * lengths[1]
 
 
+@pytest.mark.slow
 def test_missing_depths_do_not_count() -> None:
     """They are NaN, 0 or infinite, by the encoding of the image."""
     depth = np.where(np.isnan(_scene().depth), np.where(_COLUMNS % 2, 0.0, np.inf), _scene().depth).astype(np.float32)
@@ -116,6 +117,7 @@ def test_the_ground_is_found_among_other_points(
     assert np.abs(met @ ground.normal + ground.height).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_bare_ground_has_no_size() -> None:
     """Around a line from edge to edge, there is no ground to be seen either."""
     assert _refused(_bare(), (200, 350, 400, 360)) == Unmeasurable.NO_ROCK

@@ -45,6 +45,7 @@ def test_an_access_unit_arrives_as_it_was_sent(nals: list[bytes], largest: int) 
     assert [one for packet in packets for one in depacketizer.add(packet, 0)] == [rtp.AccessUnit(nals, 3000, True)]
 
 
+@pytest.mark.slow
 @given(_NALS, st.integers(20, 100), st.data())
 def test_a_unit_with_a_missing_packet_is_not_complete(nals: list[bytes], largest: int, data: st.DataObject) -> None:
     """Its NAL units are those that were sent, without those to which the packet belongs; the next unit is unhurt."""

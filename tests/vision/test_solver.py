@@ -19,6 +19,7 @@ from tests.vision.boards import BOARD, CAMERA, FISHEYE, NOISE, RATIONAL, SIZE, p
 MODELS = {Model.PLUMB_BOB: CAMERA, Model.RATIONAL: RATIONAL, Model.EQUIDISTANT: FISHEYE}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [Model.PLUMB_BOB, Model.EQUIDISTANT])
 def test_the_camera_that_saw_the_views_is_found(model: Model) -> None:
     """The error is some standard deviations of the noise, everywhere in the image, and as large as stated."""
@@ -111,6 +112,7 @@ def test_good_views_give_a_good_calibration() -> None:
     assert "4 of 24 parts of the image have no corners" in doubts(found)
 
 
+@pytest.mark.slow
 def test_a_bent_board_is_named_and_does_not_change_the_camera() -> None:
     """Its height is measured, and fx is right nevertheless; before, it was wrong by more than a percent."""
     found = calibrate(bent(4, 0.002), BOARD)

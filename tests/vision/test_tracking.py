@@ -52,6 +52,7 @@ def test_every_marker_is_seen_in_every_frame(film: Sequence[DriveFrame], scan_ev
         assert all(one.stamp == shot.stamp for one in sightings)
 
 
+@pytest.mark.slow
 def test_the_whole_frame_is_scanned_where_it_must_be(film: Sequence[DriveFrame]) -> None:
     """For a marker that has jumped, one that is new at the next scan, and time that goes back (another recording)."""
     first, empty = film[0].frame, np.full(SIZE[::-1], 128, np.uint8)
