@@ -169,6 +169,7 @@ def test_a_principal_point_that_does_not_fit_is_told(
     assert expected in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_recording_is_not_replaced_by_its_film(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """Somebody who gives the same name twice keeps the recording."""
     recording = field.folder / "drive.avi"
@@ -180,6 +181,7 @@ def test_a_recording_is_not_replaced_by_its_film(field: Field, capsys: pytest.Ca
     assert recording.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_the_options_of_the_covariance_are_used(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """Each one changes the covariances, and no pose."""
     (plain,), _ = lines(capsys, field.words("--json", "--count", 1))

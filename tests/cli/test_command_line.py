@@ -70,6 +70,7 @@ def test_an_option_may_be_shortened_and_what_follows_two_dashes_is_a_value() -> 
     assert (options.count, options.topic, options.values) == (2, "imu_data", "--x")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shell", "line", "expected"),
     [

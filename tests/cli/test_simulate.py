@@ -67,6 +67,7 @@ def test_stale_repeats_values_for_seconds() -> None:
     assert sum(map(len, by_name.values())) == 1500
 
 
+@pytest.mark.slow
 def test_datagrams_with_faults_are_dropped_for_their_reasons() -> None:
     """With old-schema, payloads of no row; with malformed, every reason that lies in a datagram. The rest stays."""
     old, malformed = (_fates(_first(1000, name)) for name in ("old-schema", "malformed"))
@@ -120,6 +121,7 @@ def test_a_bridge_in_memory_adds_up(called: Called) -> None:
     assert account["commands"] > 0
 
 
+@pytest.mark.slow
 def test_a_bridge_of_somebody_elses_gets_the_stream(peer: socket.socket, called: Called) -> None:
     """Without an account: who listens there is not known."""
     code, output, _ = called("simulate", "--to", f"127.0.0.1:{peer.getsockname()[1]}", "--seconds", 0.2, "--json")

@@ -176,6 +176,7 @@ def test_it_simulates_for_some_seconds(capsys: pytest.CaptureFixture[str]) -> No
     assert second == "the wheels rolled 0.00 m; the rover is at x 0.00 m, y 0.00 m, yaw 0.0 deg"
 
 
+@pytest.mark.slow
 def test_the_tracker_finds_the_camera_in_the_images(tmp_path: Path) -> None:
     """Where the rover is, from the images alone; markers behind it, or beside the image, are not seen."""
     pytest.importorskip("cv2", reason=NO_OPENCV)

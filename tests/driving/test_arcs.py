@@ -77,6 +77,7 @@ def test_the_board_drives_the_velocity(twist: Twist, straight_radius: float) -> 
     assert _same(board.arc(command).end, _driven([twist]), lost * max(1, abs(angular * duration)))
 
 
+@pytest.mark.slow
 @given(twist=_twists, smallest=st.floats(0.1, 3))
 def test_no_radius_is_below_the_smallest_one(twist: Twist, smallest: float) -> None:
     """A tighter arc keeps its side and its length."""

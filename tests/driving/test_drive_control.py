@@ -97,6 +97,7 @@ def test_a_board_that_keeps_up_drives_the_velocities(twists: list[tuple[float, f
     assert pose.yaw == pytest.approx(yaw, abs=1e-6)
 
 
+@pytest.mark.slow
 @given(linear=st.floats(-1, 1), acceleration=st.floats(0.2, 3))
 def test_the_speed_changes_with_the_largest_acceleration(linear: float, acceleration: float) -> None:
     """A command is the distance that the rover drives in the time for which it is enough, while it accelerates."""

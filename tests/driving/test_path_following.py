@@ -90,6 +90,7 @@ def test_a_goal_inside_of_the_smallest_turn_is_missed() -> None:
     assert _follow([(0.0, 0.0), (0.0, 0.0), (2.0, 0.0), (2.0, 0.0)], PlanarPose())[0] is Ending.REACHED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_a_rover_that_slips_follows_a_path(seed: int) -> None:
     """The poses are noisy and 100 ms late, and one command in twenty is lost."""
@@ -142,6 +143,7 @@ def test_the_rover_looks_at_the_landmark_from_its_distance(
         assert math.cos(math.atan2(stop.y - y, stop.x - x) - facing) == pytest.approx(1)
 
 
+@pytest.mark.slow
 @given(_poses, _distances, _angles, st.one_of(st.none(), _angles), _distances)
 def test_without_a_heading_the_rover_stops_as_it_comes(
     start: PlanarPose, away: float, direction: float, yaw: float | None, distance: float

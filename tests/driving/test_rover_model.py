@@ -39,6 +39,7 @@ def _left(measured: list[Measurement]) -> list[float]:
     return [one.distance_left for one in _of(ProgressReport, measured)]
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32), _commands, st.integers(1, 7))
 @settings(max_examples=10)
 def test_a_seed_repeats_a_drive(seed: int, commands: list[tuple[BoardCommand, float]], pieces: int) -> None:

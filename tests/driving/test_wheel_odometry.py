@@ -223,6 +223,7 @@ def test_a_clock_that_jumps_back_causes_no_jump() -> None:
     assert poses[-1] == pytest.approx(0.05 * (len(times) - 2), abs=0.06)
 
 
+@pytest.mark.slow
 def test_the_bias_is_learned_while_the_rover_stands() -> None:
     """The pose does not drift then, and a drive afterwards is straight."""
     link = FaultyLink(4, Faults(), replace(IDEAL, imu=replace(_REAL.imu, gyro_bias=0.02)))

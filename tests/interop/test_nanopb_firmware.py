@@ -132,6 +132,7 @@ def _envelope_class(root: Path, descriptors: Path) -> Any:
     return message_factory.GetMessageClass(pool.FindMessageTypeByName("Envelope"))
 
 
+@pytest.mark.slow
 def test_the_board_has_the_room_that_the_table_says(bounded: tuple[Firmware, Any]) -> None:
     """With our options, what fits the table's bounds crosses unharmed, and one byte or value more is refused."""
     firmware, envelope = bounded

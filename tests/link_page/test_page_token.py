@@ -219,6 +219,7 @@ def test_a_file_that_cannot_be_used_is_refused(
         _refused([*command, "--page", "0", "--page-token", str(path)], f"roverlink: {path}: ", said, capsys)
 
 
+@pytest.mark.slow
 def test_other_files_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A folder is no file for a token; nor is one in a folder that does not exist."""
     _refused(["run", "--page", "0", "--page-token", str(tmp_path)], f"roverlink: {tmp_path}: ", "regular file", capsys)

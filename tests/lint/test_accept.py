@@ -419,6 +419,7 @@ def test_a_tree_without_the_name_of_its_envelope(tree: Repository) -> None:
     assert "[LED104]" in tree.run("lint", *tree.subject)[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "rule"),
     [

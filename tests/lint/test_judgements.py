@@ -250,6 +250,7 @@ source destination, roll pitch, pitch yaw, roll yaw, 1 2, 3 12, a b, minimum max
 _SIDES = st.sampled_from([tuple(pair.split()) for pair in _OPPOSITES.split(",")])
 
 
+@pytest.mark.slow
 @given(_NAME, _NAME)
 def test_names_are_compared_both_ways(one: str, other: str) -> None:
     """It does not matter which of two names is the older one, and a name is like itself."""
@@ -257,6 +258,7 @@ def test_names_are_compared_both_ways(one: str, other: str) -> None:
     assert compare_names(one, one).likeness is Likeness.SAME
 
 
+@pytest.mark.slow
 @given(_SIDES, _QUALIFIERS, _QUALIFIERS, st.sampled_from(_QUANTITIES), st.randoms())
 def test_opposites_are_never_similar(
     sides: tuple[str, str], one: list[str], other: list[str], quantity: str, random: Random

@@ -148,6 +148,7 @@ def test_many_projects_with_two_states_give_one_finding(arms: Arms) -> None:
     assert [row[1:] for row in _verdicts(arms.lint(*pins))] == [["same", "misread 1"], ["misread 1", "same"]]
 
 
+@pytest.mark.slow
 def test_a_finding_names_declarations_commits_and_what_to_do(arms: Arms) -> None:
     """Two projects and the checkout: each declaration with its commit, each commit with its projects."""
     arms.commit("Measure humidity", "float humidity", "float current")

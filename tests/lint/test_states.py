@@ -180,6 +180,7 @@ def test_an_envelope_named_without_its_package(tree: Path, run: Run, found: Foun
     assert (code, "help: use --message rover.Envelope or --message other.Envelope" in out) == (2, True)
 
 
+@pytest.mark.slow
 def test_a_state_that_does_not_compile(tree: Path, found: Found) -> None:
     """A file that does not compile is named, in the other state as fatal; the rest is compared all the same."""
     (tree / "broken.proto").write_text('syntax = "proto3";\n\nmessage Broken {\n  Missing x = 1;\n}\n')

@@ -241,6 +241,7 @@ def test_a_git_ref_and_a_descriptor_set(by_rule: Found, tmp_path: Path) -> None:
     assert (code, [*found]) == (2, ["STA101"])
 
 
+@pytest.mark.slow
 @needs_buf
 def test_no_network_and_no_configuration(lint: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither a buf.yaml, be it broken or with dependencies elsewhere, nor a home folder is asked."""
@@ -255,6 +256,7 @@ def test_no_network_and_no_configuration(lint: Run, tmp_path: Path, monkeypatch:
     assert lint() == expected
 
 
+@pytest.mark.slow
 @needs_buf
 @pytest.mark.parametrize(("side", "refused", "expected"), [("before", "STA102", 2), ("after", "PRO101", 1)])
 def test_what_does_not_compile_is_not_deleted(

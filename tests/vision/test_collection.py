@@ -88,6 +88,7 @@ def test_distances_are_told_by_the_part_of_the_image(distance: float, name: str)
     assert not names & {"upper left", "upper", "left"}
 
 
+@pytest.mark.slow
 def test_frames_without_use_say_why() -> None:
     """No board; an image of another size than the views so far."""
     hands = Hands()

@@ -43,6 +43,7 @@ def solved(seen: Corners) -> list[Solution]:
     return solutions
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(poses(), poses(), changes, vectors)
 @example(Pose(FACING, np.array([0, 0, 1.0])), Pose(FACING, np.zeros(3)), np.array([0, 0, 0, 0, 0, 1e-7]), np.zeros(3))

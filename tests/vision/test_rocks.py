@@ -87,6 +87,7 @@ def test_missing_depths_do_not_count() -> None:
     assert _size(depth, _scene().line) == pytest.approx(_size(_scene().depth, _scene().line), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_the_lens_may_distort() -> None:
     """The rays of the pixels are those of the camera's model, so the size stays the same."""
     lens = CameraParameters(camera().matrix, np.array([-0.3, 0.1, 1e-3, -1e-3, 0.0]), (_WIDTH, _HEIGHT))

@@ -35,6 +35,7 @@ def test_any_bytes_can_be_read(data: bytes) -> None:
         list(rtp.Depacketizer().add(packet, 0))
 
 
+@pytest.mark.slow
 @given(_NALS, st.integers(20, 400))
 def test_an_access_unit_arrives_as_it_was_sent(nals: list[bytes], largest: int) -> None:
     """However its NAL units are grouped or divided, and no packet is too long."""
