@@ -41,7 +41,7 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Know the markers of the tests that take long, and give default signals to the programs that tests start."""
-    config.addinivalue_line("markers", "slow: takes many seconds; runs where -m names it")
+    config.addinivalue_line("markers", "slow: takes a third of a second or more; runs where -m names it")
     config.addinivalue_line("markers", "exhaustive: goes through thousands of cases; runs where -m names it")
     restore_default_signals()
 

@@ -38,6 +38,7 @@ def roverlink(site: Path, tmp_path: Path) -> Run:
     return run
 
 
+@pytest.mark.slow
 def test_the_wheel_has_one_top_level_module(site: Path) -> None:
     """Beside the metadata there is `roverlink` alone, with its parts and their data; the sample rover is not in it."""
     assert sorted(path.name for path in site.iterdir() if path.suffix != ".dist-info") == ["roverlink"]
@@ -61,6 +62,7 @@ def test_folders_of_a_user_disturb_nothing(site: Path, roverlink: Run, tmp_path:
     assert told.stdout.split() == [str(site / "roverlink/runtime/__init__.py"), str(tmp_path / "generated/__init__.py")]
 
 
+@pytest.mark.slow
 def test_outside_of_a_project_commands_say_how_to_start_one(roverlink: Run) -> None:
     """Exit code 2 and one line that names `roverlink init`; the wheel has no rover to fall back on."""
     commands = ["run", "simulate", "demo", "send x", "echo x", "listen --port 0"]

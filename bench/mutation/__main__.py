@@ -27,7 +27,7 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m bench.mutation",
         description="Give a seeded sample of places in the code one small fault each, and count those that the tests "
-        "notice. The default tests that cover the line judge.",
+        "notice. The default and slow tests that cover the line judge.",
         epilog=EXAMPLE,
     )
     parser.add_argument(
@@ -84,7 +84,7 @@ def main(words: Sequence[str]) -> int:
                 text = "".join(json.dumps(asdict(each)) + "\n" for each in verdicts.values())
                 options.out.write_text(text, encoding="utf-8")
             # A killer that fails without a fault, too, says nothing: its mutants are judged once more without it.
-            killed_by = sorted({verdict.killer for verdict in verdicts.values()} - {"", "timeout"})
+            killed_by = sorted({verdict.killer for verdict in verdicts.values() if "::" in verdict.killer})
             place = places.get()
             unsound = set(place.unsound(killed_by, coverage.seconds(killed_by)))
             places.put(place)

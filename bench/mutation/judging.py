@@ -17,6 +17,8 @@ from bench.errors import BenchError
 from bench.mutation.mutants import Mutant
 
 _PHASE = re.compile(r" \((setup|call|teardown)\)$|\|(setup|run|teardown)$")
+MARKED = "slow or not exhaustive"
+"""Tests that judge: those of `make test-all`."""
 _GRACE_S = 60.0
 """Seconds that a run may take beyond ten times what its tests took before."""
 _CONFIG = """\
@@ -105,7 +107,7 @@ def _passed_tests(report: Path) -> list[tuple[str, float]]:
 
 
 def record(root: Path, out: Path) -> None:
-    """Run the default tests once, and write which lines each of them runs."""
+    """Run the default and the slow tests once, and write which lines each of them runs."""
     out.mkdir(parents=True, exist_ok=True)
     # Coverage removes old data first: every file whose name begins with that of the data and a dot.
     config, data = out / "recording.ini", out / "coverage"
@@ -117,7 +119,7 @@ def record(root: Path, out: Path) -> None:
         "--cov-report=",
         f"--junitxml={out / 'junit.xml'}",
     ]
-    command = [sys.executable, "-m", "pytest", "-q", "-n", "auto", "--dist", "worksteal", *options]
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "auto", "--dist", "worksteal", "-m", MARKED, *options]
     done = subprocess.run(command, cwd=root, env={**os.environ, "MUTATION_DATA": str(data)}, check=False)  # noqa: S603
     if done.returncode not in (0, 1):  # 1: some tests failed, which do not judge
         raise BenchError(f"the tests were not recorded (exit code {done.returncode}); pip install 'pytest-cov>=7'")
@@ -166,7 +168,20 @@ class Workplace:
         files = sorted({test.partition("::")[0] for test in tests})
         plugins = ("-p", "no:cacheprovider", "-p", "bench.mutation.selection")
         with subprocess.Popen(  # noqa: S603  # the tests of this checkout
-            [sys.executable, "-m", "pytest", "-q", "-rfE", "--no-header", "--tb=no", *plugins, *options, *files],
+            [
+                sys.executable,
+                "-m",
+                "pytest",
+                "-q",
+                "-rfE",
+                "--no-header",
+                "--tb=no",
+                "-m",
+                MARKED,
+                *plugins,
+                *options,
+                *files,
+            ],
             cwd=self._folder,
             env=environment,
             stdin=subprocess.DEVNULL,

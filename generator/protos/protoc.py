@@ -23,12 +23,14 @@ from roverlink.generator.protos.files import declarations
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE, UNIMPORTABLE_PROTO
 from roverlink.generator.protos.schema import Schema
 
-# The same as `python -m grpc_tools.protoc`, which takes three times as long to start: it loads modules not needed here.
+# The same as `python -m grpc_tools.protoc`, which takes four times as long to start: it loads modules not needed here.
 _RUN = """
 import os, sys
+sys.path.append(sys.argv.pop(1))
 from grpc_tools import _protoc_compiler
 sys.exit(_protoc_compiler.run_main([os.fsencode(argument) for argument in sys.argv]))
 """
+_PACKAGES = Path(grpc_tools.__file__).parents[1]
 _OF_PROTOBUF = "google/protobuf/"
 _WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
 
@@ -144,8 +146,9 @@ def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> Fi
 def _protoc(staged: Path, files: Sequence[str], options: Sequence[str], inside: Path, shown_root: str) -> None:
     # grpcio-tools brings google/protobuf/*.proto. Its folder is the last one: a project's own copies come first.
     includes = [f"-I{folder}" for folder in (staged, _WELL_KNOWN)]
-    command = [sys.executable, "-c", _RUN, *includes, *options, "--include_imports", "--include_source_info", *files]
-    # `python -c` imports from the current folder first. In an empty folder, no module of the user hides a standard one.
+    options = [*options, "--include_imports", "--include_source_info"]
+    # -I: no module of the user hides a standard one; -S: nor are packages looked for that are not needed.
+    command = [sys.executable, "-I", "-S", "-c", _RUN, str(_PACKAGES), *includes, *options, *files]
     done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
     if done.returncode:
         said = done.stderr.decode("utf-8", errors="replace")

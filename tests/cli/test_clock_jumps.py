@@ -203,6 +203,7 @@ def _stamps(lines: list[str]) -> list[int]:
     return [clock["sec"] * _SECOND + clock["nanosec"] for clock in clocks]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jump", [-_HOUR], indirect=True)
 def test_a_replay_shows_its_progress_and_obeys_keys(run: Path, peer: socket.socket) -> None:
     """The arrows seek, space pauses and continues, and at the end the terminal is as it was."""

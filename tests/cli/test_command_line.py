@@ -97,6 +97,7 @@ def test_an_option_may_be_shortened_and_what_follows_two_dashes_is_a_value() -> 
     assert (options.count, options.topic, options.values) == (2, "imu_data", "--x")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shell", "line", "expected"),
     [
@@ -167,6 +168,7 @@ def test_outside_of_a_project_the_way_to_start_one_is_told(
     assert "`roverlink init`" in errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("package", "line", "install"),
     [

@@ -106,6 +106,7 @@ def test_an_interrupted_demo_is_exit_code_130(start: Start) -> None:
     assert demo.interrupt() == 130
 
 
+@pytest.mark.slow
 def test_messages_that_do_not_cross_are_exit_code_1(capsys: pytest.CaptureFixture[str]) -> None:
     """Without any time nothing crosses: each message is named, and the exit code is 1."""
     assert main(["demo", "--seconds", "0", "--middleware", "memory"]) == 1
@@ -142,6 +143,7 @@ def test_the_rover_moves_by_messages_on_drive_motor_alone() -> None:
     assert "the rover drove 0.5 m" in rover.stop()
 
 
+@pytest.mark.slow
 def test_slip_does_not_carry_the_rover_away() -> None:
     """For a minute, which is 24 m, it drives to and fro within its limits, and looks to the landmarks."""
     rover, driver = RoverModel(0, start=START), Shuttle()
@@ -197,6 +199,7 @@ def test_simulated_payloads_fit_and_change() -> None:
         assert len(seen) > 1, handler.route.name
 
 
+@pytest.mark.slow
 def test_a_bridge_that_does_not_start_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Where the bridge's process ends before it is ready, its own words are shown, and the demo cannot run."""
     with pytest.raises(SetupError, match="the bridge process did not start"), BridgeProcess(tmp_path, "dds", {}):

@@ -28,6 +28,7 @@ def project(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("word", ["13", "imu_data", "ImuSensorInformation"])
 def test_a_row_is_found_by_whatever_it_is_called(word: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Name, number, topic, proto and ROS message all lead to the row, told with sizes, fields and bytes."""
@@ -41,6 +42,7 @@ def test_a_row_is_found_by_whatever_it_is_called(word: str, capsys: pytest.Captu
     assert "    68 01           is_calibrated = 13: true" in said
 
 
+@pytest.mark.slow
 def test_the_json_is_one_object(called: Called) -> None:
     """For scripts: its example is what the registry makes of it."""
     said = json.loads(called("explain", "imu_info", "--json")[1])
@@ -54,6 +56,7 @@ def test_the_json_is_one_object(called: Called) -> None:
     assert said["ros"]["type_hash"] == handler.message_type.__typehash__
 
 
+@pytest.mark.slow
 def test_the_history_of_the_number(called: Called) -> None:
     """With --history, the commits by which it came are told."""
     if not (_ROOT / ".git").exists():
@@ -63,6 +66,7 @@ def test_the_history_of_the_number(called: Called) -> None:
     assert "history    SensorBoardIMUInfo imu_info, since " in said
 
 
+@pytest.mark.slow
 def test_what_is_missing_is_told_beside_what_is_there(project: Path, called: Called) -> None:
     """A number that is retired says so; without generated code there is no example; a wrong table is told instead."""
     assert called("number", "retire", "13", folder=project)[0] == 0

@@ -75,6 +75,7 @@ def test_ctrl_c_at_any_moment_of_the_start_ends_a_command_cleanly(
     assert reached >= _TIMES // 2
 
 
+@pytest.mark.slow
 def test_a_program_in_the_background_of_a_script_goes_on_at_ctrl_c(environment: dict[str, str]) -> None:
     """A command that was started with SIGINT ignored, as a shell script does with `&`, is not ended by it."""
     line = f"trap '' INT; echo started; exec {sys.executable} -m roverlink number next"

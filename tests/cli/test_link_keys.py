@@ -50,6 +50,7 @@ def project(tmp_path: Path) -> Path:
     return table.parent
 
 
+@pytest.mark.slow
 def test_a_bridge_takes_commands_with_the_key_and_shows_it_nowhere(
     project: Path, done: Start, bridge: Bridge, tmp_path: Path, peer: socket.socket
 ) -> None:

@@ -53,6 +53,7 @@ def _recorded_messages(path: Path, topic: str) -> int:
     return 0
 
 
+@pytest.mark.slow
 def test_a_bridge_is_recorded(bridge: Bridge, peer: socket.socket, tmp_path: Path) -> None:
     """Every datagram and every message is on disk, in order; diagnostics are replayed only where they are asked for."""
     path = tmp_path / "run.mcap"
@@ -98,6 +99,7 @@ def test_a_replay_reproduces_the_original_datagrams(
     assert [peer.recv(65_536) for _ in range(_COUNT)] == [_datagram(number) for number in range(_COUNT)]
 
 
+@pytest.mark.slow
 def test_a_replay_begins_again_until_it_is_interrupted(run: Path, start: Start, peer: socket.socket) -> None:
     """With `--loop`, the first datagram follows the last."""
     program = start("recording", "replay", run, "--speed", 100, "--loop", "--to", f"127.0.0.1:{peer.getsockname()[1]}")

@@ -27,6 +27,7 @@ def _imu(number: float = 1.0) -> bytes:
     return REGISTRY.envelope(imu_info={"accel_x": number}).SerializeToString()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("middleware", ["memory", pytest.param("dds", marks=needs_dds)])
 def test_a_signal_stops_it_well(bridge: Bridge, peer: socket.socket, middleware: str, number: signal.Signals) -> None:
@@ -49,6 +50,7 @@ def test_a_signal_stops_it_well(bridge: Bridge, peer: socket.socket, middleware:
     assert program.wait_for("received 5, published 2").startswith("[INFO]")
 
 
+@pytest.mark.slow
 def test_the_log_goes_to_standard_error(bridge: Bridge) -> None:
     """In the form in which ROS 2 nodes log; a datagram that cannot be bridged is a warning, with number and name."""
     program, port = bridge(ros=["-r", "__node:=bridge"])
@@ -61,6 +63,7 @@ def test_the_log_goes_to_standard_error(bridge: Bridge) -> None:
     assert program.output == []
 
 
+@pytest.mark.slow
 def test_a_params_file_and_the_log_level_are_obeyed(start: Start, peer: socket.socket, tmp_path: Path) -> None:
     """With `--log-level error`, neither what it does nor what it drops is told."""
     path = tmp_path / "params.yaml"

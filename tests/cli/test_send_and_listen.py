@@ -98,6 +98,7 @@ def _listening(start: Start, *arguments: object) -> tuple[Any, int]:
     return program, int(program.wait_for("listening on UDP port ").rpartition(" ")[2])
 
 
+@pytest.mark.slow
 def test_each_datagram_is_one_line_of_json(start: Start) -> None:
     """Number, name, sender and all fields, zeros included; what is no payload is told with its size; then it ends."""
     program, port = _listening(start, "--count", len(REGISTRY.handlers) + 5)
@@ -122,6 +123,7 @@ def test_each_datagram_is_one_line_of_json(start: Start) -> None:
     assert [line["name"] for line in padded] == ["imu_info", "imu_info"]
 
 
+@pytest.mark.slow
 def test_what_is_sent_is_heard_until_an_interrupt(start: Start, capsys: pytest.CaptureFixture[str]) -> None:
     """The two commands fit together; Ctrl-C is how listening is meant to end: exit code 0, and what came is there."""
     program, port = _listening(start)

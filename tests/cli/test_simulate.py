@@ -67,6 +67,7 @@ def test_stale_repeats_values_for_seconds() -> None:
     assert sum(map(len, by_name.values())) == 1500
 
 
+@pytest.mark.slow
 def test_datagrams_with_faults_are_dropped_for_their_reasons() -> None:
     """With old-schema, payloads of no row; with malformed, every reason that lies in a datagram. The rest stays."""
     old, malformed = (_fates(_first(1000, name)) for name in ("old-schema", "malformed"))
@@ -92,6 +93,7 @@ def test_flood_is_one_row_that_says_the_same_a_hundred_times() -> None:
     assert len(others) == 14
 
 
+@pytest.mark.slow
 def test_reboot_is_a_silence_and_a_start_at_zero() -> None:
     """In another life, which has a port of its own."""
     stream = [emission for emission in _first(4000, "reboot") if emission.peer == "hardware"]
@@ -119,6 +121,7 @@ def test_a_bridge_in_memory_adds_up(called: Called) -> None:
     assert account["commands"] > 0
 
 
+@pytest.mark.slow
 def test_a_bridge_of_somebody_elses_gets_the_stream(peer: socket.socket, called: Called) -> None:
     """Without an account: who listens there is not known."""
     code, output, _ = called("simulate", "--to", f"127.0.0.1:{peer.getsockname()[1]}", "--seconds", 0.2, "--json")
@@ -206,6 +209,7 @@ def test_link_messages_count_what_the_program_has_sent_since_its_start(names: li
     assert any(life for _, life in sent) == ("reboot" in names)
 
 
+@pytest.mark.slow
 def test_a_simulated_board_with_old_protos_is_named(done: Start, tmp_path: Path) -> None:
     """The report names each board whose schema differs, with its rows, and all sums agree."""
     project = write_project(tmp_path / "rover")
@@ -251,6 +255,7 @@ def test_attacks_are_refused_each_for_its_reason(
     assert account["bridge"]["links_received"] == account["sent"]["link message"]
 
 
+@pytest.mark.slow
 def test_a_missing_key_is_told(done: Start, signed_project: Path, tmp_path: Path) -> None:
     """Exit code 2, and one line that names the option."""
     make_key_file(tmp_path / "base.keys", "base", datetime.now(timezone.utc))

@@ -26,6 +26,7 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
 
+@pytest.mark.slow
 @needs_dds
 def test_yaml_as_ros2_topic_echo_prints_it(start: Start) -> None:
     """A message is a YAML document, closed by three dashes; zeros are printed; Ctrl-C ends both commands well."""
@@ -37,6 +38,7 @@ def test_yaml_as_ros2_topic_echo_prints_it(start: Start) -> None:
     assert listener.output[:6] == ["distance_to_go: 1.5", "turning_radius: 0.0", "---"] * 2
 
 
+@pytest.mark.slow
 @needs_dds
 def test_topics_of_standard_types(start: Start, called: Called) -> None:
     """A topic that no row has is read and written by the name of its type."""
@@ -125,6 +127,7 @@ def _same(left: Any, right: Any) -> bool:
     return bool(left == right) or (isinstance(left, float) and math.isnan(left) and math.isnan(right))
 
 
+@pytest.mark.slow
 @settings(suppress_health_check=[HealthCheck.too_slow], max_examples=40)
 @given(_MESSAGES)
 def test_printed_yaml_is_read_as_the_same_values(values: dict[str, Any]) -> None:
@@ -134,6 +137,7 @@ def test_printed_yaml_is_read_as_the_same_values(values: dict[str, Any]) -> None
     assert text.endswith("\n")
 
 
+@pytest.mark.slow
 @settings(suppress_health_check=[HealthCheck.too_slow], max_examples=50)
 @given(_MESSAGES)
 def test_printed_json_is_one_strict_line(values: dict[str, Any]) -> None:

@@ -45,6 +45,7 @@ def _speaking(port: int) -> Iterator[None]:
         yield
 
 
+@pytest.mark.slow
 @needs_dds
 def test_top_shows_the_bridge(bridge: Bridge, start: Start, called: Called) -> None:
     """As a page, and as JSON for scripts, from a second program; exit code 1 where no bridge is heard."""
@@ -131,6 +132,7 @@ async def _foxglove(address: str) -> tuple[list[dict[str, Any]], bytes]:
                     await connection.send(json.dumps(asked))
 
 
+@pytest.mark.slow
 def test_doctor_finds_what_is_wrong(called: Called, peer: socket.socket) -> None:
     """A port that is taken, and by whom; exit code 1. A host that does not resolve is a warning: it may boot later."""
     taken = peer.getsockname()[1]
@@ -164,6 +166,7 @@ def test_doctor_warns_if_the_table_was_changed_and_not_generated(done: Start, tm
         assert bool(says) == bool(said)
 
 
+@pytest.mark.slow
 def test_doctor_goes_on_where_something_keeps_it_from_checking(called: Called, tmp_path: Path) -> None:
     """Without generated code, or with a wrong parameter: that is told, and the rest is looked at all the same."""
     code, output, _ = called("doctor", "--json", "--project", tmp_path)

@@ -63,6 +63,7 @@ def _follow(command: list[str], port: int, bridge: BridgeThread) -> None:
     assert output[1] in ("image 1: OBJECT_ROCK\n", "payload 17\n")
 
 
+@pytest.mark.slow
 def test_the_basestation_in_python_runs(tmp_path: Path, domain: int) -> None:
     """Its 30 lines receive, reassemble and command."""
     text = _program("python")

@@ -67,6 +67,7 @@ def test_the_steps_lead_to_signed_commands(tmp_path: Path, start: Any, done: Any
     assert '"dropped": {"unsigned": 1}' in bridge.output[-1]
 
 
+@pytest.mark.slow
 def test_the_keys_are_changed_as_the_page_says(tmp_path: Path, done: Any) -> None:
     """After --rotate and the marks, the bridge's file has one key to send with for each direction."""
     assert "`roverlink link keygen basestation --rotate`" in SECTION

@@ -93,6 +93,7 @@ def _imu(number: int) -> bytes:
     return bytes(REGISTRY.envelope(imu_info={"accel_x": float(number)}).SerializeToString())
 
 
+@pytest.mark.slow
 def test_a_link_that_loses_repeats_and_reorders(network: Network) -> None:
     """Whatever comes through is published, once for each time it comes; nothing else is, and the sums agree."""
     count, burst = 1000, 50
@@ -110,6 +111,7 @@ def test_a_link_that_loses_repeats_and_reorders(network: Network) -> None:
         assert numbers != sorted(numbers)
 
 
+@pytest.mark.slow
 def test_the_stop_gets_through_a_link_that_loses_half(network: Network) -> None:
     """It is repeated until the topic speaks again."""
     relay_socket = inside(network.board, lambda: bound((BOARD, 6100)))
@@ -118,6 +120,7 @@ def test_the_stop_gets_through_a_link_that_loses_half(network: Network) -> None:
         wait_until(lambda: 0.0 in rig.said_to_board(), "the stop")
 
 
+@pytest.mark.slow
 def test_a_link_that_goes_away_and_returns(network: Network, caplog: pytest.LogCaptureFixture) -> None:
     """What could not be sent is counted; once the link is back both directions go on, and the stop is not forgotten."""
     with _Rig(network) as rig:

@@ -52,6 +52,7 @@ def _table(adoption: Adoption) -> str:
     return next(str(change.after) for change in adoption.changes if change.path == "mapping.yaml")
 
 
+@pytest.mark.slow
 def test_the_table_that_is_drafted(tmp_path: Path, request: pytest.FixtureRequest) -> None:
     """Rows, peers, directions and what is left out, with the reasons, are those of the golden file; none is written."""
     _colliding(tmp_path)
@@ -93,6 +94,7 @@ _DRAFTED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", _DRAFTED)
 def test_the_lines_of_a_draft(name: str, tmp_path: Path) -> None:
     """Envelope, peers, rows and retired numbers stand in the table, in this order; this project's rows are its own."""

@@ -46,6 +46,7 @@ def crosscheck() -> Iterator[Callable[[int, Path], str]]:
         server.stdin.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("examples", "case"), _CASES)
 def test_generated_code_agrees_with_the_table_and_with_rosbags(
     examples: int, case: CaseFile, crosscheck: Callable[[int, Path], str], tmp_path: Path

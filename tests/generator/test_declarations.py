@@ -40,6 +40,7 @@ def _agree(root: Path, name: str) -> bool:
     return bool(files)
 
 
+@pytest.mark.slow
 def test_files_are_read_as_protoc_reads_them(tmp_path: Path) -> None:
     """Names, numbers, types, labels, ranges, imports and places are protoc's in every file that compiles."""
     roots = [*_FOLDERS, *(case.write_inputs(tmp_path / case.name) / "proto" for case in _CASES)]
@@ -53,6 +54,7 @@ def test_files_are_read_as_protoc_reads_them(tmp_path: Path) -> None:
 _ALONE = [text for text in _TEXTS if not re.search(r'^import (public |weak )?"(?!google/)', text, re.MULTILINE)]
 
 
+@pytest.mark.slow
 @settings(_EXAMPLES, max_examples=80)
 @given(st.randoms(use_true_random=False))
 def test_any_layout_is_read_as_protoc_reads_it(tmp_path_factory: pytest.TempPathFactory, random: Random) -> None:
@@ -79,6 +81,7 @@ _NAMES = [
 ]
 
 
+@pytest.mark.slow
 def test_types_are_found_as_protoc_finds_them(tmp_path: Path) -> None:
     """A name means what protoc takes it to mean, or nothing where protoc finds nothing, in each of two scopes."""
     names = frozenset(item.full_name for item in _all(parse(_SCOPES.format("int32"))))
@@ -328,6 +331,7 @@ _ENDLESS = [
 ]
 
 
+@pytest.mark.slow
 def test_the_reader_comes_to_an_end() -> None:
     """A long file of one piece, nested deeper than Python's stack, is read to its end."""
     for part in _ENDLESS:

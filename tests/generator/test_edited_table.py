@@ -189,6 +189,7 @@ def test_the_entry_is_written_as_its_neighbours_are(before: str, after: str) -> 
     assert [row.number for row in _parsed(said).rows] == [1, 3]
 
 
+@pytest.mark.slow
 @settings(max_examples=6)
 @given(st.permutations(range(1, 22)), st.integers(1, 8))
 def test_any_rows_can_be_retired_one_after_the_other(numbers: list[int], count: int) -> None:

@@ -44,6 +44,7 @@ def _written(folder: Path, table: Any) -> Path:
     return folder / "mapping.yaml"
 
 
+@pytest.mark.slow
 def test_it_accepts_what_compiles() -> None:
     """The table of this repository, and that of every case that compiles, is valid."""
     tables = {one.name: yaml.safe_load(one.inputs["mapping.yaml"]) for one in passing_cases()}

@@ -189,6 +189,7 @@ def test_an_edited_table_does_not_replace_a_foreign_envelope(project: Path) -> N
     assert snapshot(project) == before
 
 
+@pytest.mark.slow
 def test_files_without_a_header_are_known_from_the_ledger(tmp_path: Path) -> None:
     """What a user's template makes needs no header: mapping.lock lists it, so the next run replaces it."""
     project = case("own_templates").write_inputs(tmp_path)

@@ -110,6 +110,7 @@ def test_a_project_that_was_never_finished_is_found(tmp_path: Path) -> None:
     assert (tmp_path / "mapping.yaml").exists()
 
 
+@pytest.mark.slow
 def test_what_was_edited_since_is_left_as_it_is(project: Path, finished: dict[str, bytes]) -> None:
     """A file that somebody edits between the kill and the next command keeps the edit, and is named."""
     _killed_before(project, "os.rename", 2, "generate")

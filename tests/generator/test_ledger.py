@@ -69,6 +69,7 @@ def _every_rule() -> list[str]:
     return [id for id, rule in changes.items() if rule.severity is not Severity.HINT]
 
 
+@pytest.mark.slow
 @settings(max_examples=50)
 @given(st.integers(0, len(_LEDGER.splitlines()) - 1), st.sampled_from(["cut", "drop", "twice", "change"]))
 def test_every_edit_by_hand_is_noticed(tmp_path_factory: pytest.TempPathFactory, index: int, edit: str) -> None:
@@ -125,6 +126,7 @@ def rover(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_direction_that_is_turned_around_is_refused(rover: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Both `lint` and `generate` report it; with a reason, generate takes it, and the old direction is the change."""
     table, ledger = rover / "mapping.yaml", rover / "mapping.lock"
@@ -147,6 +149,7 @@ def test_a_direction_that_is_turned_around_is_refused(rover: Path, capsys: pytes
     assert "error[TAB109]" in generate(rover).stderr
 
 
+@pytest.mark.slow
 def test_a_retired_row_does_not_come_back_with_another_peer(tmp_path: Path) -> None:
     """The ledger keeps the settings of a retired row: where its number may be freed, only the same row comes back."""
     project = _commands(tmp_path, "text: a")

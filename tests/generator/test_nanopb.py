@@ -332,6 +332,7 @@ class _Files:
         return "\n".join(lines)
 
 
+@pytest.mark.slow
 @_EXAMPLES
 @given(st.randoms(use_true_random=False))
 def test_random_messages_have_the_sizes_that_nanopb_says(
@@ -399,6 +400,7 @@ def test_what_a_message_consists_of_is_told_by_field(everything: _Both) -> None:
     assert field_sizes(everything.schema, everything.bounds, "lengths.FreeBytes") == [("first", 11)]
 
 
+@pytest.mark.slow
 def test_a_long_chain_of_messages_is_no_trouble(tmp_path: Path) -> None:
     """Sizes come from the innermost message on, so no number of messages in messages is too many."""
     chain = "".join(f"message M{i} {{ M{i + 1} a = 1; }}" for i in range(2000)) + "message M2000 { TYPE a = 1; }"

@@ -39,6 +39,7 @@ def _project(parent: Path, package: str) -> Path:
     return project
 
 
+@pytest.mark.slow
 def test_packages_are_loaded_under_their_names(tmp_path: Path) -> None:
     """Two names work beside each other, and payloads cross; of two projects with one name, the second is refused."""
     first, second = _project(tmp_path / "a", "first.generated"), _project(tmp_path / "b", "second")
@@ -53,6 +54,7 @@ def test_packages_are_loaded_under_their_names(tmp_path: Path) -> None:
     assert not (first / "generated").exists()
 
 
+@pytest.mark.slow
 def test_a_project_follows_its_package(tmp_path: Path) -> None:
     """What stands below the package's folder and is made no more goes, and an unchanged run writes nothing."""
     project = _project(tmp_path / "a", "my_rover.generated")

@@ -68,6 +68,7 @@ def _outcome(function: Callable[..., T], *arguments: Any) -> tuple[T | None, tup
         return None, error.findings
 
 
+@pytest.mark.slow
 @_EXAMPLES
 @given(_mutated(_TABLE))
 def test_any_table_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPathFactory, text: bytes) -> None:

@@ -83,6 +83,7 @@ def test_a_target_that_is_not_installed_is_a_finding(project: Path) -> None:
     assert "error[OUT102] unknown target 'fortran'" in outcome.stderr
 
 
+@pytest.mark.slow
 def test_templates_of_a_folder_anywhere_are_used_end_to_end(project: Path, tmp_path: Path) -> None:
     """A template in a folder of the user's own becomes a module that other code can use to make a datagram."""
     own = tmp_path / "own" / "wire"
@@ -101,6 +102,7 @@ def test_templates_of_a_folder_anywhere_are_used_end_to_end(project: Path, tmp_p
     assert Translator(REGISTRY).receive(tag)[0] == REGISTRY.by_number[1].route.name
 
 
+@pytest.mark.slow
 def test_what_a_template_made_goes_with_it(project: Path, tmp_path: Path) -> None:
     """A file with our header that nothing makes any more is removed by the next run."""
     own = tmp_path / "wire"

@@ -223,6 +223,7 @@ def dds_names(handler: AnyHandler) -> tuple[str, str]:
 # --- the tests ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_datagrams_reach_fast_dds_as_ros_serializes_them(
     fast_dds: Callable[..., Peer], bridge: Callable[..., RunningBridge], types: Typestore
 ) -> None:
@@ -242,6 +243,7 @@ def test_datagrams_reach_fast_dds_as_ros_serializes_them(
             assert without_slack(received, expected) == expected
 
 
+@pytest.mark.slow
 def test_what_fast_dds_publishes_is_sent_to_the_board(
     fast_dds: Callable[..., Peer], bridge: Callable[..., RunningBridge], types: Typestore
 ) -> None:
@@ -259,6 +261,7 @@ def test_what_fast_dds_publishes_is_sent_to_the_board(
     assert REGISTRY.envelope.FromString(datagram) == REGISTRY.envelope(drive_motor=values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("distribution", "gid_size"), [("humble", 24), ("jazzy", 16)])
 def test_the_bridge_is_a_node_with_all_endpoints(
     fast_dds: Callable[..., Peer], bridge: Callable[..., RunningBridge], distribution: str, gid_size: int
@@ -314,6 +317,7 @@ TOPICS = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.slow
 @TOPICS
 def test_echo_prints_what_fast_dds_publishes(
     fast_dds: Callable[..., Peer],
@@ -332,6 +336,7 @@ def test_echo_prints_what_fast_dds_publishes(
     assert json.loads(echo.output[0]) == values
 
 
+@pytest.mark.slow
 @TOPICS
 def test_fast_dds_receives_what_pub_publishes(
     fast_dds: Callable[..., Peer],

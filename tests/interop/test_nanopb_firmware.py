@@ -132,6 +132,7 @@ def _envelope_class(root: Path, descriptors: Path) -> Any:
     return message_factory.GetMessageClass(pool.FindMessageTypeByName("Envelope"))
 
 
+@pytest.mark.slow
 def test_the_board_has_the_room_that_the_table_says(bounded: tuple[Firmware, Any]) -> None:
     """With our options, what fits the table's bounds crosses unharmed, and one byte or value more is refused."""
     firmware, envelope = bounded
@@ -147,6 +148,7 @@ def test_the_board_has_the_room_that_the_table_says(bounded: tuple[Firmware, Any
     assert firmware.echo(sent) == [*sent[: len(fits)], *[None] * len(too_much)]
 
 
+@pytest.mark.slow
 def test_a_board_that_must_sign(tmp_path: Path) -> None:
     """With the C functions that our target writes, a board takes each signed datagram once, and nothing else."""
     table = _NOTE_TABLE.replace("max_size: 128}", "max_size: 128, sign: required}") + "signing: {number: 23}\n"

@@ -79,6 +79,7 @@ def _read(envelope: bytes) -> LinkMessage:
     return read(linked_registry().envelope.FromString(envelope).link)  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 def test_a_board_tells_the_hashes_of_its_rows(board: _Board) -> None:
     """The first message has the session, the rows of the board, and no echo."""
     link = linked_registry().link
@@ -107,6 +108,7 @@ def test_loss_round_trip_and_offset_of_a_board_are_measured(board: _Board) -> No
     assert (statistics.round_trip_us, statistics.clock_offset_us) == (2 * way_us, ahead_us)
 
 
+@pytest.mark.slow
 def test_a_board_with_many_rows_tells_them_in_several_messages(tmp_path: Path) -> None:
     """A message has room for eight rows; the board sends as many as it needs."""
     numbers = range(30, 30 + _MANY)

@@ -39,6 +39,7 @@ def in_c(tmp_path_factory: pytest.TempPathFactory) -> Filter:
     return run
 
 
+@pytest.mark.slow
 def test_blake2s_passes_the_tests_of_its_rfc(in_c: Filter) -> None:
     """Digests of 16 to 32 bytes, with and without a key, of up to 1024 bytes."""
 
@@ -67,6 +68,7 @@ def test_c_agrees_with_the_vectors(in_c: Filter) -> None:
     assert in_c(line[:6] for line in lines) == [line[6] for line in lines]
 
 
+@pytest.mark.slow
 def test_c_agrees_with_python_about_random_datagrams(in_c: Filter) -> None:
     """Datagrams of all lengths: signed, changed, cut and padded ones."""
     random, last = Random(20), 37_562_400_000_000  # noqa: S311  # for values, not for secrets

@@ -38,6 +38,7 @@ def _row(state: dict[str, Any], name: str) -> dict[str, Any]:
     return next(row for row in state["rows"] if row["name"] == name)
 
 
+@pytest.mark.slow
 def test_the_events_show_rows_values_and_log(link: WatchedLink) -> None:
     """A message of a board is counted in its row, its values are those that were sent, and a bad datagram is logged."""
     with Events(link.url) as events:
@@ -107,6 +108,7 @@ def test_the_page_only_reads(link: WatchedLink) -> None:
         assert sock.recv(100).startswith(b"HTTP/1.1 400 ")
 
 
+@pytest.mark.slow
 def test_thirty_browsers_follow_and_the_next_is_told() -> None:
     """The limit holds, the answer names the reason, and there is room again when a browser leaves."""
     with ExitStack() as stack:
@@ -174,6 +176,7 @@ def test_values_are_flat_and_bounded() -> None:
     assert len(flat({f"f{number}": number for number in range(1000)})) == 100
 
 
+@pytest.mark.slow
 def test_run_serves_the_page(start: Start) -> None:
     """`run --page` tells the address, serves the page there, and ends with it."""
     ros = ("--ros-args", "-p", "listen_port:=0")

@@ -54,6 +54,7 @@ def _silence(link: WatchedLink, events: Events) -> dict[str, Any]:
     return events.alarm("stop drive_motor")
 
 
+@pytest.mark.slow
 def test_an_alarm_is_acknowledged_for_all_browsers(link: WatchedLink) -> None:
     """The bridge keeps it, so that another browser gets it, too; its log says who has done it."""
     with Events(link.url) as events:
@@ -102,6 +103,7 @@ def test_a_refused_change_has_a_reason_and_changes_nothing(
     assert _parameters(shared_link) == before
 
 
+@pytest.mark.slow
 def test_only_the_page_itself_acts(link: WatchedLink) -> None:
     """A POST from another site, without an origin, to another name, or without the token is refused."""
     with Events(link.url) as events:
@@ -172,6 +174,7 @@ def test_without_the_option_there_is_nothing_to_unlock() -> None:
         assert act(link.url, "/acknowledge", [1], TOKEN)[0] == 501
 
 
+@pytest.mark.slow
 def test_a_missing_file_is_made(tmp_path: Path) -> None:
     """It has a random token that works, and is readable for its owner only, whatever the umask; the log names it."""
     path = tmp_path / "token"
@@ -216,6 +219,7 @@ def test_a_file_that_cannot_be_used_is_refused(
         _refused([*command, "--page", "0", "--page-token", str(path)], f"roverlink: {path}: ", said, capsys)
 
 
+@pytest.mark.slow
 def test_other_files_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A folder is no file for a token; nor is one in a folder that does not exist."""
     _refused(["run", "--page", "0", "--page-token", str(tmp_path)], f"roverlink: {tmp_path}: ", "regular file", capsys)

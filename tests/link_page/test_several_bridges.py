@@ -32,6 +32,7 @@ def _bridges(events: Events, count: int) -> list[dict[str, Any]]:
     return bridges
 
 
+@pytest.mark.slow
 def test_each_browser_selects_its_bridge(page: FollowedPage) -> None:
     """A browser gets the state of the bridge that it asks for, or of the first, and the list and the alarms of all."""
     page.hear("one")
@@ -48,6 +49,7 @@ def test_each_browser_selects_its_bridge(page: FollowedPage) -> None:
             assert events.next("state")["node"]["name"] == name
 
 
+@pytest.mark.slow
 def test_a_bridge_that_was_started_again_keeps_its_place(page: FollowedPage) -> None:
     """Its alarms stay, its log says so, and a browser that shows it goes on with the new process."""
     page.hear("one", instance="a", pid=12, ages={"imu_info": 9.0})
@@ -62,6 +64,7 @@ def test_a_bridge_that_was_started_again_keeps_its_place(page: FollowedPage) -> 
         assert "was started again: process 34 on rover" in events.next("log")["lines"][0]["text"]
 
 
+@pytest.mark.slow
 def test_two_bridges_with_one_name_are_both_shown(page: FollowedPage) -> None:
     """Host and process tell them apart, each can be selected, and a warning names the cure."""
     for _ in range(2):
@@ -76,6 +79,7 @@ def test_two_bridges_with_one_name_are_both_shown(page: FollowedPage) -> None:
         assert events.next("state")["node"]["pid"] == 34
 
 
+@pytest.mark.slow
 def test_the_number_of_bridges_is_bounded(page: FollowedPage) -> None:
     """One more bridge is refused with a warning, until another one has been gone for a minute."""
     for number in range(MOST + 1):

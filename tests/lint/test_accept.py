@@ -146,6 +146,7 @@ def _status() -> str:
 # --- one number ---
 
 
+@pytest.mark.slow
 def test_one_number_is_accepted(reused: Repository) -> None:
     """Only the accepted number is quiet, `generate` goes on as before, and a third meaning of the number is found."""
     envelope, name = reused.full("Env"), str(reused.ledger)
@@ -178,6 +179,7 @@ def test_one_number_is_accepted(reused: Repository) -> None:
     assert "accepted: the GPS board was never built" in found["help"]
 
 
+@pytest.mark.slow
 def test_what_was_accepted_is_known_to_all(reused: Repository, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The same question writes the same bytes; the committed file settles the numbers, also for clones and for refs.
 
@@ -210,6 +212,7 @@ def test_what_was_accepted_is_known_to_all(reused: Repository, tmp_path: Path, m
 # --- kinds of findings ---
 
 
+@pytest.mark.slow
 def test_each_kind_of_finding_is_accepted(tree: Repository) -> None:
     """Reused numbers, replaced contents and doubtful names are settled one by one, and new contents are found."""
     tree.commit(*_FIRST)
@@ -242,6 +245,7 @@ def test_each_kind_of_finding_is_accepted(tree: Repository) -> None:
     assert ("HIS103", "rover.Env", 2) in tree.found()
 
 
+@pytest.mark.slow
 def test_a_reuse_that_was_corrected_has_a_way_out(tree: Repository) -> None:
     """A reuse that was committed and taken back is reported with the command that settles it."""
     tree.commit(*_FIRST)
@@ -254,6 +258,7 @@ def test_a_reuse_that_was_corrected_has_a_way_out(tree: Repository) -> None:
     assert tree.lint()[0] == 0
 
 
+@pytest.mark.slow
 def test_a_rename_is_one_meaning(project: Repository) -> None:
     """A rename that the lint takes for another meaning passes `generate` and `--against` once it is accepted."""
     assert project.lint("--accept")[0] == 0
@@ -276,6 +281,7 @@ def test_a_rename_is_one_meaning(project: Repository) -> None:
     assert project.lint()[0] == 0
 
 
+@pytest.mark.slow
 def test_other_types_of_one_number(tree: Repository) -> None:
     """A renamed map is accepted, whose type the history spells in another way than today's schema.
 
@@ -294,6 +300,7 @@ def test_other_types_of_one_number(tree: Repository) -> None:
 # --- numbers that are free ---
 
 
+@pytest.mark.slow
 def test_a_burned_number_that_is_free_is_given_to_nobody(tree: Repository) -> None:
     """A free number is refused for a field, an enum value and a payload, also with an earlier meaning."""
     before = _TYPES.replace("IDLE = 0; DRIVE = 1;", "IDLE = 0; DRIVE = 1; STOP = 2;")
@@ -321,6 +328,7 @@ def test_a_burned_number_that_is_free_is_given_to_nobody(tree: Repository) -> No
 # --- projects ---
 
 
+@pytest.mark.slow
 def test_a_number_that_is_free_gets_reserved(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The ledger takes note of a number that no payload has today, and the envelope reserves it."""
     project = _repository(run, "rover", True, tmp_path / "repository", monkeypatch)
@@ -335,6 +343,7 @@ def test_a_number_that_is_free_gets_reserved(run: Run, tmp_path: Path, monkeypat
     assert project.lint()[0] == 0
 
 
+@pytest.mark.slow
 def test_a_ledger_of_an_earlier_version_keeps_a_number_in_use(project: Repository) -> None:
     """Earlier versions wrote types without the package, and lost which meaning the number had."""
     text = project.ledger.read_text().rpartition("checksum:")[0]
@@ -345,6 +354,7 @@ def test_a_ledger_of_an_earlier_version_keeps_a_number_in_use(project: Repositor
         assert (code, err) == (0, ""), (command, out, err)
 
 
+@pytest.mark.slow
 def test_init_takes_the_accepted_numbers_over(tree: Repository) -> None:
     """A project that starts from a tree has the accepted numbers in its own ledger, and the tree's file is gone."""
     _reused(tree)
@@ -397,6 +407,7 @@ def test_a_reuse_of_an_open_branch_is_not_accepted_elsewhere(tree: Repository) -
     assert "water" not in tree.ledger.read_text()
 
 
+@pytest.mark.slow
 def test_a_tree_without_the_name_of_its_envelope(tree: Repository) -> None:
     """`18` is no number of any message; and without the file of accepted numbers, free ones would look unused."""
     _reused(tree)
@@ -408,6 +419,7 @@ def test_a_tree_without_the_name_of_its_envelope(tree: Repository) -> None:
     assert "[LED104]" in tree.run("lint", *tree.subject)[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "rule"),
     [
@@ -429,6 +441,7 @@ def test_a_damaged_file_is_reported_and_kept(tree: Repository, text: str, rule: 
     assert tree.ledger.read_bytes() == text.encode("latin-1")
 
 
+@pytest.mark.slow
 def test_both_sides_of_a_merge_conflict_count(tree: Repository) -> None:
     """Branches that accepted different numbers have a conflict; accepting one again writes the file anew."""
     _reused(tree)

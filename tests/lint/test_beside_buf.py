@@ -262,6 +262,7 @@ def test_harmless_mutations_find_nothing(tmp_path: Path) -> None:
     assert (pair.ours, pair.theirs) == ([], [])
 
 
+@pytest.mark.slow
 @needs_buf
 def test_message_sets_which_buf_refuses(tmp_path: Path) -> None:
     """The option that buf does not compile is found, whether it comes or goes; buf refuses it aloud."""

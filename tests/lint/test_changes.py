@@ -158,6 +158,7 @@ def test_a_schema_is_like_itself(base: Schema) -> None:
     assert changes_found([SchemaChange(_as_ledger(base), base, of_ledger=True)], base) == []
 
 
+@pytest.mark.slow
 def test_a_fault_against_two_states_comes_once(tmp_path: Path) -> None:
     """What the ledger and another state both know is said once, with that state's place."""
     chosen = ("int32_to_string", "field_deleted", "value_deleted")
@@ -241,6 +242,7 @@ def test_the_next_free_number(tmp_path: Path) -> None:
 _RANGE = st.tuples(st.integers(1, 30), st.integers(0, 9)).map(lambda pair: (pair[0], pair[0] + pair[1]))
 
 
+@pytest.mark.slow
 @given(_RANGE, st.lists(_RANGE))
 def test_missing_numbers(wanted: tuple[int, int], ranges: list[tuple[int, int]]) -> None:
     """What is missing of a range are its numbers that no range covers, in ranges that do not touch."""

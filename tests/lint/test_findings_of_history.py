@@ -67,6 +67,7 @@ def link(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> Link:
 # --- text ---
 
 
+@pytest.mark.slow
 def test_the_declarations_stand_side_by_side(link: Link) -> None:
     """One sentence, then both declarations in columns, with place, commit, date, author and a short subject.
 
@@ -159,6 +160,7 @@ def test_a_content_from_a_broken_file_is_a_doubt(link: Link) -> None:
     assert f"in doubt: {why}\n" in link.text()
 
 
+@pytest.mark.slow
 def test_only_limits_of_the_envelope_concern_its_numbers(
     link: Link, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -192,6 +194,7 @@ def _prints(link: Link) -> dict[str, str]:
     return dict(zip(texts, prints))
 
 
+@pytest.mark.slow
 def test_places_are_files_of_the_repository(link: Link, monkeypatch: pytest.MonkeyPatch) -> None:
     """Wherever one calls it, paths start at the top of the repository, and each place is a file that exists."""
     link.commit("Measure the wind", **_WINDY)
@@ -212,6 +215,7 @@ def test_places_are_files_of_the_repository(link: Link, monkeypatch: pytest.Monk
     assert all("file=protos/" in line for line in out.splitlines())
 
 
+@pytest.mark.slow
 def test_fingerprints_outlive_other_changes(link: Link) -> None:
     """Moved lines, other commits and other findings leave a fingerprint as it is; another meaning changes it."""
     link.commit("Measure the wind", **_WINDY)

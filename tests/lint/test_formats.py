@@ -130,6 +130,7 @@ def test_junit_counts_rules_as_tests(project: Path, capsys: pytest.CaptureFixtur
     assert cases["ENV104"].find("failure") is None
 
 
+@pytest.mark.slow
 def test_a_rule_counts_for_as_much_as_the_table_says(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Lowered to a hint, a finding fails no more, but where `--fail-on` asks for it; off, it is gone."""
     (project / "proto" / "envelope.proto").write_text(_ENVELOPE.replace("imu = 1", "imu = 1;\n    Gps gps = 2"))

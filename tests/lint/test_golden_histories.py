@@ -90,6 +90,7 @@ def test_a_link_out_of_the_tree_is_named(
     assert (found["path"], "link" in found["message"], "Secret" in _text(found)) == ("link.proto", True, False)
 
 
+@pytest.mark.slow
 def test_init_reads_comments_that_are_not_utf_8(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A Latin-1 degree sign in a comment, which protoc accepts, stops no project from starting."""
     repository = RepositoryBuilder(tmp_path / "repository")

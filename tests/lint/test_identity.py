@@ -181,6 +181,7 @@ def test_both_sides_add_a_message(repository: RepositoryBuilder) -> None:
 # --- changes that are not committed yet ---
 
 
+@pytest.mark.slow
 def test_the_working_tree_and_the_index_are_the_newest_states(
     repository: RepositoryBuilder, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -196,6 +196,7 @@ def branches(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
     [
@@ -215,6 +216,7 @@ def test_each_change_is_judged_by_its_meaning(
     assert _verdicts(capsys, command) == expected
 
 
+@pytest.mark.slow
 def test_years_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """The history judges two names alike if the number was unused between them."""
     between = {f"protos/{name}.proto": _file(name, _BETWEEN) for name in _OF_NAMES}
@@ -248,6 +250,7 @@ source destination, roll pitch, pitch yaw, roll yaw, 1 2, 3 12, a b, minimum max
 _SIDES = st.sampled_from([tuple(pair.split()) for pair in _OPPOSITES.split(",")])
 
 
+@pytest.mark.slow
 @given(_NAME, _NAME)
 def test_names_are_compared_both_ways(one: str, other: str) -> None:
     """It does not matter which of two names is the older one, and a name is like itself."""
@@ -255,6 +258,7 @@ def test_names_are_compared_both_ways(one: str, other: str) -> None:
     assert compare_names(one, one).likeness is Likeness.SAME
 
 
+@pytest.mark.slow
 @given(_SIDES, _QUALIFIERS, _QUALIFIERS, st.sampled_from(_QUANTITIES), st.randoms())
 def test_opposites_are_never_similar(
     sides: tuple[str, str], one: list[str], other: list[str], quantity: str, random: Random

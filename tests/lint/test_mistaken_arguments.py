@@ -85,6 +85,7 @@ def test_an_envelope_is_suggested(repository: Path, run: Run, command: tuple[str
     assert f"  help: {help}\n" in out + err
 
 
+@pytest.mark.slow
 def test_next_number_says_if_the_message_has_no_oneof(repository: Path, run: Run) -> None:
     """A message without a oneof may be the wrong one, so it is said that all its fields count."""
     assert run("number", "next", "protos", "--message", "Motor") == (

@@ -71,6 +71,7 @@ def test_what_became_of_the_number_is_said(
     assert (code, one["number"], said in one["message"]) == (1, 2, True)
 
 
+@pytest.mark.slow
 def test_a_mere_rename_and_a_replaced_content_are_other_rules(repository: RepositoryBuilder, found: Found) -> None:
     """A payload renamed with its fields is a hint; one whose fields were replaced under its name an error.
 
@@ -92,6 +93,7 @@ def test_a_mere_rename_and_a_replaced_content_are_other_rules(repository: Reposi
     assert (code, ("HIS103", "error") in [(one["id"], one["severity"]) for one in against]) == (1, True)
 
 
+@pytest.mark.slow
 def test_against_a_branch_makes_its_own_old_cases_hints(repository: RepositoryBuilder, found: Found) -> None:
     """A tree without a table, whose past nobody can accept, passes; a case that the change adds is an error."""
     repository.commit("Drop the GPS", _envelope())
@@ -109,6 +111,7 @@ def test_against_a_branch_makes_its_own_old_cases_hints(repository: RepositoryBu
 # --- what limits how deep one can look ---
 
 
+@pytest.mark.slow
 def test_a_shallow_clone_says_how_deep_it_could_look(windy: Path, tmp_path: Path, run: Run) -> None:
     """The part that is there is looked at; that it is a part is a warning with its depth and the cure.
 
@@ -127,6 +130,7 @@ def test_a_shallow_clone_says_how_deep_it_could_look(windy: Path, tmp_path: Path
     assert run("number", "next", root, *_TREE)[1] == "4\n"
 
 
+@pytest.mark.slow
 def test_a_question_about_the_envelope_needs_one(windy: Path, run: Run, tmp_path: Path) -> None:
     """Pins and the history of an envelope that never was have no answer: exit code 2, not a clean bill."""
     (tmp_path / "pins.txt").write_text("rover main\n")
@@ -163,6 +167,7 @@ def _cmake(folder: Path, text: str) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_pins_that_disagree(windy: Path, tmp_path: Path, run: Run, found: Found) -> None:
     """A submodule, CMake's GIT_TAG and a plain list: a number that two commits use differently is one finding."""
     new, old = git(windy, "rev-parse", "HEAD").strip(), git(windy, "rev-parse", "HEAD~1").strip()
@@ -236,6 +241,7 @@ def test_the_next_number_skips_whatever_was_used(repository: RepositoryBuilder, 
     assert "comment" in lines[2]
 
 
+@pytest.mark.slow
 def test_the_next_number_skips_what_is_closed(repository: RepositoryBuilder, run: Run) -> None:
     """Ranges are skipped as a whole, and said in one line; where all above is closed, what is left below is taken."""
     text = _text(_GPS, closed="extensions 3 to 9; reserved 12 to max; optional uint32 outside = 10;")
@@ -270,6 +276,7 @@ def test_words_without_effect(run: Run, arguments: list[str], said: str) -> None
     assert (code, out, said in err) == (2, "", True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("question", [[], ["--branches"]])
 def test_accepting_needs_the_history(question: list[str], run: Run) -> None:
     """Nothing is accepted where nobody asked what there is."""

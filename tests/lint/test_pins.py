@@ -63,6 +63,7 @@ def _gravest(found: set[tuple[str, int | None, bool]]) -> set[tuple[str, int | N
     return {one for one in found if one[2] or (*one[:2], True) not in found}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "edits",
     [
@@ -133,6 +134,7 @@ def arms(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Arms:
     return Arms(tmp_path, capsys)
 
 
+@pytest.mark.slow
 def test_many_projects_with_two_states_give_one_finding(arms: Arms) -> None:
     """Ten projects of two states differ in one field: one finding names all of them, and the matrix has two rows."""
     arms.commit("Change", "float humidity", "float current")
@@ -146,6 +148,7 @@ def test_many_projects_with_two_states_give_one_finding(arms: Arms) -> None:
     assert [row[1:] for row in _verdicts(arms.lint(*pins))] == [["same", "misread 1"], ["misread 1", "same"]]
 
 
+@pytest.mark.slow
 def test_a_finding_names_declarations_commits_and_what_to_do(arms: Arms) -> None:
     """Two projects and the checkout: each declaration with its commit, each commit with its projects."""
     arms.commit("Measure humidity", "float humidity", "float current")
@@ -163,6 +166,7 @@ def test_a_finding_names_declarations_commits_and_what_to_do(arms: Arms) -> None
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [40, 120])
 def test_the_matrix_fits_the_terminal(arms: Arms, monkeypatch: pytest.MonkeyPatch, width: int) -> None:
     """Eight projects with eight states and long names: no line is longer than the terminal, and no cell is cut."""

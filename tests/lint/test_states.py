@@ -73,6 +73,7 @@ def _said(found: list[dict[str, Any]], *keys: str) -> list[tuple[Any, ...]]:
 # --- the three kinds of states ---
 
 
+@pytest.mark.slow
 def test_a_change_is_found_against_every_kind_of_state(tree: Path, run: Run, found: Found) -> None:
     """A number that was given to another payload is found at its place, whatever the other state comes from.
 
@@ -179,6 +180,7 @@ def test_an_envelope_named_without_its_package(tree: Path, run: Run, found: Foun
     assert (code, "help: use --message rover.Envelope or --message other.Envelope" in out) == (2, True)
 
 
+@pytest.mark.slow
 def test_a_state_that_does_not_compile(tree: Path, found: Found) -> None:
     """A file that does not compile is named, in the other state as fatal; the rest is compared all the same."""
     (tree / "broken.proto").write_text('syntax = "proto3";\n\nmessage Broken {\n  Missing x = 1;\n}\n')

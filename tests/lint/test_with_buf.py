@@ -173,6 +173,7 @@ after/imu.proto:13:22: warning[ENUM_VALUE_SAME_NAME] Enum value "1" on enum "Mod
     )
 
 
+@pytest.mark.slow
 @needs_buf
 def test_formats_have_what_scripts_ask_for(lint: Run, by_rule: Found) -> None:
     """A finding of buf's has type and number as ours have; its rule is declared, and is a failed test."""
@@ -208,6 +209,7 @@ def test_formats_have_what_scripts_ask_for(lint: Run, by_rule: Found) -> None:
     assert "FIELD_SAME_TYPE buf-breaking" in [case.get("name") for case in suite if case.find("failure") is not None]
 
 
+@pytest.mark.slow
 @needs_buf
 def test_exit_codes(lint: Run, tmp_path: Path) -> None:
     """0 if buf and we find nothing; buf's findings are warnings, which --fail-on error lets pass."""
@@ -224,6 +226,7 @@ def test_exit_codes(lint: Run, tmp_path: Path) -> None:
 # --- other states, and what is around ---
 
 
+@pytest.mark.slow
 @needs_buf
 def test_a_git_ref_and_a_descriptor_set(by_rule: Found, tmp_path: Path) -> None:
     """Buf compares with whatever the lint compares with; a missing state is what it is without buf."""
@@ -238,6 +241,7 @@ def test_a_git_ref_and_a_descriptor_set(by_rule: Found, tmp_path: Path) -> None:
     assert (code, [*found]) == (2, ["STA101"])
 
 
+@pytest.mark.slow
 @needs_buf
 def test_no_network_and_no_configuration(lint: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither a buf.yaml, be it broken or with dependencies elsewhere, nor a home folder is asked."""
@@ -252,6 +256,7 @@ def test_no_network_and_no_configuration(lint: Run, tmp_path: Path, monkeypatch:
     assert lint() == expected
 
 
+@pytest.mark.slow
 @needs_buf
 @pytest.mark.parametrize(("side", "refused", "expected"), [("before", "STA102", 2), ("after", "PRO101", 1)])
 def test_what_does_not_compile_is_not_deleted(

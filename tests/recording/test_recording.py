@@ -157,6 +157,7 @@ def _run_of(what: str, path: Path, **options: Any) -> subprocess.Popen[str]:
     return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment, **options)
 
 
+@pytest.mark.slow
 def test_a_kill_costs_at_most_the_last_second(tmp_path: Path) -> None:
     """After SIGKILL everything is readable, in order and without a gap, but for what was younger than a second."""
     path = tmp_path / "run.mcap"
@@ -207,6 +208,7 @@ def small_disk(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Path]
     subprocess.run(["umount", str(place)], check=True)
 
 
+@pytest.mark.slow
 def test_a_full_disk_ends_the_recording_and_nothing_else(small_disk: Path) -> None:
     """It is told before and when it happens; what was recorded is readable; what came later is counted as lost."""
     path = small_disk / "run.mcap"
@@ -222,6 +224,7 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(small_disk: Path) -> No
     assert {len(message.data) for message in messages} == {1400}
 
 
+@pytest.mark.slow
 def test_any_limit_leaves_a_file_with_an_end_or_none(tmp_path: Path) -> None:
     """Wherever in a file the room ends: it has an end and holds what it counts, or it could not be made at all."""
     none, empty, some = 0, 0, 0

@@ -105,6 +105,7 @@ def test_every_kind_of_field_both_ways(message: Everything) -> None:
     _round_trip(message)
 
 
+@pytest.mark.slow
 def test_every_standard_message_starts_empty() -> None:
     """Each class that can be made at run time has a default for each field, and it is written and read."""
     names = [name for name in get_typestore(Stores.ROS2_HUMBLE).fielddefs if "/msg/" in name]

@@ -215,6 +215,7 @@ def test_a_blocking_peer_repeats_in_its_methods_only(bridge: socket, monkeypatch
         assert [waiting(bridge), after(0.021)] == [[_AUTO], []]
 
 
+@pytest.mark.slow
 def test_peers_repeat_while_they_wait(bridge: socket) -> None:
     """In `receive`, or with asyncio whatever the tasks do; a closed peer sends no more."""
     with _basestation(bridge) as peer:

@@ -138,6 +138,7 @@ def test_endpoints_and_topics_are_listed_until_they_leave(join: Open, topic: str
 # --- the wire ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_another_program_reads_what_we_publish(join: Open, topic: str) -> None:
     """A plain DDS reader of the ROS 2 type, which has no node, gets our messages field by field."""
     ours, still = join(), ImuSensorInformation(accel_z=-9.75)
@@ -150,6 +151,7 @@ def test_another_program_reads_what_we_publish(join: Open, topic: str) -> None:
         assert [peer.says(), peer.says()] == [message_to_values(_SAMPLE), message_to_values(still)]
 
 
+@pytest.mark.slow
 def test_we_read_what_another_program_publishes(join: Open, topic: str) -> None:
     """A plain DDS writer's samples come in as plain CDR of the ROS 2 message, and its end is no message."""
     middleware = join()
@@ -193,6 +195,7 @@ def test_qualities_of_service_match_as_ros_2_has_them(
 # --- being a node -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("distribution", "gid_bytes"), [(None, 24), ("jazzy", 16)])
 def test_we_are_seen_as_a_node_with_our_endpoints(
     join: Open, topic: str, monkeypatch: pytest.MonkeyPatch, distribution: str | None, gid_bytes: int
@@ -322,6 +325,7 @@ _OWN_CONFIGURATION = (
 _BROKEN_CONFIGURATION = "<CycloneDDS><Nonsense/></CycloneDDS>"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("environment", "said"),
     [

@@ -55,6 +55,7 @@ def _until(rig: Rig, wanted: bytes) -> list[bytes]:
 # --- stops ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_stop_is_sent_when_the_topic_falls_silent_and_repeated(guarded: Rig) -> None:
     """After 60 ms once, then every 160 ms; at the start nobody has to publish first."""
     assert _next(guarded) == _STOP
@@ -69,6 +70,7 @@ def test_the_stop_is_sent_when_the_topic_falls_silent_and_repeated(guarded: Rig)
     assert guarded.account.sent == {"drive_motor": 40}
 
 
+@pytest.mark.slow
 def test_silence_is_warned_of_once(guarded: Rig, caplog: pytest.LogCaptureFixture) -> None:
     """Not with every repetition, and not where nobody has spoken yet; a clock that is set changes nothing."""
     assert [_next(guarded) for _ in range(2)] == [_STOP] * 2

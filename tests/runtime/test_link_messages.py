@@ -72,6 +72,7 @@ def _payload(name: str) -> bytes:
 # --- schemas ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_bridge_says_its_rows_at_once_to_each_peer() -> None:
     """Each peer gets the hashes of its rows and of those forwarded to it, its own first, and then once a second."""
     with _rig() as rig:
@@ -192,6 +193,7 @@ def test_no_two_link_messages_have_the_same_time() -> None:
         assert board.sent_before(time_us) == sent
 
 
+@pytest.mark.slow
 def test_lost_commands_are_counted_by_what_the_board_received() -> None:
     """The board tells how many datagrams came before the link message that it answers; the rest is lost."""
     with _rig() as rig:

@@ -46,6 +46,7 @@ def test_one_message_says_nothing_yet() -> None:
     assert (statistics.jitter_us, statistics.round_trip_us, statistics.clock_offset_us) == (None, None, None)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.randoms(use_true_random=False))
 def test_the_loss_is_that_of_the_link(random: Random) -> None:
@@ -76,6 +77,7 @@ def test_recent_loss_forgets_an_old_outage() -> None:
     assert statistics.inbound.recent == 0
 
 
+@pytest.mark.slow
 @given(st.permutations(range(1, 20)), st.lists(st.integers(0, 18), max_size=10))
 def test_order_and_duplicates_are_counted(order: list[int], repeated: list[int]) -> None:
     """A message behind a later one is reordered, and one that came before is a duplicate and changes nothing else."""

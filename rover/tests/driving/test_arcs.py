@@ -44,12 +44,14 @@ def _over_the_wire(command: BoardCommand) -> BoardCommand:
     return BoardCommand(*struct.unpack("<2f", struct.pack("<2f", command.distance_to_go, command.turning_radius)))
 
 
+@pytest.mark.slow
 @given(twist=_twists)
 def test_an_arc_ends_where_the_velocity_leads(twist: Twist) -> None:
     """Forwards and backwards, to both sides, on a straight line, and on arcs of any radius."""
     assert _same(arc_of_twist(*twist).end, _driven([twist]))
 
 
+@pytest.mark.slow
 @given(first=_twists, second=_twists, part=st.floats(0, 1))
 def test_an_arc_may_be_replaced_in_its_middle(first: Twist, second: Twist, part: float) -> None:
     """The next arc starts at the place and in the direction that the rover has by then."""
@@ -59,6 +61,7 @@ def test_an_arc_may_be_replaced_in_its_middle(first: Twist, second: Twist, part:
     assert _same(end, _driven([(linear, angular, part * duration), second]))
 
 
+@pytest.mark.slow
 @given(twist=_twists, straight_radius=st.sampled_from([0.0, 1e5, -1e7]))
 def test_the_board_drives_the_velocity(twist: Twist, straight_radius: float) -> None:
     """The command that reaches the board is the arc of the velocity, to single precision."""
@@ -73,6 +76,7 @@ def test_the_board_drives_the_velocity(twist: Twist, straight_radius: float) -> 
     assert _same(board.arc(command).end, _driven([twist]), lost * max(1, abs(angular * duration)))
 
 
+@pytest.mark.slow
 @given(twist=_twists, smallest=st.floats(0.1, 3))
 def test_no_radius_is_below_the_smallest_one(twist: Twist, smallest: float) -> None:
     """A tighter arc keeps its side and its length."""

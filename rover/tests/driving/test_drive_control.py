@@ -71,6 +71,7 @@ def _distances(sent: Iterable[BoardCommand | None]) -> list[float]:
 _twists = st.tuples(st.floats(-1, -0.02) | st.floats(0.02, 1), st.floats(-1, 1), st.integers(1, 8))
 
 
+@pytest.mark.slow
 @given(twists=st.lists(_twists, max_size=4))
 def test_a_board_that_keeps_up_drives_the_velocities(twists: list[tuple[float, float, int]]) -> None:
     """Each command replaces the one before in the middle of its arc; the rover's way is the one of the velocities."""
@@ -95,6 +96,7 @@ def test_a_board_that_keeps_up_drives_the_velocities(twists: list[tuple[float, f
     assert pose.yaw == pytest.approx(yaw, abs=1e-6)
 
 
+@pytest.mark.slow
 @given(linear=st.floats(-1, 1), acceleration=st.floats(0.2, 3))
 def test_the_speed_changes_with_the_largest_acceleration(linear: float, acceleration: float) -> None:
     """A command is the distance that the rover drives in the time for which it is enough, while it accelerates."""

@@ -55,6 +55,7 @@ def _bends(draw: st.DrawFn) -> list[Point]:
     return points
 
 
+@pytest.mark.slow
 @given(points=_bends(), aside=st.floats(-0.5, 0.5), yaw=st.floats(-0.7, 0.7))
 def test_a_path_with_bends_is_followed_to_its_end(points: list[Point], aside: float, yaw: float) -> None:
     """Also from a start beside it. On its way the rover stays near, and does not take short cuts."""
@@ -88,6 +89,7 @@ def test_a_goal_inside_of_the_smallest_turn_is_missed() -> None:
     assert _follow([(0.0, 0.0), (0.0, 0.0), (2.0, 0.0), (2.0, 0.0)], PlanarPose())[0] is Ending.REACHED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_a_rover_that_slips_follows_a_path(seed: int) -> None:
     """The poses are noisy and 100 ms late, and one command in twenty is lost."""
@@ -124,6 +126,7 @@ _poses = st.builds(PlanarPose, _metres, _metres, _angles)
 _distances = st.floats(0.1, 20)
 
 
+@pytest.mark.slow
 @given(_poses, _metres, _metres, st.one_of(st.none(), _angles), _distances, _angles)
 def test_the_rover_looks_at_the_landmark_from_its_distance(
     start: PlanarPose, x: float, y: float, facing: float | None, distance: float, angle: float
@@ -139,6 +142,7 @@ def test_the_rover_looks_at_the_landmark_from_its_distance(
         assert math.cos(math.atan2(stop.y - y, stop.x - x) - facing) == pytest.approx(1)
 
 
+@pytest.mark.slow
 @given(_poses, _distances, _angles, st.one_of(st.none(), _angles), _distances)
 def test_without_a_heading_the_rover_stops_as_it_comes(
     start: PlanarPose, away: float, direction: float, yaw: float | None, distance: float

@@ -38,6 +38,7 @@ def _left(measured: list[Measurement]) -> list[float]:
     return [one.distance_left for one in _of(ProgressReport, measured)]
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32), _commands, st.integers(1, 7))
 @settings(max_examples=10)
 def test_a_seed_repeats_a_drive(seed: int, commands: list[tuple[BoardCommand, float]], pieces: int) -> None:
@@ -55,6 +56,7 @@ def test_a_seed_repeats_a_drive(seed: int, commands: list[tuple[BoardCommand, fl
     assert drive(pieces) == drive(1000) != drive(1000, seed + 1)
 
 
+@pytest.mark.slow
 @given(_distances, _radii)
 @settings(max_examples=30)
 def test_a_rover_that_does_not_slip_ends_at_the_end_of_its_arc(distance: float, radius: float) -> None:

@@ -167,6 +167,7 @@ def _steps(link: FaultyLink) -> list[tuple[float, float]]:
     return [((new.at - old.at) / 1e9, new.pose.distance_to(old.pose)) for old, new in pairs]
 
 
+@pytest.mark.slow
 @given(_seeds, _faults, st.booleans())
 @settings(max_examples=5, derandomize=True)  # seed 102999 with lost=0.1, late=0.05 and no motors is off by 0.5 m
 def test_replaced_arcs_and_a_bad_link_lose_no_distance(seed: int, faults: Faults, backwards: bool) -> None:
@@ -178,6 +179,7 @@ def test_replaced_arcs_and_a_bad_link_lose_no_distance(seed: int, faults: Faults
     assert all(metres <= 0.55 * (seconds + faults.lateness) + 0.05 for seconds, metres in _steps(link))
 
 
+@pytest.mark.slow
 @given(_seeds, st.sampled_from([Faults(), Faults(lost=0.02, repeated=0.02)]))
 @settings(max_examples=3)
 def test_a_stream_of_commands_gives_the_distance(seed: int, faults: Faults) -> None:
@@ -187,6 +189,7 @@ def test_a_stream_of_commands_gives_the_distance(seed: int, faults: Faults) -> N
     assert _distance_error(link) < 0.05 * link.model.rolled + 0.15
 
 
+@pytest.mark.slow
 @given(_seeds, st.booleans())
 @settings(max_examples=3)
 def test_a_board_that_restarts_causes_no_jump(seed: int, motors: bool) -> None:
@@ -219,6 +222,7 @@ def test_a_clock_that_jumps_back_causes_no_jump() -> None:
     assert poses[-1] == pytest.approx(0.05 * (len(times) - 2), abs=0.06)
 
 
+@pytest.mark.slow
 def test_the_bias_is_learned_while_the_rover_stands() -> None:
     """The pose does not drift then, and a drive afterwards is straight."""
     link = FaultyLink(4, Faults(), replace(IDEAL, imu=replace(_REAL.imu, gyro_bias=0.02)))
@@ -243,6 +247,7 @@ def test_a_rover_that_is_carried_while_its_wheels_stand_turns() -> None:
     assert estimate.pose.yaw == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.slow
 def test_without_a_gyroscope_the_steering_tells_the_turn() -> None:
     """The covariance is far larger; with the gyroscope back, the turn is measured again."""
     with_gyro, without = FaultyLink(2, Faults(), _REAL), FaultyLink(2, Faults(imu=False), _REAL)
@@ -311,6 +316,7 @@ def _normalized_error(link: FaultyLink) -> float:
     return float(error @ np.linalg.solve(np.array(link.estimates[-1].covariance), error))
 
 
+@pytest.mark.slow
 def test_the_error_is_as_large_as_the_covariance_says() -> None:
     """The mean normalized error of short drives is within the band of chance."""
     errors = []

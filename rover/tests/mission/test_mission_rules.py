@@ -67,6 +67,7 @@ class _Rover:
         self._call("wait")
 
 
+@pytest.mark.slow
 @given(
     _goals,
     st.lists(st.sampled_from(Outcome), max_size=20),

@@ -52,6 +52,7 @@ def filmed(folder: Path, count: int, still: int) -> Path:
     return film
 
 
+@pytest.mark.slow
 def test_images_become_a_file_of_parameters(images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The camera is found to a thousandth; the file says how sure that is, and the image that is of no use is named."""
     out = tmp_path / "camera.yml"
@@ -110,6 +111,7 @@ def test_parameters_that_must_not_be_used_replace_no_good_ones(
     assert "rolling shutter" in (tmp_path / "camera.rejected.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_too_few_views_are_refused(images: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """With the reason, exit code 1, and no file."""
     for name in ("view1.png", "view2.png", "wall.png"):
@@ -138,6 +140,7 @@ def test_of_a_video_the_views_that_add_something_are_taken(tmp_path: Path, capsy
     assert read_parameters(out).matrix == pytest.approx(MATRIX, abs=2.0)
 
 
+@pytest.mark.slow
 def test_a_video_in_words_says_what_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """What each view adds, and what still has none; then why that is not enough."""
     film = filmed(tmp_path, 3, 2)

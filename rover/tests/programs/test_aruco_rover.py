@@ -49,6 +49,7 @@ def _with_a_second_camera(field: Field, mount: str = "[0, 0, 0.6]") -> None:
     )
 
 
+@pytest.mark.slow
 def test_the_mount_of_a_camera_gives_the_rover_s_pose(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """Each frame says where the camera and the rover are; a file of one camera is enough."""
     views, _ = lines(capsys, _words(field, "--json"))
@@ -61,6 +62,7 @@ def test_the_mount_of_a_camera_gives_the_rover_s_pose(field: Field, capsys: pyte
         assert (view["rover"]["stamp"], view["rover"]["frame"]) == (view["stamp"], "map")
 
 
+@pytest.mark.slow
 def test_frames_of_two_cameras_give_one_pose(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """The landmarks of both are used together, so the covariance is smaller than that of one camera alone."""
     alone, _ = lines(capsys, _words(field, "--json"))
@@ -77,6 +79,7 @@ def test_frames_of_two_cameras_give_one_pose(field: Field, capsys: pytest.Captur
         assert both["rover"]["covariance"][0] < 0.8 * one["rover"]["covariance"][0]
 
 
+@pytest.mark.slow
 def test_cameras_that_contradict_each_other_give_no_pose(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """If a mount is wrong, it is unknown which one: this is told once, and no position is given."""
     _with_a_second_camera(field, "[0, 0.3, 0.6]")
@@ -85,6 +88,7 @@ def test_cameras_that_contradict_each_other_give_no_pose(field: Field, capsys: p
     assert told.count("contradict each other; there is no pose until most of them agree") == 1
 
 
+@pytest.mark.slow
 def test_a_camera_without_a_mount_is_told(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """Where no ROS 2 could give it, the rover's pose comes from the other cameras, without delay."""
     _with_a_second_camera(field)
@@ -95,6 +99,7 @@ def test_a_camera_without_a_mount_is_told(field: Field, capsys: pytest.CaptureFi
     assert [view["rover"]["stamp"] for view in views if "rover" in view] == [view["stamp"] for view in views[::2]]
 
 
+@pytest.mark.slow
 def test_each_camera_has_its_film(field: Field) -> None:
     """The name of the camera is in the name of the file."""
     _with_a_second_camera(field)
@@ -127,6 +132,7 @@ def _driver(node: Middleware, camera: RenderedD435i) -> Iterator[None]:
         yield
 
 
+@pytest.mark.slow
 @needs_dds
 def test_a_d435i_says_where_base_link_is(field: Field) -> None:
     """The pose comes from images over DDS and the transforms on /tf_static; the basestation gets the same."""

@@ -81,6 +81,7 @@ def _off(film: Film, view: dict[str, Any]) -> float:
     return float(np.linalg.norm(truth - view["camera"]["position"]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reliability", ["reliable", "best_effort"])
 def test_poses_have_the_stamp_and_frame_of_their_image(
     film: Film, words: list[str], capsys: pytest.CaptureFixture[str], reliability: str
@@ -98,6 +99,7 @@ def test_poses_have_the_stamp_and_frame_of_their_image(
     assert f"camera parameters: from {_INFO}" in told.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given", [(), ("--camera-frame", "eye")])
 def test_ros_2_hears_the_stamp_and_frame_of_the_image(film: Film, words: list[str], given: tuple[str, ...]) -> None:
     """They are on /tf and in the detections, unless the frame is given; names follow the ROS arguments."""

@@ -57,6 +57,7 @@ def test_json_says_what_is_where(field: Field, tmp_path: Path, capsys: pytest.Ca
     assert lines(capsys, field.words("--json", "--count", 2))[0] == views[:2]  # nothing depends on the time
 
 
+@pytest.mark.slow
 def test_a_landmark_that_was_moved_is_named(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It is left out, and said once."""
     moved = tmp_path / "moved.yaml"
@@ -89,6 +90,7 @@ def test_markers_that_share_a_number_are_told_and_no_landmarks(
     assert told.count("several markers with the number 7 are visible") == 1
 
 
+@pytest.mark.slow
 def test_another_dictionary_is_suggested(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """Once, if markers are visible and none is of the chosen dictionary."""
     told = lines(capsys, field.words("--json", "--dictionary", "DICT_6X6_250"))[1]
@@ -99,6 +101,7 @@ def test_another_dictionary_is_suggested(field: Field, capsys: pytest.CaptureFix
     assert told.count(expected) == 1
 
 
+@pytest.mark.slow
 def test_new_markers_are_searched_for_as_often_as_asked(
     field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -166,6 +169,7 @@ def test_a_principal_point_that_does_not_fit_is_told(
     assert expected in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_recording_is_not_replaced_by_its_film(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """Somebody who gives the same name twice keeps the recording."""
     recording = field.folder / "drive.avi"
@@ -177,6 +181,7 @@ def test_a_recording_is_not_replaced_by_its_film(field: Field, capsys: pytest.Ca
     assert recording.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_the_options_of_the_covariance_are_used(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
     """Each one changes the covariances, and no pose."""
     (plain,), _ = lines(capsys, field.words("--json", "--count", 1))
@@ -187,6 +192,7 @@ def test_the_options_of_the_covariance_are_used(field: Field, capsys: pytest.Cap
             assert after["covariance"][14] > 2 * before["covariance"][14]
 
 
+@pytest.mark.slow
 @needs_dds
 def test_ros_2_hears_what_is_seen(field: Field) -> None:
     """Over DDS each topic has its message, under the names that were asked for, stamped with the time of the frame."""

@@ -48,6 +48,7 @@ def _path(length: float = 5.0, frame: str = "map", stamp: int = 0) -> Path:
     return Path(header, [PoseStamped(header, Pose(Point(x))) for x in (0.0, length)])
 
 
+@pytest.mark.slow
 @needs_dds
 def test_velocities_reach_the_board_while_the_basestation_says_so(
     bridge: Bridge, start: Start, peer: socket.socket

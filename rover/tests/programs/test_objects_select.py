@@ -93,6 +93,7 @@ def _point(message: Any) -> list[float]:
     return [position.x, position.y, position.z]
 
 
+@pytest.mark.slow
 @needs_dds
 def test_a_selected_object_is_located_held_and_lost(start: Start) -> None:
     """In the frames of the rover and of the field; a behaviour node that comes later learns the state."""

@@ -45,6 +45,7 @@ def _yaw(odometry: Odometry) -> float:
     return angles(odometry.pose.pose.orientation)[2]
 
 
+@pytest.mark.slow
 @needs_dds
 def test_odometry_follows_a_simulated_rover(bridge: Bridge, start: Start, peer: socket.socket) -> None:
     """Commands go to the rover over UDP, its reports come back, and the pose on both topics is near the true one."""

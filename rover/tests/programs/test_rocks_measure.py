@@ -100,6 +100,7 @@ class _Measuring(NodeInMemory):
         return not self._answers
 
 
+@pytest.mark.slow
 def test_ros_2_selects_the_camera(scene: RockScene) -> None:
     """Another camera has its own depth and parameters; that of the old one is not used any more."""
     with ExitStack() as held:
@@ -113,6 +114,7 @@ def test_ros_2_selects_the_camera(scene: RockScene) -> None:
         wait_until(lambda: _is_size(scene, measuring.answer(scene)), "a size")
 
 
+@pytest.mark.slow
 def test_an_old_depth_image_is_not_measured(scene: RockScene, monkeypatch: pytest.MonkeyPatch) -> None:
     """When the camera has stopped, the rover may have moved."""
     with ExitStack() as held:

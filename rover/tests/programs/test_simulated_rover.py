@@ -144,6 +144,7 @@ def test_a_command_that_is_no_number_is_ignored() -> None:
     assert (simulation.unsendable, simulation.sent.total()) == (85, 0)
 
 
+@pytest.mark.slow
 def test_the_program_is_a_peer_of_the_bridge(start: Start, peer: socket.socket) -> None:
     """Over UDP: it gets a command, and its reports come back; at the end it says where the rover is."""
     options = ("--to", f"127.0.0.1:{peer.getsockname()[1]}", "--listen", 0, "--middleware", "none", "--json")
@@ -165,6 +166,7 @@ def test_the_program_is_a_peer_of_the_bridge(start: Start, peer: socket.socket) 
     assert report["sent"]["drive_progress"] > 0
 
 
+@pytest.mark.slow
 def test_it_simulates_for_some_seconds(capsys: pytest.CaptureFixture[str]) -> None:
     """Of the rover's time, as fast as possible."""
     options = ("--middleware", "none", "--speed", "max", "--seconds", "60", "--listen", "0", "--to", "127.0.0.1:9")
@@ -174,6 +176,7 @@ def test_it_simulates_for_some_seconds(capsys: pytest.CaptureFixture[str]) -> No
     assert second == "the wheels rolled 0.00 m; the rover is at x 0.00 m, y 0.00 m, yaw 0.0 deg"
 
 
+@pytest.mark.slow
 def test_the_tracker_finds_the_camera_in_the_images(tmp_path: Path) -> None:
     """Where the rover is, from the images alone; markers behind it, or beside the image, are not seen."""
     pytest.importorskip("cv2", reason=NO_OPENCV)

@@ -41,6 +41,7 @@ def check(side_px: int, poses: int, least_detected: float) -> Accuracy:
     return found
 
 
+@pytest.mark.slow
 def test_poses_are_as_accurate_as_promised() -> None:
     """A dozen poses at 48 px; one may be missed."""
     check(48, 12, 100 * 11 / 12 - 0.01)
@@ -74,6 +75,7 @@ def test_nothing_is_seen_where_nothing_is(frames: int) -> None:
     assert nothing.measure(frames, lambda _: None).data["false_ids"][OURS] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["white balance, clipped", "JPEG q20", "print of 100 px", "side 1 % too small"])
 def test_covariances_are_never_far_too_confident(name: str) -> None:
     """The mean NEES of some markers of 48 px stays below that of standard deviations that are 4 times too small."""
@@ -82,6 +84,7 @@ def test_covariances_are_never_far_too_confident(name: str) -> None:
     assert ours.too_confident < GOAL
 
 
+@pytest.mark.slow
 def test_corners_are_better_than_those_of_apriltag() -> None:
     """A blur along one direction is part of the model of the edge fit."""
     ours, other = measure_degradation(BY_NAME["motion blur 6 px"], 96, 6, (IMAGE, APRILTAG))

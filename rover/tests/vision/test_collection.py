@@ -29,6 +29,7 @@ class Hands:
         return self.collection.offer(image, self._stamp + FRAME_NS)
 
 
+@pytest.mark.slow
 def test_views_are_taken_until_nothing_is_missing() -> None:
     """What each adds is no longer missing; when all is there, the collection is complete and takes no more."""
     hands = Hands(wanted=10)
@@ -47,6 +48,7 @@ def test_views_are_taken_until_nothing_is_missing() -> None:
     assert "adds nothing" in hands.hold(frame((10, -25), (0.4, 0.6), 0.5)).reason
 
 
+@pytest.mark.slow
 def test_the_same_view_is_not_taken_twice() -> None:
     """But it is where somebody asks for it. A view that is discarded is missing again."""
     hands = Hands()
@@ -86,6 +88,7 @@ def test_distances_are_told_by_the_part_of_the_image(distance: float, name: str)
     assert not names & {"upper left", "upper", "left"}
 
 
+@pytest.mark.slow
 def test_frames_without_use_say_why() -> None:
     """No board; an image of another size than the views so far."""
     hands = Hands()

@@ -151,6 +151,7 @@ def test_a_stream_that_goes_is_opened_again(webcam: Callable[[int], Webcam], han
     assert numbers == sorted(set(numbers))
 
 
+@pytest.mark.slow
 def test_a_stream_that_stays_away_is_asked_for_less_and_less(webcam: Callable[[int], Webcam]) -> None:
     """The pauses double, and it says so; closing the source ends the wait at once."""
     phone, said = webcam(5), list[str]()
@@ -191,6 +192,7 @@ def test_a_film_is_as_fast_as_its_images_came(tmp_path: Path, name: str) -> None
     assert (len(_greys(path)), _greys(path)[-1]) == (22, 8)
 
 
+@pytest.mark.slow
 def test_a_recording_is_played_at_its_pace(tmp_path: Path) -> None:
     """Frames come when they are due, stamped with that time; in a loop the stamps and the numbers go on."""
     for number in range(3):

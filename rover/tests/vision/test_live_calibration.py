@@ -84,6 +84,7 @@ def goals(state: dict[str, Any]) -> dict[str, list[tuple[str, bool]]]:
     return {goal["name"]: [(part["text"], part["done"]) for part in goal["parts"]] for goal in state["goals"]}
 
 
+@pytest.mark.slow
 def test_views_that_add_something_are_taken() -> None:
     """Each with a number, its corners and a picture; what it covers is no longer missing."""
     camera = _Camera()
@@ -98,6 +99,7 @@ def test_views_that_add_something_are_taken() -> None:
     assert picture.shape == (180, 240, 3)
 
 
+@pytest.mark.slow
 def test_the_result_is_shown_and_the_report_is_there() -> None:
     """Numbers with intervals, errors of the views, the bad one named; and that it is of other views, once it is."""
     camera = _Camera(near(), left(), tilted())

@@ -19,6 +19,7 @@ def landmarks(places: dict[TargetId, Pose], sigmas: tuple[float, float] = EXACT)
     return Landmarks("field", {number: Landmark(place, *sigmas) for number, place in places.items()})
 
 
+@pytest.mark.slow
 def test_the_covariance_is_honest_about_survey_and_noise() -> None:
     """With landmarks off by what their survey says, the squared error is 6 on average, to 4 sigma of 40 draws' mean."""
     rng, nees = np.random.default_rng(1), []
@@ -86,6 +87,7 @@ def test_the_rover_is_where_its_camera_and_its_mount_say() -> None:
     assert through.translation == pytest.approx((camera @ FRONT.inverse()).translation, abs=0.02)
 
 
+@pytest.mark.slow
 def test_two_cameras_give_one_pose_with_an_honest_covariance() -> None:
     """It is better than that of each camera, and the squared error is 6 on average."""
     rng, nees, joint, single = np.random.default_rng(5), [], [], []

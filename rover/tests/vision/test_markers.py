@@ -44,6 +44,7 @@ def test_a_square_is_where_its_projection_is(seed: int) -> None:
     assert light == pytest.approx(np.array([moments["m10"], moments["m01"]]) / moments["m00"], abs=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["scan", "scan_quickly", "look"])
 def test_corners_count_from_the_centres_of_the_frame_s_pixels(film: Sequence[Scene], way: str) -> None:
     """No way to look shifts the corners, whatever OpenCV's version: a lost half pixel would be seen here."""

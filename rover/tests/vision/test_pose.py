@@ -42,6 +42,7 @@ def solved(seen: Corners) -> list[Solution]:
     return solutions
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(poses(), poses(), changes, vectors)
 @example(Pose(FACING, np.array([0, 0, 1.0])), Pose(FACING, np.zeros(3)), np.array([0, 0, 0, 0, 0, 1e-7]), np.zeros(3))
@@ -77,6 +78,7 @@ def test_landmarks_are_solved_together_as_each_alone() -> None:
     assert solve([], []) == square_poses(np.empty((0, 4, 3)), np.empty((0, 4, 2))) == []
 
 
+@pytest.mark.slow
 def test_the_covariance_is_honest() -> None:
     """Over many draws the squared error in its units is 6 on average: the mean of 400 stays within 4 sigma."""
     rng, nees = np.random.default_rng(5), []
@@ -125,6 +127,7 @@ def _is_known(tree: TransformTree, target: str, source: str, stamp: int) -> bool
     return False
 
 
+@pytest.mark.slow
 @given(st.lists(_poses, min_size=1, max_size=6), st.data())
 def test_a_transform_is_the_product_of_those_on_its_way(poses: list[Pose], data: st.DataObject) -> None:
     """Between any two frames of any tree, in both directions, whatever the root is."""
@@ -138,6 +141,7 @@ def test_a_transform_is_the_product_of_those_on_its_way(poses: list[Pose], data:
     assert _same(tree.look_up(source, target, 0), tree.look_up(target, source, 0).inverse())
 
 
+@pytest.mark.slow
 @given(_poses, _numbers, _numbers, st.floats(0, 1), st.permutations([0, 1, 2]))
 def test_between_two_stamps_motion_is_even(start: Pose, turn: float, way: float, part: float, order: list[int]) -> None:
     """Transforms that arrive in any order give the pose of a body that moves evenly."""

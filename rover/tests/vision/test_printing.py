@@ -34,6 +34,7 @@ def drawn(pdf: bytes, page: int = 0) -> NDArray[np.uint8]:
     return np.ascontiguousarray(bitmap.to_numpy())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("board", BOARDS.values(), ids=BOARDS)
 def test_a_board_on_paper_is_as_large_as_it_should_be(board: CalibrationBoard) -> None:
     """Every corner is found by its number, and is where it should be to 0.05 mm, in the middle of the sheet."""

@@ -79,6 +79,7 @@ def lines(picture: ElementTree.Element, kind: str) -> np.ndarray:
     return np.array(numbers, dtype=float)
 
 
+@pytest.mark.slow
 def test_it_needs_nothing_else() -> None:
     """Nothing is fetched, nothing runs, and the same calibration gives the same bytes at any time of the day."""
     assert _Text(page()).fetched == []
@@ -86,6 +87,7 @@ def test_it_needs_nothing_else() -> None:
     assert report(calibration(), BOARD, VERSIONS) == page()
 
 
+@pytest.mark.slow
 def test_every_number_has_its_interval() -> None:
     """With two digits of the interval, and as many decimals of the value."""
     rows = {row[0]: row[1:] for row in _Text(page()).rows if len(row) == 3}

@@ -55,6 +55,7 @@ def _size(depth: Any, line: Line, lens: CameraParameters | None = None) -> tuple
     return found.length, found.width
 
 
+@pytest.mark.slow
 def test_a_rendered_rock_has_its_size() -> None:
     """Noise, holes and rounded endpoints included; the ground is the one on which the rock was put."""
     found = measure(_scene().depth, camera(), _scene().line)
@@ -79,12 +80,14 @@ def test_sizes_are_as_accurate_as_promised() -> None:
         assert rocks.quantiles([one.length for one in alone])[1] > 2 * lengths[1]
 
 
+@pytest.mark.slow
 def test_missing_depths_do_not_count() -> None:
     """They are NaN, 0 or infinite, by the encoding of the image."""
     depth = np.where(np.isnan(_scene().depth), np.where(_COLUMNS % 2, 0.0, np.inf), _scene().depth).astype(np.float32)
     assert _size(depth, _scene().line) == pytest.approx(_size(_scene().depth, _scene().line), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_the_lens_may_distort() -> None:
     """The rays of the pixels are those of the camera's model, so the size stays the same."""
     lens = CameraParameters(camera().matrix, np.array([-0.3, 0.1, 1e-3, -1e-3, 0.0]), (_WIDTH, _HEIGHT))
@@ -115,12 +118,14 @@ def test_the_ground_is_found_among_other_points(
     assert np.abs(met @ ground.normal + ground.height).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_bare_ground_has_no_size() -> None:
     """Around a line from edge to edge, there is no ground to be seen either."""
     assert _refused(_bare(), (200, 350, 400, 360)) == Unmeasurable.NO_ROCK
     assert _refused(_bare(), (0, 350, _WIDTH - 1, 360)) in (Unmeasurable.NO_ROCK, Unmeasurable.NO_PLANE)
 
 
+@pytest.mark.slow
 @given(*[st.integers(0, 2**32 - 1) | st.integers(0, _WIDTH) for _ in range(4)])
 @settings(max_examples=30)
 def test_any_line_has_a_size_or_a_reason(x1: int, y1: int, x2: int, y2: int) -> None:

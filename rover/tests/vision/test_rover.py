@@ -182,6 +182,7 @@ _POSITION = np.array([1.5, -2.0, 0.25])
 _ROUTE = REGISTRY.by_name[ROW].route
 
 
+@pytest.mark.slow
 def test_a_fused_position_holds_the_one_of_the_markers_back(node: MemoryMiddleware) -> None:
     """Nothing comes on the row's topic after a message on its extra topic, and after a time without one it does."""
     heard = _heard(node, f"/{_ROUTE.topic}", BasestationRoverLocalization, _ROUTE.qos)

@@ -35,6 +35,7 @@ def test_any_bytes_can_be_read(data: bytes) -> None:
         list(rtp.Depacketizer().add(packet, 0))
 
 
+@pytest.mark.slow
 @given(_NALS, st.integers(20, 400))
 def test_an_access_unit_arrives_as_it_was_sent(nals: list[bytes], largest: int) -> None:
     """However its NAL units are grouped or divided, and no packet is too long."""
@@ -45,6 +46,7 @@ def test_an_access_unit_arrives_as_it_was_sent(nals: list[bytes], largest: int) 
     assert [one for packet in packets for one in depacketizer.add(packet, 0)] == [rtp.AccessUnit(nals, 3000, True)]
 
 
+@pytest.mark.slow
 @given(_NALS, st.integers(20, 100), st.data())
 def test_a_unit_with_a_missing_packet_is_not_complete(nals: list[bytes], largest: int, data: st.DataObject) -> None:
     """Its NAL units are those that were sent, without those to which the packet belongs; the next unit is unhurt."""

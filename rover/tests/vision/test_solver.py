@@ -19,6 +19,7 @@ from rover.tests.vision.boards import BOARD, CAMERA, FISHEYE, NOISE, RATIONAL, S
 MODELS = {Model.PLUMB_BOB: CAMERA, Model.RATIONAL: RATIONAL, Model.EQUIDISTANT: FISHEYE}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [Model.PLUMB_BOB, Model.EQUIDISTANT])
 def test_the_camera_that_saw_the_views_is_found(model: Model) -> None:
     """The error is some standard deviations of the noise, everywhere in the image, and as large as stated."""
@@ -40,6 +41,7 @@ def test_the_derivatives_are_those_of_the_projection(camera: CameraParameters) -
         assert derivative[:, :, place] == pytest.approx(difference / 2e-6, rel=1e-4, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_what_does_not_fit_is_left_out() -> None:
     """A view whose corners shake by two pixels is dropped and named; corners that are others do not count."""
     good = views(CAMERA, 20, 4)
@@ -54,6 +56,7 @@ def test_what_does_not_fit_is_left_out() -> None:
     assert sum(one.rejected for one in found.views if not one.dropped) < 5 * 3 + 10
 
 
+@pytest.mark.slow
 def test_views_that_tell_too_little_are_refused() -> None:
     """Too few, all of them frontal, or of a part of the image: the error says what is missing."""
     few = views(CAMERA, 12, 6)
@@ -109,6 +112,7 @@ def test_good_views_give_a_good_calibration() -> None:
     assert "4 of 24 parts of the image have no corners" in doubts(found)
 
 
+@pytest.mark.slow
 def test_a_bent_board_is_named_and_does_not_change_the_camera() -> None:
     """Its height is measured, and fx is right nevertheless; before, it was wrong by more than a percent."""
     found = calibrate(bent(4, 0.002), BOARD)
@@ -117,6 +121,7 @@ def test_a_bent_board_is_named_and_does_not_change_the_camera() -> None:
     assert found.camera.focal == pytest.approx(CAMERA.focal, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_lens_model_that_is_too_simple_is_named_with_a_better_one() -> None:
     """A fisheye lens of 137 degrees does not follow plumb_bob."""
     found = calibrate(views(WIDE, 20, 2), BOARD)
@@ -125,6 +130,7 @@ def test_a_lens_model_that_is_too_simple_is_named_with_a_better_one() -> None:
     assert calibrate(views(WIDE, 20, 2), BOARD, Model.EQUIDISTANT).judgement.verdict is Verdict.GOOD
 
 
+@pytest.mark.slow
 def test_a_rolling_shutter_is_named() -> None:
     """The lens and the board are not to blame."""
     found = calibrate(moving(2, 1.0), BOARD)

@@ -123,6 +123,7 @@ def test_another_image_size_is_refused(read: _Reader, ros: MemoryMiddleware, sai
     assert {frame.size for frame in read.taken} == {(6, 4)}
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("soon")
 def test_a_camera_that_goes_comes_back(read: _Reader, ros: MemoryMiddleware, said: list[str]) -> None:
     """The user is told that nobody publishes, that images stopped, that the camera has gone, and that it is back."""
@@ -255,6 +256,7 @@ def _in_order(draw: st.DrawFn) -> tuple[int, list[Arrival]]:
     return topics, arrivals
 
 
+@pytest.mark.slow
 @settings(max_examples=50)
 @given(_in_order(), _SLOP)
 def test_sets_do_not_depend_on_delays(drawn: tuple[int, list[Arrival]], slop: int) -> None:

@@ -40,6 +40,7 @@ def off_by(sighting: Sighting, truth: TruePose) -> float:
     return miss_of(Estimate(0, sighting.pose.rotation, sighting.pose.translation), truth).translation
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scan_every", [1, 4, 1000])
 def test_every_marker_is_seen_in_every_frame(film: Sequence[DriveFrame], scan_every: int) -> None:
     """However it was found - scan, quick scan or region - its pose is the same to a thousandth of the distance."""
@@ -51,6 +52,7 @@ def test_every_marker_is_seen_in_every_frame(film: Sequence[DriveFrame], scan_ev
         assert all(one.stamp == shot.stamp for one in sightings)
 
 
+@pytest.mark.slow
 def test_the_whole_frame_is_scanned_where_it_must_be(film: Sequence[DriveFrame]) -> None:
     """For a marker that has jumped, one that is new at the next scan, and time that goes back (another recording)."""
     first, empty = film[0].frame, np.full(SIZE[::-1], 128, np.uint8)
@@ -121,6 +123,7 @@ def photograph(*planes: tuple[Print, TruePose]) -> Grey:
     return render(LENS, texture(SIZE, rng), planes, rng)
 
 
+@pytest.mark.slow
 def test_a_large_marker_is_found_and_followed() -> None:
     """A raster of 40 pixels has modules of 5 and 6: at 300 pixels, edges are 3 pixels from where they should be."""
     following, (_, pose) = tracker(), facing_us(5, 0, side_px=300)

@@ -37,6 +37,7 @@ def film() -> list[DriveFrame]:
     return list(drive(2, 5))
 
 
+@pytest.mark.slow
 def test_an_unknown_side_makes_the_distance_uncertain() -> None:
     """A side that is known to 1 % gives a distance that is known to 1 %, and the same rotation."""
     for exact, other in zip(seen(), seen(side_sigma=0.01)):
@@ -46,6 +47,7 @@ def test_an_unknown_side_makes_the_distance_uncertain() -> None:
         assert more[3:, 3:] == pytest.approx(np.zeros((3, 3)), abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [{"corner_floor": 0.1}, {"covariance_scale": 2.0}, {"readout_time": 0.02}])
 def test_every_uncertainty_enlarges_the_covariance(change: Mapping[str, float]) -> None:
     """No direction becomes more certain; the poses stay the same. The scale multiplies standard deviations."""

@@ -29,6 +29,7 @@ def rendered() -> Grey:
     return render(CAMERA, texture(CAMERA.size, rng), [(board_print(40), POSE)], rng)
 
 
+@pytest.mark.slow
 def test_corners_are_found_to_hundredths_of_a_pixel() -> None:
     """All of them; and their standard deviations are what the errors have."""
     view = BoardDetector(BOARD).find(rendered())
@@ -39,6 +40,7 @@ def test_corners_are_found_to_hundredths_of_a_pixel() -> None:
     assert view.blur == pytest.approx((0.8**2 + 1 / 12) ** 0.5, abs=0.05)  # the renderer's, and a pixel's
 
 
+@pytest.mark.slow
 def test_edges_that_a_wide_lens_bends_do_not_move_their_corners() -> None:
     """Corners near the rim of a fisheye lens are not off towards the middle, although their edges are curved."""
     matrix = np.array([[267.0, 0, 322.3], [0, 267.8, 237.4], [0, 0, 1]])
@@ -54,6 +56,7 @@ def test_edges_that_a_wide_lens_bends_do_not_move_their_corners() -> None:
     assert abs(miss[far].mean()) < 0.008  # with straight edges, 0.017
 
 
+@pytest.mark.slow
 def test_the_offset_of_this_opencv_is_known() -> None:
     """Its corners are off the truth by as much as is taken from them, and have the same numbers."""
     corners, ids = cv2.aruco.CharucoDetector(BOARD.opencv).detectBoard(rendered())[:2]
@@ -63,6 +66,7 @@ def test_the_offset_of_this_opencv_is_known() -> None:
         assert board.points == pytest.approx(np.asarray(board.opencv.getChessboardCorners()), abs=1e-7)
 
 
+@pytest.mark.slow
 def test_corners_that_are_hidden_are_left_out() -> None:
     """What covers a corner is no corner, even if the markers around it tell where it should be."""
     detector = BoardDetector(BOARD)
@@ -83,6 +87,7 @@ def test_boards_of_old_are_seen_as_such(legacy: bool) -> None:
     assert len(view.ids) == 35
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("board", [Chessboard(8, 6, 0.03), AprilGrid(5, 4, 0.03)], ids=["chessboard", "aprilgrid"])
 def test_other_boards_are_found_from_all_sides(board: CalibrationBoard) -> None:
     """Their corners are where they were printed, up to the board's symmetry, however the camera is turned."""

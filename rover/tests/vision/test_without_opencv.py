@@ -51,6 +51,7 @@ def test_an_opencv_that_does_not_fit_is_told_so(module: str, told: str, tmp_path
     assert (told in done.stdout, done.stderr) == (True, "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "missing", "told"),
     [
