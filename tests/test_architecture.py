@@ -101,7 +101,7 @@ def test_parts_import_only_what_the_table_allows() -> None:
 
 @pytest.mark.parametrize("product", PRODUCTS)
 def test_other_products_import_what_is_public(product: str) -> None:
-    """The packages roverkit and check-launch stand on the modules that docs/public-api.md lists, and on no other of ours."""
+    """The packages roverkit and check-launch stand on the modules of docs/public-api.md, and on no other of ours."""
     page = (ROOT / "docs" / "public-api.md").read_text(encoding="utf-8")
     public = set(re.findall(r"^\| `([\w.*]+)` \|", page, re.MULTILINE))
     crossings = {
