@@ -81,7 +81,7 @@ bench-video: $(VENV)/ready-bench-video  ## video on loopback and on bad links, b
 mutation: $(VENV)/ready-full  ## small faults in a sample of places: how many of them the tests notice
 	$(BIN)/python -m bench.mutation
 
-pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md, docs/objects.md, docs/calibration.md and docs/operations.md (with Chromium), and the recording for the first
+pictures: $(VENV)/ready-bench-vision  ## the pictures and the recording in rover/docs, and the pictures of docs/operations.md (with Chromium)
 	$(BIN)/python -m rover.bench.vision.pictures
 	$(BIN)/python -m rover.bench.vision.page_pictures
 	$(BIN)/python -m bench.link_page_pictures

@@ -300,7 +300,7 @@ def _ros(registry: Registry | None) -> Iterator[Diagnosis]:
     dds = installed_version("cyclonedds")
     if not rclpy and dds is None:
         cure = (
-            "pip install cyclonedds (only on x86-64), or source an installed ROS 2: source /opt/ros/DISTRO/setup.bash"
+            "pip install cyclonedds (not on aarch64), or source an installed ROS 2: source /opt/ros/DISTRO/setup.bash"
         )
         says = "neither rclpy nor Cyclone DDS is installed, so the bridge cannot connect to ROS 2"
         yield Diagnosis("error", "ROS 2", says, cure)

@@ -1,4 +1,4 @@
-"""Options that select the .proto files to check, and the start of the checks, for lint, history and next-number.
+"""Options that select the .proto files to check, and the start of the checks, for lint, number history and number next.
 
 These commands check a project with a table (mapping.yaml), or a folder of .proto files without a table.
 """

@@ -1,25 +1,33 @@
-"""Hooks for MkDocs: add the home page and the reference to the site, link to the reference, and draw diagrams.
+"""Hooks for MkDocs: add the pages of all products and the reference to the site, link to the reference, draw diagrams.
 
-The home page is README.md. The reference is read from the code, so that no fact is written down twice.
+The home page is README.md. The reference is read from the code, so that no fact is written down twice. Links between
+pages are those of the repository, so that they also work there; the site has them as they are on the site.
 """
 
 from __future__ import annotations
 
 import posixpath
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import bridge_classes
 import command_pages
 import mermaidx
 import rule_pages
+import runtime_api
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 _ROOT = Path(__file__).parents[2]
+_DOCS = "docs"
+_PRODUCTS = ("rover", "check_launch")
 _CODE_OR_RULE_OR_LINK = re.compile(
     r"^```.*?^```|(?P<id>`?\b[A-Z]{3}[0-9]{3}\b`?)|`[^`\n]+`|\[[^\]\n]*\]\([^)\n]*\)", re.DOTALL | re.MULTILINE
+)
+_BLOCK_OR_PATH = re.compile(
+    r"^```.*?^```$|(?:(?<=\]\()|(?<=src=\"))(?P<path>[^)#:\"\s]+)(?=[)#\"\s])", re.DOTALL | re.MULTILINE
 )
 _MERMAID = re.compile(r"^```mermaid\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _COMMAND_CELL = re.compile(r"^\| (`roverlink ([\w-]+)[^`]*`) \|", re.MULTILINE)
@@ -34,14 +42,32 @@ _REFERENCE = """\
 | parameters of the node | [Operations](../operations.md#parameters) |
 | counters of the bridge | [Operations](../operations.md#the-account) |
 | messages of the sample rover | [Messages](../messages.md) |
+| Python: registry, handlers, translator, bridge, errors | [roverlink.runtime](runtime.md) |
+| Python: a basestation or a board | [roverlink.runtime.client](client.md) |
 | classes for templates and targets | [Classes](bridge.md) |
+| what may change from version to version | [Public API](../public-api.md) |
 """
 
 
 def _reference() -> dict[str, str]:
     """Return the text of every page of the reference by its path."""
     pages = {"reference/index.md": _REFERENCE, "reference/bridge.md": bridge_classes.page()}
-    return pages | command_pages.pages() | rule_pages.pages()
+    return pages | runtime_api.pages() | command_pages.pages() | rule_pages.pages()
+
+
+def _added_files() -> Iterator[tuple[str, str]]:
+    """Return the files that the site has besides those in docs/: path in the repository, path on the site."""
+    yield from (("README.md", "index.md"), ("CHANGELOG.md", "changelog.md"), ("CONTRIBUTING.md", "contributing.md"))
+    yield ("LICENSE", "LICENSE")
+    for product in _PRODUCTS:
+        yield (f"{product}/README.md", f"{product}/index.md")
+        folder = _ROOT / product / _DOCS
+        for path in sorted(path for path in folder.rglob("*") if path.is_file()):
+            yield (path.relative_to(_ROOT).as_posix(), f"{product}/{path.relative_to(folder).as_posix()}")
+
+
+_SITE_PATHS = dict(_added_files())
+_REPOSITORY_PATHS = {site: repository for repository, site in _SITE_PATHS.items()}
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
@@ -54,6 +80,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
                 "reference/index.md",
                 {"Commands": [command_pages.INDEX, *command_pages.paths()]},
                 {"Rules": [rule_pages.INDEX, *rule_pages.paths()]},
+                {"Python": [*runtime_api.MODULES, {"Public API": "public-api.md"}]},
                 {"Classes for templates": "reference/bridge.md"},
                 {"Changelog": "changelog.md"},
             ]
@@ -63,26 +90,24 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add README.md as the home page, the changelog, the license and the reference."""
-    texts = {
-        "index.md": _seen_from_docs((_ROOT / "README.md").read_text(encoding="utf-8")),
-        "changelog.md": _seen_from_docs((_ROOT / "CHANGELOG.md").read_text(encoding="utf-8")),
-        "LICENSE": (_ROOT / "LICENSE").read_text(encoding="utf-8"),
-        **_reference(),
-    }
-    for path, text in texts.items():
+    """Add README.md as the home page, the pages of the other products, the changelog and the reference."""
+    for repository, site in _SITE_PATHS.items():
+        files.append(File.generated(config, site, abs_src_path=str(_ROOT / repository)))
+    for path, text in _reference().items():
         files.append(File.generated(config, path, content=text))
     return files
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Draw Mermaid diagrams; link the ids of rules, and the commands in the first column of tables."""
+    """Adapt links; draw Mermaid diagrams; link the ids of rules, and the commands in the first column of tables."""
     here = page.file.src_uri
+    markdown = _BLOCK_OR_PATH.sub(
+        lambda found: _site_link(found["path"], here) if found["path"] else found[0], markdown
+    )
     for number, source in enumerate(_MERMAID.findall(markdown), 1):
         picture = f"{here.removesuffix('.md')}-{number}.svg"
         files.append(File.generated(config, picture, content=mermaidx.render(source).svg()))
         markdown = _MERMAID.sub(f"![diagram]({posixpath.basename(picture)}){{: .diagram }}", markdown, count=1)
-    markdown = markdown.replace("](../README.md", f"]({_relative('index.md', here)}")
     if here.startswith("reference/rules"):
         return markdown
     markdown = _CODE_OR_RULE_OR_LINK.sub(lambda found: _linked_rule(found, here), markdown)
@@ -91,16 +116,18 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
     )
 
 
+def _site_link(target: str, here: str) -> str:
+    """Return the link to a file of the repository as the page ``here`` of the site has it."""
+    page = _REPOSITORY_PATHS.get(here, f"{_DOCS}/{here}")
+    path = posixpath.normpath(posixpath.join(posixpath.dirname(page), target))
+    return _relative(_SITE_PATHS.get(path, path.removeprefix(f"{_DOCS}/")), here)
+
+
 def _linked_rule(found: re.Match[str], here: str) -> str:
     id = (found["id"] or "").strip("`")
     if id not in rule_pages.IDS:
         return found[0]
     return f"[{found['id']}]({_relative(rule_pages.path(id), here)}#{id.lower()})"
-
-
-def _seen_from_docs(text: str) -> str:
-    """Return a page of the repository's top folder with its links as a page in docs/ has them."""
-    return re.sub(r'(\]\(|src=")docs/', r"\1", text).replace("](CHANGELOG.md", "](changelog.md")
 
 
 def _relative(path: str, here: str) -> str:

@@ -87,7 +87,7 @@ def _open_dds(node: NodeIdentity, parameters: NodeParameters | None) -> Middlewa
             f"Cyclone DDS cannot be imported ({error}); install it with `pip install cyclonedds`"
             + (
                 f" (it has no wheel for {platform.machine()}: there, use --middleware rclpy with an installed ROS 2)"
-                if platform.machine() not in ("x86_64", "AMD64")
+                if platform.machine() not in ("x86_64", "AMD64", "arm64")  # arm64: macOS
                 else ""
             )
         ) from error

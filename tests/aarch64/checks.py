@@ -1,4 +1,4 @@
-"""Checks that `make test-aarch64` runs on aarch64: roverlink from its wheel, in a folder without its sources.
+"""Checks that `make test-aarch64` runs on aarch64, with roverlink and roverkit from their wheels and without sources.
 
 Only the standard library of Debian's Python is there when this script starts.
 """
@@ -21,7 +21,7 @@ _PROJECT = Path("/rover")
 _ENVIRONMENT = Path("/venv")
 _TOLERANCE_M = 0.02
 _CIRCLE_M, _HEIGHT_M, _FRAMES = 0.3, 0.6, 16
-"""Path of the camera in docs/vision/drive.mp4: a circle around the origin of the field, once in all frames."""
+"""Path of the camera in rover/docs/vision/drive.mp4: a circle around the origin of the field, once in all frames."""
 
 
 def main() -> int:
@@ -45,21 +45,22 @@ def _passes(check: Callable[[], None]) -> bool:
 
 
 def install() -> None:
-    """Build the wheel and install it with its dependencies for aarch64."""
+    """Build the wheels of roverlink and roverkit, and install them with their dependencies for aarch64."""
     if not _ENVIRONMENT.exists():
         _run(sys.executable, "-m", "venv", _ENVIRONMENT)
     pip = (_ENVIRONMENT / "bin" / "python", "-m", "pip", "--quiet", "--disable-pip-version-check")
     wheels = _SOURCES / "dist"
-    _run(*pip, "wheel", "--no-deps", "--wheel-dir", wheels, _SOURCES)
-    (wheel,) = wheels.glob("*.whl")
-    _run(*pip, "-qq", "uninstall", "--yes", "roverlink")  # pip would keep an earlier build of the same version
-    _run(*pip, "install", f"{wheel}[standard,record,vision]", "hypothesis")
+    _run(*pip, "wheel", "--no-deps", "--wheel-dir", wheels, _SOURCES, _SOURCES / "rover")
+    (roverlink,), (roverkit,) = wheels.glob("roverlink-*.whl"), wheels.glob("roverkit-*.whl")
+    # pip would keep an earlier build of the same version.
+    _run(*pip, "-qq", "uninstall", "--yes", "roverlink", "roverkit")
+    _run(*pip, "install", f"{roverlink}[standard,record]", f"{roverkit}[vision]", "hypothesis")
 
 
 def copy_project() -> None:
-    """Copy the sample rover, without roverlink's sources, so that nothing but the wheel can be imported."""
+    """Copy the sample rover, without the sources, so that nothing but the wheels can be imported."""
     shutil.rmtree(_PROJECT, ignore_errors=True)
-    for name in ("proto", "generated", "docs", "tests"):
+    for name in ("proto", "generated", "docs", "rover/docs", "tests"):
         shutil.copytree(_SOURCES / name, _PROJECT / name)
     for name in ("mapping.yaml", "mapping.lock"):
         shutil.copy(_SOURCES / name, _PROJECT / name)
@@ -82,9 +83,9 @@ def bridge() -> None:
 
 def track() -> None:
     """Compare the camera's positions in the recorded drive with the true ones."""
-    parameters = ("--parameters", "docs/vision/camera.yml", "--landmarks", "docs/vision/landmarks.yaml")
+    parameters = ("--parameters", "rover/docs/vision/camera.yml", "--landmarks", "rover/docs/vision/landmarks.yaml")
     options = (*parameters, "--side", "0.15", "--json", "--ros-args", "--disable-stdout-logs")
-    frames = _roverlink("aruco", "track", "docs/vision/drive.mp4", *options, capture=True).splitlines()
+    frames = _roverlink("aruco", "track", "rover/docs/vision/drive.mp4", *options, capture=True).splitlines()
     assert len(frames) == _FRAMES, f"{len(frames)} of {_FRAMES} frames"
     for number, frame in enumerate(frames):
         angle = 2 * math.pi * number / _FRAMES

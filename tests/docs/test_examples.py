@@ -12,7 +12,7 @@ from page import ROOT, blocks
 
 from roverlink.generator.pipeline import compile_table
 
-_DOCS = ROOT / "docs"
+_DOCS, _DOCS_OF_ROVERKIT = ROOT / "docs", ROOT / "rover" / "docs"
 _NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
 _TABLE = """\
 version: 1
@@ -24,9 +24,9 @@ messages:
 """
 
 
-def test_the_session_of_the_readme_runs() -> None:
+def test_the_session_with_a_handler_runs() -> None:
     """Python prints what it shows."""
-    page = ROOT / "README.md"
+    page = _DOCS / "targets.md"
     section = blocks(page, "Use the handlers in your own node")
     (code,) = (block.text for block in section if block.language == "pycon")
     test = doctest.DocTestParser().get_doctest(code, {}, page.name, str(page), 0)
@@ -62,20 +62,22 @@ def test_the_mission_of_the_page_can_be_read(tmp_path: Path) -> None:
     """With the landmarks of the page about markers."""
     from roverkit.mission.mission_file import read_mission
 
-    (mission,) = (one.text for one in blocks(_DOCS / "navigation.md") if one.text.startswith("# mission.yaml"))
+    (mission,) = (
+        one.text for one in blocks(_DOCS_OF_ROVERKIT / "navigation.md") if one.text.startswith("# mission.yaml")
+    )
     (tmp_path / "mission.yaml").write_text(mission)
-    (tmp_path / "landmarks.yaml").write_text((_DOCS / "vision" / "landmarks.yaml").read_text())
+    (tmp_path / "landmarks.yaml").write_text((_DOCS_OF_ROVERKIT / "vision" / "landmarks.yaml").read_text())
     assert len(read_mission(tmp_path / "mission.yaml").goals) == 3
 
 
 @_NEEDS_OPENCV
 def test_the_files_of_the_page_about_cameras_are_read(tmp_path: Path) -> None:
-    """The landmarks, boards and cameras that docs/vision.md shows are taken as they stand."""
+    """The landmarks, boards and cameras that rover/docs/vision.md shows are taken as they stand."""
     from roverkit.vision import read_landmarks
     from roverkit.vision.camera.cameras_file import read_cameras
     from roverkit.vision.markers.boards import read_boards
 
-    for text in (block.text for block in blocks(_DOCS / "vision.md") if block.language == "yaml"):
+    for text in (block.text for block in blocks(_DOCS_OF_ROVERKIT / "vision.md") if block.language == "yaml"):
         (tmp_path / text.partition("\n")[0].removeprefix("# ")).write_text(text, encoding="utf-8")
     assert set(read_landmarks(tmp_path / "landmarks.yaml").places) == {7, "gate"}
     assert [board.name for board in read_boards(tmp_path / "boards.yaml")] == ["gate"]

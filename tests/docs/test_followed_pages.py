@@ -13,11 +13,12 @@ _NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
 _SECTIONS = [
     pytest.param("docs/adding-a-message.md", "", marks=needs_dds),
     pytest.param("README.md", "Add a message", marks=needs_dds),
-    pytest.param("docs/driving.md", "Try it", marks=needs_dds),
-    ("docs/driving.md", "Add a speed and a turn to the commands"),
-    ("docs/rocks.md", "Add a camera and a reason to the messages"),
-    ("docs/navigation.md", "Report missions to the basestation"),
-    pytest.param("docs/vision.md", "Try it", marks=[needs_dds, _NEEDS_OPENCV]),
+    pytest.param("rover/README.md", "Example", marks=_NEEDS_OPENCV),
+    pytest.param("rover/docs/driving.md", "Try it", marks=needs_dds),
+    ("rover/docs/driving.md", "Add a speed and a turn to the commands"),
+    ("rover/docs/rocks.md", "Add a camera and a reason to the messages"),
+    ("rover/docs/navigation.md", "Report missions to the basestation"),
+    pytest.param("rover/docs/vision.md", "Try it", marks=[needs_dds, _NEEDS_OPENCV]),
 ]
 
 

@@ -1,4 +1,4 @@
-"""The pictures of docs/vision.md, made anew."""
+"""The pictures of rover/docs/vision.md, made anew."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_the_pictures_of_vision_are_what_the_programs_draw(tmp_path: Path) -> No
     pytest.importorskip("matplotlib", reason="need matplotlib (pip install matplotlib)")
     from rover.bench.vision.pictures import main
 
-    shown = ROOT / "docs" / "vision"
+    shown = ROOT / "rover" / "docs" / "vision"
     assert main(["--quick", "--out", str(tmp_path)]) == 0
     assert _differ(tmp_path, shown, 6) == []
     for name in ("camera.yml", "landmarks.yaml", "cameras.yaml"):

@@ -11,9 +11,11 @@ from pathlib import Path
 import pytest
 from page import ROOT
 
+from roverlink import runtime
 from roverlink.command_line import COMMANDS
 from roverlink.commands.explain import all_rules
 from roverlink.generator.ir import interfaces, model
+from roverlink.runtime import client
 
 
 def _build(project: Path, site: Path) -> subprocess.CompletedProcess[str]:
@@ -50,6 +52,18 @@ def test_every_rule_command_and_class_is_there(pages: dict[str, str]) -> None:
         if isinstance(one, type) and one.__module__ == module.__name__
     ]
     assert [name for name in classes if f'id="{name.lower()}"' not in pages["reference/bridge.html"]] == []
+    for module, page in ((runtime, "runtime"), (client, "client")):
+        shown = pages[f"reference/{page}.html"]
+        assert [name for name in module.__all__ if f'id="{name.lower()}"' not in shown] == []
+
+
+def test_pages_of_all_products_are_there_and_lead_to_each_other(pages: dict[str, str]) -> None:
+    """A link is a path in the repository; on the site, it leads to the page on the site."""
+    assert 'href="../docs' not in pages["rover/index.html"]
+    assert 'href="../install.html#extras"' in pages["rover/index.html"]
+    assert 'href="vision.html"' in pages["rover/index.html"]
+    assert 'href="rover/index.html"' in pages["index.html"]
+    assert 'href="../check_launch/check-launch.html"' in pages["rover/navigation.html"]
 
 
 def test_the_site_loads_nothing_from_other_hosts(pages: dict[str, str]) -> None:

@@ -83,7 +83,7 @@ _ABSENT = ("lint", "deadman", "max_rate", "fields", "ignore", "forward")
 
 def test_driving_lists_parameters_and_states() -> None:
     """Each parameter of the node with its first value, and each state."""
-    page = _page("docs/driving.md")
+    page = _page("rover/docs/driving.md")
     for name, (first, _, _) in PARAMETERS.items():
         shown = str(first).lower() if isinstance(first, bool) else first if isinstance(first, str) else f"{first:g}"
         assert f"| `{name}` | {shown} |" in page
@@ -95,7 +95,7 @@ def test_rocks_lists_the_reasons() -> None:
     """In the table, and in the proposed enum."""
     from roverkit.rocks import Unmeasurable
 
-    page, reasons = _page("docs/rocks.md"), [reason.value for reason in Unmeasurable]
+    page, reasons = _page("rover/docs/rocks.md"), [reason.value for reason in Unmeasurable]
     assert re.findall(r"^\| `(\w+)` \| [^|]* \|$", page, re.MULTILINE) == reasons
     assert [name.lower() for name in re.findall(r"ROCK_MEASURE_FAILURE_(\w+) = [1-9]", page)] == reasons
 
@@ -105,7 +105,9 @@ def test_navigation_lists_rules_and_arguments() -> None:
     """Every rule of a mission and every argument of the launch file, in any order."""
     from roverkit.mission.mission_file import GoalRules
 
-    page, rules = "docs/navigation.md", ["on_failure" if one.name == "stops" else one.name for one in fields(GoalRules)]
+    page, rules = "rover/docs/navigation.md", [
+        "on_failure" if one.name == "stops" else one.name for one in fields(GoalRules)
+    ]
     listed = [rule.partition(":")[0] for rule in _rows(page, "rule, at the top or in a goal")]
     assert sorted(listed) == sorted(rules)
     launch = yaml.safe_load(_page("rover/navigation/launch/slam_launch.yaml"))["launch"]
@@ -117,7 +119,7 @@ def test_vision_lists_the_topics() -> None:
     """Those of `roverkit.vision.ros.publishing` and `rover_pose`, with their types."""
     code = "".join(_page(f"rover/roverkit/vision/ros/{name}.py") for name in ("publishing", "rover_pose"))
     topics = dict(re.findall(r"^\| (\S+) +\| (\w+/\w+)", code, re.MULTILINE))
-    listed = dict(re.findall(r"^\| `([\w/]+)` \| `(\w+/\w+)`", _page("docs/vision.md"), re.MULTILINE))
+    listed = dict(re.findall(r"^\| `([\w/]+)` \| `(\w+/\w+)`", _page("rover/docs/vision.md"), re.MULTILINE))
     assert len(topics) == 7
     assert {topic.replace("<name>", "aruco_7"): kind for topic, kind in topics.items()} == listed
 
@@ -126,6 +128,19 @@ def test_targets_lists_the_targets() -> None:
     """Those that come with the project."""
     listed = re.findall(r"^\| `(\w+)` \| `", _page("docs/targets.md"), re.MULTILINE)
     assert {*targets.names()} <= {*listed}
+
+
+def test_nothing_arrives_has_an_answer_for_each_reason() -> None:
+    """Every reason for which a bridge drops a datagram."""
+    section = _page("docs/nothing-arrives.md").partition("## Why a datagram is dropped")[2]
+    cells = re.findall(r"^\| (`[\w`, ]+`) \|", section, re.MULTILINE)
+    listed = [name for cell in cells for name in re.findall(r"`(\w+)`", cell)]
+    assert sorted(listed) == sorted(reason.value for reason in Reason)
+
+
+def test_the_readme_is_short() -> None:
+    """At most 7 kB: what one needs to decide, and where to go on."""
+    assert len(_page("README.md").encode()) <= 7000
 
 
 def test_security_lists_the_reasons_of_signed_datagrams() -> None:
@@ -151,11 +166,15 @@ def test_what_development_names_exists() -> None:
     assert set(re.findall(r"make ([a-z0-9-]+)`", page)) <= made
 
 
-@pytest.mark.parametrize(
-    "page", [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))], ids=lambda page: page.name
-)
+_FOLDERS = [
+    folder for product in (ROOT, ROOT / "rover", ROOT / "check_launch") for folder in (product, product / "docs")
+]
+_PAGES = [page for folder in _FOLDERS for page in sorted(folder.glob("*.md"))]
+
+
+@pytest.mark.parametrize("page", _PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_links_lead_somewhere(page: Path) -> None:
-    """Links from page to page within the project are not broken."""
+    """Links from page to page within the repository are not broken, as one reads it on GitHub."""
     prose = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
-    targets = re.findall(r"\]\(([^)#:]+)\)", prose)
+    targets = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", prose)
     assert [target for target in targets if not (page.parent / target).exists()] == []

@@ -330,7 +330,7 @@ def main(words: Sequence[str]) -> int:
     options = parser.parse_args(words)
     progress = Console(stderr=True, highlight=False, markup=False)
     if set(options.only) != {"long"} and shutil.which("gst-launch-1.0") is None:
-        print("gst-launch-1.0 is missing; docs/video.md has the command that installs GStreamer", file=sys.stderr)
+        print("gst-launch-1.0 is missing; rover/docs/video.md has the command that installs GStreamer", file=sys.stderr)
         return 2
     measures = {"latency": latency, "losses": losses, "joining": joining, "commands": commands, "long": long}
     results = {}

@@ -1,4 +1,4 @@
-"""Pictures of docs/calibration.md, made with a real browser: python -m rover.bench.vision.page_pictures."""
+"""Pictures of rover/docs/calibration.md, made with a real browser: python -m rover.bench.vision.page_pictures."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rover.bench.vision.browser import Visitor, browser
 from rover.bench.vision.moving_board import pictures
 from roverlink.runtime.core.errors import SetupError
 
-FOLDER = Path("docs/calibration")
+FOLDER = Path("rover/docs/calibration")
 VIEWS, FIRST = 20, 6
 """Number of views, and the number after which the page is photographed."""
 SCREEN, PHONE, PAPER = (1100, 760), (390, 1180), (800, 1300)

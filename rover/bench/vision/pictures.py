@@ -29,7 +29,7 @@ from bench.report import draw as draw_charts
 from rover.bench.vision.accuracy import SIZES, measure
 from rover.bench.vision.circling_film import RATE_HZ, Film, render_film
 
-FOLDER = Path("docs/vision")
+FOLDER = Path("rover/docs/vision")
 POSES = 100
 """Poses per size, for the chart of errors."""
 _LEVELS = 16  # grey levels that are merged, so that noise does not make the files large

@@ -159,7 +159,9 @@ class ObjectDetector:
             raise SetupError(
                 f"{start} that does not fit the layout {layout}; leave --layout out, or correct the classes"
             )
-        raise SetupError(f"{start} no known layout has them; docs/objects.md lists the layouts and how to export them")
+        raise SetupError(
+            f"{start} no known layout has them; rover/docs/objects.md lists the layouts and how to export them"
+        )
 
 
 def _literal(text: str) -> object:

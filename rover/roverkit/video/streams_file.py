@@ -62,7 +62,7 @@ def read_streams(path: Path, host: str = "") -> StreamsFile:
     top = whole.known_entries({"host", "link_rate", "streams"})
     entries = top["streams"].entries("stream") if "streams" in top else {}
     if not entries:
-        raise whole.error("no streams found under the key 'streams'; see the example in docs/video.md")
+        raise whole.error("no streams found under the key 'streams'; see the example in rover/docs/video.md")
     host = host or (_text(top["host"]) if "host" in top else "")
     streams = tuple(_stream(path.parent, name, item, host) for name, item in entries.items())
     taken: dict[tuple[str, int], str] = {}

@@ -340,7 +340,7 @@ def _straight(link: FaultyLink) -> None:
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("drive", [_straight, lambda link: _arcs(link, 100, True), lambda link: _stream(link, 100)])
 def test_a_hundred_metres_with_slip(drive: Callable[[FaultyLink], object]) -> None:
-    """The figures of docs/odometry.md: of 100 drives, 95 drift less than 3 %, and the covariance is honest."""
+    """The figures of rover/docs/odometry.md: of 100 drives, 95 drift less than 3 %, and the covariance is honest."""
     drifts, errors = [], []
     for seed in range(100):
         link = FaultyLink(seed, Faults(), _REAL)

@@ -301,7 +301,7 @@ _PARTS = {"num_dets": (1, 0), "det_boxes": (1, 5, 4), "det_scores": (1, 5), "det
     [
         ({"o": (1, 300, 6)}, {}, "the outputs are o (1, 300, 6); this may be rtdetr or nms; choose with --layout"),
         ({"o": (1, 300, 6)}, {"names": ["a", "b"]}, "(1, 300, 6) and 2 classes; this may be rtdetr or nms"),
-        ({"o": (1, 10)}, {}, "the outputs are o (1, 10); no known layout has them; docs/objects.md lists"),
+        ({"o": (1, 10)}, {}, "the outputs are o (1, 10); no known layout has them; rover/docs/objects.md lists"),
         ({"o": (1, 7, 84)}, {"layout": "yolox"}, "that does not fit the layout yolox; leave --layout out"),
         ({"labels": (1, 5), "boxes": (1, 5, 4), "scores": (1, 9)}, {}, _NO_LAYOUT),
         ({"logits": (1, 5, 0), "pred_boxes": (1, 5, 4)}, {}, _NO_LAYOUT),

@@ -73,7 +73,7 @@ def read_cameras(path: Path) -> list[CameraEntry]:
     top = whole.known_entries({"cameras"})
     entries = top["cameras"].entries("camera") if "cameras" in top else {}
     if not entries:
-        raise whole.error("no cameras found under the key 'cameras'; see the example in docs/vision.md")
+        raise whole.error("no cameras found under the key 'cameras'; see the example in rover/docs/vision.md")
     return [_camera(path.parent, key, item) for key, item in entries.items()]
 
 

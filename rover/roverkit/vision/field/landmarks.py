@@ -63,7 +63,7 @@ def read_landmarks(path: Path) -> Landmarks:
     sigmas = _survey(top.get("survey"), (SURVEY_POSITION, SURVEY_ROTATION))
     places = top["landmarks"].entries("landmark") if "landmarks" in top else {}
     if not places:
-        raise whole.error("no landmarks found under the key 'landmarks'; see the example in docs/vision.md")
+        raise whole.error("no landmarks found under the key 'landmarks'; see the example in rover/docs/vision.md")
     landmarks = {_name(key, item): _landmark(item, sigmas) for key, item in places.items()}
     return Landmarks(frame, landmarks)
 
