@@ -101,9 +101,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Adapt links; draw Mermaid diagrams; link the ids of rules, and the commands in the first column of tables."""
     here = page.file.src_uri
-    markdown = _BLOCK_OR_PATH.sub(
-        lambda found: _site_link(found["path"], here) if found["path"] else found[0], markdown
-    )
+    markdown = _BLOCK_OR_PATH.sub(lambda found: _site_link(found, here), markdown)
     for number, source in enumerate(_MERMAID.findall(markdown), 1):
         picture = f"{here.removesuffix('.md')}-{number}.svg"
         files.append(File.generated(config, picture, content=mermaidx.render(source).svg()))
@@ -116,10 +114,12 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
     )
 
 
-def _site_link(target: str, here: str) -> str:
+def _site_link(found: re.Match[str], here: str) -> str:
     """Return the link to a file of the repository as the page ``here`` of the site has it."""
+    if found["path"] is None:  # a block of code
+        return found[0]
     page = _REPOSITORY_PATHS.get(here, f"{_DOCS}/{here}")
-    path = posixpath.normpath(posixpath.join(posixpath.dirname(page), target))
+    path = posixpath.normpath(posixpath.join(posixpath.dirname(page), found["path"]))
     return _relative(_SITE_PATHS.get(path, path.removeprefix(f"{_DOCS}/")), here)
 
 

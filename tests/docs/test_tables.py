@@ -105,9 +105,8 @@ def test_navigation_lists_rules_and_arguments() -> None:
     """Every rule of a mission and every argument of the launch file, in any order."""
     from roverkit.mission.mission_file import GoalRules
 
-    page, rules = "rover/docs/navigation.md", [
-        "on_failure" if one.name == "stops" else one.name for one in fields(GoalRules)
-    ]
+    page = "rover/docs/navigation.md"
+    rules = ["on_failure" if one.name == "stops" else one.name for one in fields(GoalRules)]
     listed = [rule.partition(":")[0] for rule in _rows(page, "rule, at the top or in a goal")]
     assert sorted(listed) == sorted(rules)
     launch = yaml.safe_load(_page("rover/navigation/launch/slam_launch.yaml"))["launch"]

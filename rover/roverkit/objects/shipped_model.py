@@ -1,4 +1,4 @@
-"""Model that ships with roverlink: it finds rendered rocks and the parts of rendered panels (rover/docs/model-card.md)."""
+"""Model that ships with roverkit: it finds rendered rocks and parts of rendered panels (rover/docs/model-card.md)."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ def add(commands: Subparsers) -> None:
         "send camera images to the basestation",
         "roverlink video send video.yaml --host 10.0.0.7",
         "Send camera images as H.264 in RTP packets over UDP: one stream for each camera of the file video.yaml, or\n"
-        "the stream of one source. `roverlink video receive`, GStreamer and FFmpeg show them (see rover/docs/video.md).\n"
+        "the stream of one source. `roverlink video receive`, GStreamer and FFmpeg show them (rover/docs/video.md).\n"
         "Each stream has ROS 2 parameters, such as front.bitrate, which `ros2 param set` changes.\n"
         "All options must stand before --ros-args. After it, these arguments are known: -p NAME.KEY:=VALUE (such as\n"
         "video.bitrate:=500), -r FROM:=TO (remap a topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.",
