@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from needs import NO_AV, needs_dds
+from needs import NO_AV, NO_OPENCV, needs_dds
 from rich.console import Console
 
 from generated.registry import REGISTRY
@@ -23,6 +23,7 @@ from roverlink.__main__ import main
 from roverlink.console import isolate_ros
 from roverlink.demo.demo_rover import DemoRover
 from roverlink.demo.shuttle import START, Shuttle
+from roverlink.driving.arcs import PlanarPose
 from roverlink.driving.rover_model import RoverModel
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import SetupError
@@ -154,6 +155,18 @@ def test_slip_does_not_carry_the_rover_away() -> None:
         assert abs(rover.pose.y) < 0.4
         assert -1.4 < rover.pose.x < 1.2
     assert rover.rolled > 20
+
+
+def test_images_belong_to_poses_also_after_a_lost_connection() -> None:
+    """A program that connects again goes on counting from the images that it got."""
+    pytest.importorskip("cv2", reason=NO_OPENCV)
+    from roverlink.demo.rover_images import SentImages
+
+    sent = SentImages()
+    sent.connect().extend(map(PlanarPose, range(3)))
+    assert [sent.pose(number, time.time_ns()).x for number in (0, 1)] == [0, 1]  # the last image was lost
+    sent.connect().extend(map(PlanarPose, range(3, 9)))
+    assert [sent.pose(number, time.time_ns()).x for number in (2, 4)] == [3, 5]
 
 
 def test_a_rate_is_that_of_the_last_two_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
