@@ -1,7 +1,8 @@
-"""The wheel installs one package, and works in a project whose folders have the names of our own."""
+"""Each wheel installs one package; that of roverlink works in a project whose folders have the names of our own."""
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import zipfile
@@ -15,15 +16,19 @@ ROOT = Path(__file__).parents[1]
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the content of the wheel and nothing else of ours."""
-    folder = tmp_path_factory.mktemp("wheel")
+def _unpacked_wheel(product: Path, folder: Path) -> Path:
+    """Build the wheel of a product, and return a folder with its content."""
     build = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", folder]
-    subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
+    subprocess.run(build, cwd=product, check=True, capture_output=True)
     (wheel,) = folder.glob("*.whl")
     zipfile.ZipFile(wheel).extractall(folder / "site")
     return folder / "site"
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the content of roverlink's wheel and nothing else of ours."""
+    return _unpacked_wheel(ROOT, tmp_path_factory.mktemp("wheel"))
 
 
 @pytest.fixture
@@ -46,6 +51,25 @@ def test_the_wheel_has_one_top_level_module(site: Path) -> None:
     for file in ("py.typed", "templates/handler.py.j2", "cpp/CMakeLists.txt", parameters):
         assert (site / "roverlink" / file).is_file()
     assert not list(site.rglob("imu_*"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("product", "package", "file"),
+    [
+        ("rover", "roverkit", "objects/rocks_and_panels.onnx"),
+        ("check_launch", "check_launch", "catalogue/humble.json"),
+    ],
+)
+def test_wheels_of_the_other_products_have_theirs(product: str, package: str, file: str, tmp_path: Path) -> None:
+    """Each has one package with its data, and needs the roverlink of its own version."""
+    site = _unpacked_wheel(ROOT / product, tmp_path)
+    assert [path.name for path in site.iterdir() if path.suffix != ".dist-info"] == [package]
+    assert (site / package / file).is_file()
+    (metadata,) = (path.read_text(encoding="utf-8") for path in site.glob("*.dist-info/METADATA"))
+    version = re.search(r"^Version: (.*)$", metadata, re.MULTILINE)
+    assert version is not None
+    assert f"Requires-Dist: roverlink=={version[1]}\n" in metadata
 
 
 @pytest.mark.slow

@@ -62,7 +62,7 @@ def main(words: Sequence[str]) -> int:
     folder = options.recorded or ROOT / "build" / "mutation"
     if not options.recorded:
         record(ROOT, folder)
-    coverage = Coverage(folder / "coverage", folder / "junit.xml")
+    coverage = Coverage(ROOT, folder / "coverage", folder / "junit.xml")
     killers = {verdict.mutant: verdict.killer for verdict in earlier}
     places: Queue[Workplace] = Queue()
     for number in range(options.workers):
@@ -104,7 +104,7 @@ def _with_progress(verdicts: Iterable[Verdict], total: int) -> Iterator[Verdict]
 
 
 def _judge(mutant: Mutant, coverage: Coverage, place: Workplace, budget_s: float, killer: str) -> Verdict:
-    tests = coverage.judges(mutant, budget_s)
+    tests = coverage.judges(mutant, budget_s, killer)
     if killer in tests and place.judge(mutant, [killer], coverage.seconds([killer])):
         return Verdict(mutant, 1, killer)
     killed_by = place.judge(mutant, tests, coverage.seconds(tests)) if tests else ""

@@ -52,7 +52,8 @@ class Verdict:
 class Coverage:
     """Tests that run each line, and the seconds that each test took."""
 
-    def __init__(self, data: Path, report: Path) -> None:
+    def __init__(self, root: Path, data: Path, report: Path) -> None:
+        """Read the coverage of the tests of the checkout ``root``, and the report of their run."""
         from coverage import CoverageData  # only here: the rest of bench does without
 
         read = CoverageData(str(data))
@@ -62,22 +63,25 @@ class Coverage:
             for file in read.measured_files()
             for line, contexts in read.contexts_by_lineno(file).items()
         }
-        self._seconds = dict(_passed_tests(report))
+        self._root, self._seconds = root, dict(_passed_tests(report))
         self._breadth: dict[str, int] = {}
         for tests in self._of_line.values():
             for test in tests:
                 self._breadth[test] = self._breadth.get(test, 0) + 1
 
-    def judges(self, mutant: Mutant, budget_s: float) -> list[str]:
-        """Return the tests that cover a line, those that cover least else first, as many as fit in the budget.
+    def judges(self, mutant: Mutant, budget_s: float, killer: str) -> list[str]:
+        """Return the tests that cover a line, as many as fit in the budget.
 
-        Lines that run at import are judged by the tests of the whole file.
+        The test that killed the mutant earlier comes first, then those that cover least else. Lines that run at import
+        are judged by the tests of the whole file.
         """
-        covering = self._of_line.get((mutant.path, mutant.line), set())
+        line = mutant.line_in((self._root / mutant.path).read_text(encoding="utf-8"))
+        covering = self._of_line.get((mutant.path, line or 0), set())
         if not mutant.in_function:
             covering = {test for (path, _), tests in self._of_line.items() if path == mutant.path for test in tests}
         chosen, used = list[str](), 0.0
-        for test in sorted(covering & self._seconds.keys(), key=lambda test: (self._breadth[test], test)):
+        known = covering & self._seconds.keys()
+        for test in sorted(known, key=lambda test: (test != killer, self._breadth[test], test)):
             if not chosen or used + self._seconds[test] <= budget_s:
                 chosen.append(test)
                 used += self._seconds[test]

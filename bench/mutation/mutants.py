@@ -58,13 +58,17 @@ class Mutant:
 
     def apply(self, source: str) -> str | None:
         """Return the source with the fault, or None if the place is no longer there."""
+        line = self.line_in(source)
+        if line is None:
+            return None
         lines = source.splitlines(keepends=True)
-        near = sorted(range(len(lines)), key=lambda index: abs(index + 1 - self.line))
-        for index in near:
-            if lines[index].rstrip("\n") == self.text:
-                head, tail = "".join(lines[:index]), "".join(lines[index:])
-                return head + tail.replace(self.before, self.after, 1) if self.before in tail else None
-        return None
+        head, tail = "".join(lines[: line - 1]), "".join(lines[line - 1 :])
+        return head + tail.replace(self.before, self.after, 1) if self.before in tail else None
+
+    def line_in(self, source: str) -> int | None:
+        """Return the number of the line that is the text, the nearest one to where it was; None if there is none."""
+        found = [number for number, line in enumerate(source.splitlines(), 1) if line == self.text]
+        return min(found, key=lambda number: abs(number - self.line), default=None)
 
 
 def sample(root: Path, folders: Mapping[str, int], seed: int) -> list[Mutant]:

@@ -55,6 +55,10 @@ local_costmap:
 _CASES: Mapping[str, Case] = {
     "a renamed parameter": _rtabmap('Grid/FromDepth: "true"', finding="p.yaml:3:5: PAR101 it is now 'Grid/Sensor'"),
     "a parameter that never existed": _rtabmap('Grid/UseVoxelFilter: "true"', finding="p.yaml:3:5: PAR101"),
+    "an argument for no parameter": (
+        {"a_launch.yaml": "launch:\n  - node: {pkg: rtabmap_slam, exec: rtabmap, args: --Grid/CelSize 0.05}\n"},
+        ["a_launch.yaml:2:5: PAR101 did you mean '--Grid/CellSize'?"],
+    ),
     "a number in place of a text": _rtabmap("Grid/CellSize: 0.05", finding='p.yaml:3:5: PAR103 write "0.05"'),
     "a whole number in place of a floating point number": _controller(
         "controller_frequency: 20", finding="p.yaml:3:5: PAR103 write 20.0"

@@ -93,6 +93,8 @@ def test_files_that_are_there_stay_as_they_are(tmp_path: Path, called: Called) -
     assert code == 0
     assert "kept the existing proto/board.proto\nkept the existing .gitignore\n" in said
     assert f"move them to {tmp_path} and let their commands run in software/rover\n" in said
+    files = [path for path in (folder / "generated").rglob("*") if path.is_file()]
+    assert f" and {len(files)} files in generated/\n" in said
     assert (folder / ".gitignore").read_text() == "*.bag\n"
     assert (folder / "proto" / "board.proto").read_text() == _BOARD
     assert "voltage" in (folder / "generated" / "ros" / "comms" / "msg" / "BoardStatus.msg").read_text()

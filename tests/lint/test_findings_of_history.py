@@ -71,7 +71,7 @@ def link(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> Link:
 def test_the_declarations_stand_side_by_side(link: Link) -> None:
     """One sentence, then both declarations in columns, with place, commit, date, author and a short subject.
 
-    JSON has the whole subject.
+    JSON has the whole subject, and the commits. Of many branches, three are named.
     """
     link.commit("Measure the wind", **_WINDY)
     first, second, third = reversed(git(link.check_out(), "log", "--format=%h", "--abbrev=10").split())
@@ -90,7 +90,13 @@ def test_the_declarations_stand_side_by_side(link: Link) -> None:
     )
     of_number = link.run("number", "history", "2", "protos", *_ENVELOPE)[1]
     assert ("since the new b…" in of_number, _SUBJECT in out + of_number) == (True, False)
-    assert [found["history"][0]["last_subject"] for found in link.found()] == [_SUBJECT]
+    for branch in "abc":
+        link.repository.branch(branch)
+    link.check_out()
+    (found,) = link.found()
+    gps, wind = found["history"]
+    assert wind["today"] == "on the branches a, b, c and 1 more"
+    assert (gps["last_subject"], gps["last_commit"][:10], wind["first_commit"][:10]) == (_SUBJECT, second, third)
 
 
 class _Terminal(StringIO):

@@ -350,13 +350,14 @@ def test_two_bridges_with_one_name_are_told_from_one_that_was_started_again() ->
 
 @pytest.mark.parametrize(("width", "height"), [(80, 24), (70, 20), (200, 60), (30, 8), (1, 1)])
 def test_the_screen_fits_the_terminal(width: int, height: int) -> None:
-    """No line is longer and there are no more lines, with one bridge and with three."""
+    """No line is longer and there are no more lines, with one bridge and with three; the selected row is told."""
     heard = _Heard()
     for name in ("one", "two", "three"):
         heard.hear(name)
-        lines = heard.screen(width, height, top_screen.View())
+        lines = heard.screen(width, height, top_screen.View(), "end")
         assert len(lines) == height
         assert max(map(len, lines)) <= width
+        assert height == 1 or lines[-3].startswith("row 21 of 21")
 
 
 def test_rows_are_sorted_and_filtered() -> None:

@@ -13,6 +13,7 @@ import time
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -222,6 +223,18 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(small_disk: Path) -> No
     messages = list(Recording(path).messages())
     assert len(messages) > 1000
     assert {len(message.data) for message in messages} == {1400}
+
+
+def test_the_warning_says_how_long_the_room_lasts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """At the rate of the last half second, a disk with 100 MB is full in less than five minutes."""
+    monkeypatch.setattr(os, "statvfs", lambda _: SimpleNamespace(f_bavail=10**5, f_frsize=1000))
+    writing = recorder(tmp_path / "run.mcap", compression="none")
+    writing.datagrams("received")([bytes(10**6)])
+    with writing:
+        wait_until(lambda: "the disk is nearly full: 100.0 MB free" in caplog.text, "the warning")
+        assert f", enough for {0.5 * 1e8 / writing.bytes:.0f} s; then the recording stops" in caplog.text
 
 
 @pytest.mark.slow

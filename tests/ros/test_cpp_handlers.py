@@ -18,10 +18,10 @@ from building import missing  # noqa: E402
 from golden import case  # noqa: E402
 from needs import NO_ROS  # noqa: E402
 
-_SOME = ("cpp_handlers", "oneofs", "standard_euler", "standard_lists", "well_known")
+_SOME = ("cpp_handlers", "standard_lists", "well_known")
 _OTHERS = (
-    *("any_of", "awkward_names", "enums", "maps", "nested", "presence", "scalars", "standard_absences"),
-    *("standard_axes", "standard_enums", "standard_own_messages", "standard_times", "standard_units"),
+    *("any_of", "awkward_names", "enums", "maps", "nested", "oneofs", "presence", "scalars", "standard_absences"),
+    *("standard_axes", "standard_enums", "standard_euler", "standard_own_messages", "standard_times", "standard_units"),
 )
 """What has a conversion of its own, and compiles with the protoc of Debian 12, which knows no editions."""
 

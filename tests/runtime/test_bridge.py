@@ -81,7 +81,7 @@ def test_trailing_zeros_are_understood_and_forwarded_intact(rig: Rig, change: An
 # --- extra topics -----------------------------------------------------------------------------------------------
 
 
-def test_a_datagram_feeds_every_topic_of_its_row(rig: Rig) -> None:
+def test_a_datagram_feeds_every_topic_of_its_row(rig: Rig, caplog: pytest.LogCaptureFixture) -> None:
     """An IMU's sample is on its own topic and on both of the standard ones, stamped when it was received."""
     rig.listen("imu/data_raw", "imu/mag")
     before = time.time_ns()
@@ -92,6 +92,7 @@ def test_a_datagram_feeds_every_topic_of_its_row(rig: Rig) -> None:
     assert imu.header == mag.header
     assert before <= imu.header.stamp.sec * 10**9 + imu.header.stamp.nanosec <= time.time_ns()
     assert rig.account.extra_published == {"imu/data_raw": 1, "imu/mag": 1}
+    assert "not published" not in caplog.text
 
 
 def test_what_does_not_fit_an_extra_topic_is_counted_there(rig: Rig, caplog: pytest.LogCaptureFixture) -> None:

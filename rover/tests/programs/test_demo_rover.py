@@ -5,12 +5,14 @@ from __future__ import annotations
 import importlib.util
 import math
 import re
+import time
 
 import pytest
-from needs import NO_AV, needs_dds
+from needs import NO_AV, NO_OPENCV, needs_dds
 from programs import Start
 from roverkit.demo.demo_rover import DemoRover
 from roverkit.demo.shuttle import START, Shuttle
+from roverkit.driving.arcs import PlanarPose
 from roverkit.simulation.rover_model import RoverModel
 
 from generated.registry import REGISTRY
@@ -104,3 +106,15 @@ def test_slip_does_not_carry_the_rover_away() -> None:
         assert abs(rover.pose.y) < 0.4
         assert -1.4 < rover.pose.x < 1.2
     assert rover.rolled > 20
+
+
+def test_images_belong_to_poses_also_after_a_lost_connection() -> None:
+    """A program that connects again goes on counting from the images that it got."""
+    pytest.importorskip("cv2", reason=NO_OPENCV)
+    from roverkit.demo.rover_images import SentImages
+
+    sent = SentImages()
+    sent.connect().extend(map(PlanarPose, range(3)))
+    assert [sent.pose(number, time.time_ns()).x for number in (0, 1)] == [0, 1]  # the last image was lost
+    sent.connect().extend(map(PlanarPose, range(3, 9)))
+    assert [sent.pose(number, time.time_ns()).x for number in (2, 4)] == [3, 5]

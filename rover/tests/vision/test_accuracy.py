@@ -69,7 +69,7 @@ def test_markers_in_photographs_are_seen_and_nothing_else() -> None:
     assert np.mean(found) > (0.7 if cv2.__version__.startswith("4") else 0.9)  # OpenCV 4 finds fewer outlines
 
 
-@pytest.mark.parametrize("frames", [8, pytest.param(500, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("frames", [8, pytest.param(500, marks=pytest.mark.exhaustive)])
 def test_nothing_is_seen_where_nothing_is(frames: int) -> None:
     """Rendered textures, boxes and chequers are no markers."""
     assert nothing.measure(frames, lambda _: None).data["false_ids"][OURS] == 0

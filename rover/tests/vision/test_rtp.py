@@ -18,12 +18,16 @@ _NALS = st.lists(
     min_size=1,
     max_size=8,
 )
+_PACKETS = st.builds(rtp.RtpPacket, _SHORT, _WORD, _WORD, st.booleans(), st.binary(min_size=1), st.integers(0, 127))
 
 
-@given(st.builds(rtp.RtpPacket, _SHORT, _WORD, _WORD, st.booleans(), st.binary(min_size=1), st.integers(0, 127)))
-def test_a_packet_is_read_as_it_was_written(packet: rtp.RtpPacket) -> None:
-    """All fields, and the payload."""
-    assert rtp.read_packet(packet.encode()) == packet
+@given(_PACKETS, st.integers(0, 15), st.integers(0, 3), st.integers(1, 5))
+def test_a_packet_is_read_as_it_was_written(packet: rtp.RtpPacket, sources: int, words: int, padding: int) -> None:
+    """All fields, and the payload, also between sources, an extension and padding (RFC 3550, section 5.1)."""
+    data = packet.encode()
+    assert rtp.read_packet(data) == packet
+    parts = [bytes([data[0] | 0x30 | sources]), data[1:12], bytes(4 * sources), bytes([0, 0, 0, words])]
+    assert rtp.read_packet(b"".join([*parts, bytes(4 * words), data[12:], bytes([padding] * padding)])) == packet
 
 
 @given(st.binary(max_size=100))

@@ -229,6 +229,14 @@ def test_congestion_halves_the_frame_rate_first() -> None:
     assert plans[-1] == Plan(1_000_000, 1)
 
 
+def test_a_congested_link_counts_from_the_next_image_on() -> None:
+    """What the link measures halves the frame rate, if the receiver itself does not report."""
+    with RtpReceiver(_HOST, 0) as silent, _sender(silent.port) as output:
+        output.link_measured(0.3, None)
+        _put(output, _image(0))
+        assert output.divisor == 2
+
+
 def test_streams_take_turns_on_the_link() -> None:
     """A key frame of one stream does not hold up the others; packets that are sent again come first."""
     sent: list[bytes] = []
