@@ -45,7 +45,7 @@ dist: $(VENV)/ready-dist  ## build the sdists of the three products, and from th
 	rm -f dist/*.whl dist/*.tar.gz
 	for product in . rover check_launch; do $(BIN)/python -m build --outdir dist $$product || exit 1; done
 
-test-dist: dist  ## the wheel and the sdist in an empty environment and an empty folder: the three jobs of the README
+test-dist: dist  ## the wheel and the sdist in an empty environment and an empty folder: the three jobs of a user
 	$(BIN)/python tests/distribution/smoke.py dist
 
 ros-package: $(VENV)/ready-dev  ## build generated/ros and rover/navigation with colcon and rosidl, which have to be installed, and use them

@@ -1,7 +1,7 @@
 """Smoke test of the wheels and the sdists: `make test-dist`.
 
 The wheels are installed into an environment that has nothing else, then the sdists. In an empty folder, roverlink must
-do the three jobs of the README: edit the table and regenerate, lint in CI, and use the handlers in a program. And it
+do the three jobs of a user: edit the table and regenerate, lint in CI, and use the handlers in a program. And it
 must lint a repository without a table, with the command in docs/lint.md. roverkit and check-launch must add their
 commands to it.
 
