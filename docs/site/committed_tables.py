@@ -1,13 +1,18 @@
-"""Reference tables in the pages of docs/, written from the declarations of the table's keys and the node's parameters.
+"""Reference tables in the pages of docs/, written from declarations in the code.
 
-A table stands between two comments: ``<!-- keys: peers -->`` or ``<!-- parameters -->``, and ``<!-- end -->``.
+A table stands between two comments: ``<!-- keys: peers -->``, ``<!-- parameters -->`` or ``<!-- counters -->``, and
+``<!-- end -->``. Other tables of this kind have the name of the class whose attributes they list: see `_CLASSES`.
 ``make docs-reference`` writes them (``python docs/site/committed_tables.py``), and a test checks that they are current.
 """
 
 from __future__ import annotations
 
+import ast
+import inspect
 import re
 from collections.abc import Iterator
+from enum import Enum
+from itertools import pairwise
 from pathlib import Path
 
 from generated.registry import REGISTRY
@@ -29,13 +34,18 @@ from roverlink.generator.table.value_types import (
     Text,
     Type,
 )
+from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.bridge.ends import LinkEvent
+from roverlink.runtime.core.errors import Reason
 from roverlink.runtime.ros_arguments import parameters
 
 ROOT = Path(__file__).parents[2]
-PAGES = (ROOT / "docs" / "mapping.md", ROOT / "docs" / "operations.md")
+PAGES = (ROOT / "docs" / "mapping.md", ROOT / "docs" / "operations-reference.md")
 
+_CLASSES: dict[str, type] = {"counters": Account, "reasons": Reason, "events": LinkEvent}
 _TABLE = re.compile(
-    r"^<!-- (?P<what>keys|parameters)(?:: (?P<keys>[^\n]*))? -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL
+    rf"^<!-- (?P<what>keys|parameters|{'|'.join(_CLASSES)})(?:: (?P<keys>[^\n]*))? -->\n.*?^<!-- end -->$",
+    re.MULTILINE | re.DOTALL,
 )
 
 
@@ -52,6 +62,8 @@ def documented_keys(page: str) -> list[str]:
 def _rows(found: re.Match[str]) -> Iterator[str]:
     if found["what"] == "parameters":
         yield from ("| parameter | default | read-only | meaning |", "|---|---|---|---|", *_parameters())
+    elif found["what"] in _CLASSES:
+        yield from ("| name | meaning |", "|---|---|", *_attributes(_CLASSES[found["what"]]))
     else:
         keys = object_of(Table).keys
         yield from ("| key | holds | meaning | default |", "|---|---|---|---|")
@@ -70,6 +82,21 @@ def _parameters() -> Iterator[str]:
     for peer in REGISTRY.peers:
         meaning = f"UDP port of the peer `{peer.name}`; the table sets the name and the default"
         yield f"| `{peer.port_parameter}` | {peer.port} | | {meaning} |"
+
+
+# --- attributes of a class ---
+
+
+def _attributes(declared: type) -> Iterator[str]:
+    """Return a row for each attribute that a text follows; a member of an enum is shown by its value."""
+    tree = ast.parse(inspect.getsource(declared))
+    definition = next(node for node in tree.body if isinstance(node, ast.ClassDef))
+    for part, following in pairwise(definition.body):
+        if isinstance(part, (ast.AnnAssign, ast.Assign)) and isinstance(following, ast.Expr):
+            name = ast.unparse(part.target if isinstance(part, ast.AnnAssign) else part.targets[0])
+            shown = getattr(declared, name).value if issubclass(declared, Enum) else name
+            text = str(ast.literal_eval(following.value)).replace("``", "`")
+            yield f"| `{shown}` | {' '.join(text.split())} |"
 
 
 # --- the table's keys ---
