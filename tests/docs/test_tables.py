@@ -113,11 +113,11 @@ def test_navigation_lists_rules_and_arguments() -> None:
     assert sorted(_rows(page, "argument")) == sorted(declared)
 
 
-def test_vision_lists_the_topics() -> None:
+def test_the_reference_of_the_tracker_lists_the_topics() -> None:
     """Those of `roverkit.vision.ros.publishing` and `rover_pose`, with their types."""
     code = "".join(_page(f"rover/roverkit/vision/ros/{name}.py") for name in ("publishing", "rover_pose"))
     topics = dict(re.findall(r"^\| (\S+) +\| (\w+/\w+)", code, re.MULTILINE))
-    listed = dict(re.findall(r"^\| `([\w/]+)` \| `(\w+/\w+)`", _page("docs/vision.md"), re.MULTILINE))
+    listed = dict(re.findall(r"^\| `([\w/]+)` \| `(\w+/\w+)`", _page("docs/vision-reference.md"), re.MULTILINE))
     assert len(topics) == 7
     assert {topic.replace("<name>", "aruco_7"): kind for topic, kind in topics.items()} == listed
 
