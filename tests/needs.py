@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from importlib.util import find_spec
+from pathlib import Path
 
 import pytest
 
@@ -20,9 +22,12 @@ NO_FOXGLOVE = "need foxglove-sdk (make test-all)"
 NO_PYARROW = "need pyarrow (make test-all)"
 NO_PYPDFIUM2 = "need pypdfium2 (make test-all)"
 NO_ROS = "need ROS 2's tools and C++ libraries (xargs apt-get install <tests/ros/debian-packages)"
+NO_NANOPB = "need nanopb (apt-get install gcc libnanopb-dev; pip install nanopb)"
 NO_RCLPY = "need a real ROS 2 (make test-ros2)"
 NOT_LINUX = "need Linux"
 
 needs_dds = pytest.mark.skipif(not find_spec("cyclonedds"), reason=NO_DDS)
 needs_jax = pytest.mark.skipif(not all(map(find_spec, ("jax", "optax", "onnx"))), reason=NO_JAX)
+HAS_NANOPB = bool(shutil.which("gcc") and Path("/usr/include/pb_decode.h").exists() and find_spec("nanopb"))
+needs_nanopb = pytest.mark.skipif(not HAS_NANOPB, reason=NO_NANOPB)
 needs_linux = pytest.mark.skipif(sys.platform != "linux", reason=NOT_LINUX)

@@ -17,7 +17,7 @@ def test_the_example_of_the_readme_is_found(
 ) -> None:
     """The command prints the text beside the file, and ends with exit code 1."""
     (text,) = re.findall(r"^```yaml\n(.*?)^```", _README, re.DOTALL | re.MULTILINE)
-    (command, shown) = re.findall(r"^```console\n\$ (check-launch .*?)\n(.*?)^```", _README, re.DOTALL | re.MULTILINE)[0]
+    ((command, shown),) = re.findall(r"^\$ (check-launch .*?)\n(.*?)^```", _README, re.DOTALL | re.MULTILINE)
     (tmp_path / text.partition("\n")[0].removeprefix("# ")).write_text(text, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     assert main(command.split()) == 1

@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterator
 from types import ModuleType
 
-from class_sections import attribute_rows, class_definition, public_methods, row, table
+from class_sections import attributes, class_definition, public_methods, table
 
 from roverlink.generator.ir import interfaces, model
 
@@ -34,8 +34,8 @@ def _classes(module: ModuleType) -> Iterator[ast.ClassDef]:
 def _section(node: ast.ClassDef) -> Iterator[str]:
     yield from (f"## {node.name}", "", ast.get_docstring(node) or "", "")
     methods = [
-        row(f"{method.name}()", ast.unparse(method.returns), ast.get_docstring(method) or "")
+        (f"{method.name}()", ast.unparse(method.returns), ast.get_docstring(method) or "")
         for method in public_methods(node)
         if method.returns
     ]
-    yield from table([*attribute_rows(node), *methods])
+    yield from table([*attributes(node), *methods])

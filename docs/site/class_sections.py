@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from types import FunctionType
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -22,15 +22,19 @@ def function_definition(function: FunctionType) -> Function:
     return next(node for node in _statements(function) if isinstance(node, Function))
 
 
-def attribute_rows(node: ast.ClassDef) -> Iterator[str]:
-    """Return a row of a table for each public attribute, with the text that follows it, and for each property."""
+def attributes(node: ast.ClassDef) -> Iterator[tuple[str, str, str]]:
+    """Return name, type and text of each public attribute and property; the text follows an attribute."""
     for index, part in enumerate(node.body):
-        if isinstance(part, ast.AnnAssign) and not ast.unparse(part.target).startswith("_"):
-            yield row(ast.unparse(part.target), ast.unparse(part.annotation), _text_after(node.body, index))
-        elif isinstance(part, ast.Assign) and not ast.unparse(part.targets[0]).startswith("_"):
-            yield row(ast.unparse(part.targets[0]), "", _text_after(node.body, index))
+        if isinstance(part, ast.AnnAssign):
+            found = (ast.unparse(part.target), ast.unparse(part.annotation), _text_after(node.body, index))
+        elif isinstance(part, ast.Assign):
+            found = (ast.unparse(part.targets[0]), "", _text_after(node.body, index))
         elif isinstance(part, ast.FunctionDef) and part.returns and _PROPERTIES & _decorators(part):
-            yield row(part.name, ast.unparse(part.returns), ast.get_docstring(part) or "")
+            found = (part.name, ast.unparse(part.returns), ast.get_docstring(part) or "")
+        else:
+            continue
+        if not found[0].startswith("_"):
+            yield found
 
 
 def public_methods(node: ast.ClassDef) -> Iterator[Function]:
@@ -39,15 +43,14 @@ def public_methods(node: ast.ClassDef) -> Iterator[Function]:
     yield from (method for method in methods if not {"overload", *_PROPERTIES} & _decorators(method))
 
 
-def row(name: str, type: str, meaning: str) -> str:
-    """Return a row of a table with the columns name, type and meaning."""
-    shown_type = f"`{type}`".replace("|", "\\|") if type else ""
-    return f"| `{name}` | {shown_type} | {' '.join(meaning.split())} |"
-
-
-def table(rows: list[str]) -> list[str]:
-    """Return the lines of a table with the columns name, type and meaning; none without rows."""
+def table(described: Iterable[tuple[str, str, str]]) -> list[str]:
+    """Return the lines of a table with the columns name, type and meaning; none if there is nothing to describe."""
+    rows = [f"| `{name}` | {_type_cell(type)} | {' '.join(meaning.split())} |" for name, type, meaning in described]
     return ["| name | type | meaning |", "|---|---|---|", *rows, ""] if rows else []
+
+
+def _type_cell(type: str) -> str:
+    return f"`{type}`".replace("|", "\\|") if type else ""
 
 
 def _statements(described: type | FunctionType) -> list[ast.stmt]:

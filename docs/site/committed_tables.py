@@ -1,6 +1,7 @@
-"""Reference tables in the pages of docs/, written from the declarations of the table's keys and the node's parameters.
+"""Reference tables in the pages of docs/, written from declarations in the code.
 
-A table stands between two comments: ``<!-- keys: peers -->`` or ``<!-- parameters -->``, and ``<!-- end -->``.
+A table stands between two comments: ``<!-- keys: peers -->``, ``<!-- parameters -->`` or ``<!-- counters -->``, and
+``<!-- end -->``. Other tables of this kind have the name of the class whose attributes they list: see `_CLASSES`.
 ``make docs-reference`` writes them (``python docs/site/committed_tables.py``), and a test checks that they are current.
 """
 
@@ -8,7 +9,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from enum import Enum
 from pathlib import Path
+
+from class_sections import attributes, class_definition
 
 from generated.registry import REGISTRY
 from roverlink.generator.table.edit import scalar
@@ -29,13 +33,18 @@ from roverlink.generator.table.value_types import (
     Text,
     Type,
 )
+from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.bridge.ends import LinkEvent
+from roverlink.runtime.core.errors import Reason
 from roverlink.runtime.ros_arguments import parameters
 
 ROOT = Path(__file__).parents[2]
-PAGES = (ROOT / "docs" / "mapping.md", ROOT / "docs" / "operations.md")
+PAGES = (ROOT / "docs" / "mapping.md", ROOT / "docs" / "operations-reference.md")
 
+_CLASSES: dict[str, type] = {"counters": Account, "reasons": Reason, "events": LinkEvent}
 _TABLE = re.compile(
-    r"^<!-- (?P<what>keys|parameters)(?:: (?P<keys>[^\n]*))? -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL
+    rf"^<!-- (?P<what>keys|parameters|{'|'.join(_CLASSES)})(?:: (?P<keys>[^\n]*))? -->\n.*?^<!-- end -->$",
+    re.MULTILINE | re.DOTALL,
 )
 
 
@@ -52,6 +61,8 @@ def documented_keys(page: str) -> list[str]:
 def _rows(found: re.Match[str]) -> Iterator[str]:
     if found["what"] == "parameters":
         yield from ("| parameter | default | read-only | meaning |", "|---|---|---|---|", *_parameters())
+    elif found["what"] in _CLASSES:
+        yield from ("| name | meaning |", "|---|---|", *_attributes(_CLASSES[found["what"]]))
     else:
         keys = object_of(Table).keys
         yield from ("| key | holds | meaning | default |", "|---|---|---|---|")
@@ -70,6 +81,17 @@ def _parameters() -> Iterator[str]:
     for peer in REGISTRY.peers:
         meaning = f"UDP port of the peer `{peer.name}`; the table sets the name and the default"
         yield f"| `{peer.port_parameter}` | {peer.port} | | {meaning} |"
+
+
+# --- attributes of a class ---
+
+
+def _attributes(declared: type) -> Iterator[str]:
+    """Return a row for each attribute that a text follows; a member of an enum is shown by its value."""
+    for name, _, text in attributes(class_definition(declared)):
+        if text:
+            shown = getattr(declared, name).value if issubclass(declared, Enum) else name
+            yield f"| `{shown}` | {' '.join(text.replace('``', '`').split())} |"
 
 
 # --- the table's keys ---

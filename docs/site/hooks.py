@@ -39,8 +39,8 @@ _REFERENCE = """\
 | commands and their options | [Commands](commands/index.md) |
 | rules: every diagnostic with a bad and a good example | [Rules](rules/index.md) |
 | keys of `mapping.yaml` | [mapping.yaml](../mapping.md#keys) |
-| parameters of the node | [Operations](../operations.md#parameters) |
-| counters of the bridge | [Operations](../operations.md#the-account) |
+| parameters of the node | [Operations](../operations-reference.md#parameters-of-the-node) |
+| counters of the bridge | [Operations](../operations-reference.md#counters) |
 | messages of the sample rover | [Messages](../messages.md) |
 | Python: registry, handlers, translator, bridge, errors | [roverlink.runtime](runtime.md) |
 | Python: a basestation or a board | [roverlink.runtime.client](client.md) |

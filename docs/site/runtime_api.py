@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from types import ModuleType
 
 import black
-from class_sections import Function, attribute_rows, class_definition, function_definition, public_methods, table
+from class_sections import Function, attributes, class_definition, function_definition, public_methods, table
 
 from roverlink import runtime
 from roverlink.runtime import client
@@ -51,7 +51,7 @@ def _class(cls: type, module: ModuleType) -> Iterator[str]:
         for base in cls.__mro__[1:]
         if base.__module__.startswith("roverlink.") and base.__name__ not in module.__all__
     ]
-    yield from table([row for part in (node, *inherited) for row in attribute_rows(part)])
+    yield from table(found for part in (node, *inherited) for found in attributes(part))
     for method in (method for part in (node, *inherited) for method in public_methods(part)):
         yield from (f"### {cls.__name__}.{method.name} {{: #{cls.__name__.lower()}-{method.name} }}", "")
         yield from _function(method)

@@ -33,7 +33,7 @@ class Account:
     sent: Counter[str] = field(default_factory=Counter)
     """Datagrams sent to peers, made from messages of topics, by payload."""
     forwarded: Counter[str] = field(default_factory=Counter)
-    """Received datagrams that were sent on unchanged to another peer, by this peer."""
+    """Received datagrams that were sent on to another peer, by this peer."""
     dropped: Counter[str] = field(default_factory=Counter)
     """Datagrams received but not bridged, by reason (`Reason`)."""
     dropped_of_row: Counter[tuple[str, str]] = field(default_factory=Counter)

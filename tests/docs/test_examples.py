@@ -72,12 +72,13 @@ def test_the_mission_of_the_page_can_be_read(tmp_path: Path) -> None:
 
 @_NEEDS_OPENCV
 def test_the_files_of_the_page_about_cameras_are_read(tmp_path: Path) -> None:
-    """The landmarks, boards and cameras that rover/docs/vision.md shows are taken as they stand."""
+    """The landmarks, boards and cameras that the pages about markers show are taken as they stand."""
     from roverkit.vision import read_landmarks
     from roverkit.vision.camera.cameras_file import read_cameras
     from roverkit.vision.markers.boards import read_boards
 
-    for text in (block.text for block in blocks(_DOCS_OF_ROVERKIT / "vision.md") if block.language == "yaml"):
+    shown = [*blocks(_DOCS_OF_ROVERKIT / "vision.md"), *blocks(_DOCS_OF_ROVERKIT / "vision-reference.md")]
+    for text in (block.text for block in shown if block.language == "yaml"):
         (tmp_path / text.partition("\n")[0].removeprefix("# ")).write_text(text, encoding="utf-8")
     assert set(read_landmarks(tmp_path / "landmarks.yaml").places) == {7, "gate"}
     assert [board.name for board in read_boards(tmp_path / "boards.yaml")] == ["gate"]

@@ -44,12 +44,12 @@ def _rows(page: str, heading: str) -> dict[str, list[str]]:
     return {first.strip("` "): others for first, *others in rows}
 
 
-@pytest.mark.parametrize("page", ["docs/mapping.md", "docs/operations.md"])
-def test_the_tables_made_from_declarations_are_current(page: str) -> None:
-    """The keys of the table and the parameters of the node, all of them, each once."""
-    text = _page(page)
+@pytest.mark.parametrize("page", committed_tables.PAGES, ids=lambda page: page.name)
+def test_the_tables_made_from_declarations_are_current(page: Path) -> None:
+    """They are what `make docs-reference` writes, and have every key of the table."""
+    text = page.read_text(encoding="utf-8")
     assert text == committed_tables.current(text), "run: make docs-reference"
-    if page == "docs/mapping.md":
+    if page.name == "mapping.md":
         assert sorted(committed_tables.documented_keys(text)) == sorted(object_of(Table).keys)
 
 
@@ -114,13 +114,21 @@ def test_navigation_lists_rules_and_arguments() -> None:
     assert sorted(_rows(page, "argument")) == sorted(declared)
 
 
-def test_vision_lists_the_topics() -> None:
+def test_the_reference_of_the_tracker_lists_the_topics() -> None:
     """Those of `roverkit.vision.ros.publishing` and `rover_pose`, with their types."""
     code = "".join(_page(f"rover/roverkit/vision/ros/{name}.py") for name in ("publishing", "rover_pose"))
     topics = dict(re.findall(r"^\| (\S+) +\| (\w+/\w+)", code, re.MULTILINE))
-    listed = dict(re.findall(r"^\| `([\w/]+)` \| `(\w+/\w+)`", _page("rover/docs/vision.md"), re.MULTILINE))
+    page = _page("rover/docs/vision-reference.md")
+    listed = dict(re.findall(r"^\| `([\w/]+)` \| `(\w+/\w+)`", page, re.MULTILINE))
     assert len(topics) == 7
     assert {topic.replace("<name>", "aruco_7"): kind for topic, kind in topics.items()} == listed
+
+
+def test_field_day_lists_the_alarms() -> None:
+    """Each kind of alarm that the page of the link can show."""
+    kinds = re.findall(r'(?:found\[f?|subject = f)"(\w+)', _page("roverlink/link_page/link_alarms.py"))
+    listed = re.findall(r"^\| `(\w+)[^|]*` *:?[^|]* \|", _page("docs/field-day.md"), re.MULTILINE)
+    assert set(kinds) == set(listed)
 
 
 def test_targets_lists_the_targets() -> None:

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
+from needs import HAS_NANOPB, NO_NANOPB
 
 
 def compiled(folder: Path, root: Path, options: Path, protos: Iterable[str], program: str, *defines: str) -> Path:
     """Compile a program of this folder in another folder, with the protos below ``root``; return its path."""
-    if shutil.which("gcc") is None or not Path("/usr/include/pb_decode.h").exists():
-        pytest.skip("need nanopb's C library (apt-get install gcc libnanopb-dev)")
-    pytest.importorskip("nanopb", reason="need nanopb (pip install nanopb)")
+    if not HAS_NANOPB:
+        pytest.skip(NO_NANOPB)
     made, board = folder / "firmware", folder / "board"
     made.mkdir()
     generator = [sys.executable, "-m", "nanopb.generator.nanopb_generator", "--quiet", "--options-path", str(options)]
