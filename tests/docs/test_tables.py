@@ -93,7 +93,7 @@ def test_driving_lists_parameters_and_states() -> None:
 @_NEEDS_OPENCV
 def test_rocks_lists_the_reasons() -> None:
     """In the table, and in the proposed enum."""
-    from roverkit.rocks import Unmeasurable
+    from roverkit.rocks.unmeasurable import Unmeasurable
 
     page, reasons = _page("docs/rocks.md"), [reason.value for reason in Unmeasurable]
     assert re.findall(r"^\| `(\w+)` \| [^|]* \|$", page, re.MULTILINE) == reasons
