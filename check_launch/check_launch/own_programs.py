@@ -1,6 +1,6 @@
 """Facts about this project's own programs for the check of launch files.
 
-The programs are those that installed packages declare (entry points of the group `roverlink.nodes.ENTRY_POINTS`), which
+The programs are those that installed packages declare (entry points of the group ``roverlink.nodes``), which
 the package rtt_slam installs for launch files, and the bridge of the generated interface package.
 """
 
@@ -22,8 +22,8 @@ from check_launch.catalogue.facts import (
     Transform,
 )
 from roverlink import nodes
-from roverlink.installed_packages import entry_points
 from roverlink.nodes.bridge_node import read_table_nodes
+from roverlink.nodes.installed import declared_nodes
 
 PACKAGE = "rtt_slam"
 """ROS 2 package that installs commands of roverlink as programs: ``aruco_track`` is ``roverlink aruco track``."""
@@ -38,9 +38,7 @@ def with_own_programs(catalogue: Catalogue, table_file: Path | None) -> Catalogu
     ``table_file`` is the project's mapping.yaml; without it, there is no bridge.
     """
     table = read_table_nodes(table_file) if table_file else None
-    declared: dict[str, nodes.NodeDeclaration] = {
-        entry.name: entry.load() for entry in entry_points(nodes.ENTRY_POINTS)
-    }
+    declared = declared_nodes()
     packages = {PACKAGE: declared} if declared else {}
     if table:
         packages[table.package] = {f"{table.package}_node": table.bridge}

@@ -1,8 +1,8 @@
 """Typed declarations of ROS 2 nodes: topics with type and QoS, parameters, transforms.
 
 A program declares its node once, in a module that imports no optional package, and opens its topics and parameters from
-this declaration. The entry points of the group `ENTRY_POINTS` name the declarations by the names of the programs, so
-that check-launch and the documentation read what the programs do.
+this declaration. Entry points name the declarations by the names of the programs (module `installed`), so that
+check-launch, the documentation and completion know what the programs do.
 
 A part of a name in angle brackets, as in ``aruco/<name>/pose``, stands for any name.
 """
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 FullName = Callable[[str], str]
 """Function that returns the fully qualified name of a topic; remapping can change it."""
-ENTRY_POINTS = "roverlink.nodes"
-"""Group of entry points: the name of a program, such as ``aruco_track``, and its `NodeDeclaration`."""
 
 
 class Direction(Enum):
