@@ -7,7 +7,7 @@ the package rtt_slam installs for launch files, and the bridge of the generated 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -65,7 +65,8 @@ def _class(name: str, node: nodes.NodeDeclaration, rows: Mapping[str, nodes.Topi
         _pattern(one.name): Parameter(_TYPES[one.type], one.default, one.minimum, one.maximum, one.choices)
         for one in (nodes.USE_SIM_TIME, *node.parameters)
     }
-    endpoints = [*_endpoints(node, rows)]
+    topics = list(node.topics_with(rows))
+    endpoints = [*_endpoints(topics), *(Endpoint("action_client", one.name, one.type) for one in node.actions)]
     if node.takes_images:
         endpoints.append(Endpoint("subscription", f"$({_IMAGES})", "sensor_msgs/msg/Image", needed="true"))
         parameters[_IMAGES] = Parameter("string", "")
@@ -81,12 +82,13 @@ def _class(name: str, node: nodes.NodeDeclaration, rows: Mapping[str, nodes.Topi
         endpoints=tuple(endpoints),
         transforms=tuple(transforms),
         arguments=arguments,
+        topic_patterns=tuple(map(_pattern, (*node.other_topics, *(one.name for one in topics if "<" in one.name)))),
     )
 
 
-def _endpoints(node: nodes.NodeDeclaration, rows: Mapping[str, nodes.Topic]) -> Iterator[Endpoint]:
-    """Yield the topics and actions of a node, without those whose names the node makes only when it runs."""
-    for topic in node.topics_with(rows):
+def _endpoints(topics: Iterable[nodes.Topic]) -> Iterator[Endpoint]:
+    """Yield the topics of a node, without those whose names are decided when it runs."""
+    for topic in topics:
         if "<" in topic.name or topic.name.startswith("/tf"):  # the graph of frames shows transforms
             continue
         kind = "publisher" if topic.direction is nodes.Direction.PUBLISHED else "subscription"
@@ -95,12 +97,10 @@ def _endpoints(node: nodes.NodeDeclaration, rows: Mapping[str, nodes.Topic]) -> 
                 yield Endpoint(kind, topic.name, name, topic.qos.reliability, topic.qos.durability)
             else:
                 yield Endpoint(kind, topic.name, name)
-    for action in node.actions:
-        yield Endpoint("action_client", action.name, action.type)
 
 
 def _pattern(name: str) -> str:
-    """Return the name of a parameter as a pattern of the catalogue: ``<stream>.rate`` is ``{*}.rate``."""
+    """Return a name as a pattern of the catalogue: ``<stream>.rate`` is ``{*}.rate``."""
     return re.sub("<.*?>", "{*}", name)
 
 

@@ -327,10 +327,13 @@ def test_programs_of_this_project_are_those_that_declare_a_node(
 ) -> None:
     """A module that only helps is no program. Parameters and topics are those of the declaration, whatever it says."""
     heard = Topic("heard", ("std_msgs/msg/String",), Direction.RECEIVED, "texts")
-    node = NodeDeclaration("listener", (heard,), (Parameter("<voice>.pitch", float, "pitch in Hz"),))
+    told = Topic("told/<voice>", ("std_msgs/msg/String",), Direction.PUBLISHED, "texts")
+    node = NodeDeclaration("listener", (heard, told), (Parameter("<voice>.pitch", float, "pitch in Hz"),))
     monkeypatch.setattr(own_programs, "declared_nodes", lambda: {"listen_closely": node})
     program = "  - node: {pkg: rtt_slam, exec: %s, param: [{name: %s, value: 1.0}], remap: [{from: %s, to: b}]}\n"
     write({"a_launch.yaml": "launch:\n" + program % ("listen_closely", "low.pitch", "heard")})
+    assert check("a_launch.yaml") == (0, [])
+    write({"a_launch.yaml": "launch:\n" + program % ("listen_closely", "low.pitch", "told/low")})
     assert check("a_launch.yaml") == (0, [])
     write({"a_launch.yaml": "launch:\n" + program % ("listen_closely", "low.pitsch", "herd")})
     misspelled = ["a_launch.yaml:2:64: PAR101", "a_launch.yaml:2:105: TOP101 did you mean 'heard'?"]

@@ -161,6 +161,10 @@ class NodeDeclaration:
     actions: tuple[ActionClient, ...] = ()
     takes_images: bool = False
     """True if the first argument may be ``topic:NAME``, a topic with images that the node receives."""
+    other_topics: tuple[str, ...] = ()
+    """Names of further topics that options, parameters or files select, such as ``<camera>/aruco/detections``.
+
+    ``/<depth>`` stands for any topic."""
 
     def topics_with(self, rows: Mapping[str, Topic]) -> Iterator[Topic]:
         """Yield the topics. ``rows`` has those of a table by the names of its rows; rows that it lacks are left out."""

@@ -75,4 +75,5 @@ NODE = NodeDeclaration(
         Parameter("landmarks", str, "YAML file with the poses of the landmarks on the field; empty for none"),
     ),
     takes_images=True,
+    other_topics=("<camera>/aruco/<name>",),
 )

@@ -28,4 +28,8 @@ FUSED = Topic(
     "odometry/global", (Odometry,), Direction.PUBLISHED, "pose on the field, with the velocity of the odometry"
 )
 TRANSFORM = transforms("transform from `map` to `odom`")
-NODE = NodeDeclaration("fusion", (ODOMETRY, DETECTIONS, FIX, *LISTENED_TRANSFORMS, FUSED, TRANSFORM))
+NODE = NodeDeclaration(
+    "fusion",
+    (ODOMETRY, DETECTIONS, FIX, *LISTENED_TRANSFORMS, FUSED, TRANSFORM),
+    other_topics=("<camera>/aruco/detections",),
+)

@@ -29,5 +29,8 @@ DETECTIONS = tracker_declaration.DETECTIONS.received(
 NAVIGATE = ActionClient("navigate_to_pose", "nav2_msgs/action/NavigateToPose")
 BACK_UP = ActionClient("backup", "nav2_msgs/action/BackUp")
 NODE = NodeDeclaration(
-    "mission", (MODE, DETECTIONS, *LISTENED_TRANSFORMS, STATE, PROGRESS), actions=(NAVIGATE, BACK_UP)
+    "mission",
+    (MODE, DETECTIONS, *LISTENED_TRANSFORMS, STATE, PROGRESS),
+    actions=(NAVIGATE, BACK_UP),
+    other_topics=("/<detections>",),
 )

@@ -28,7 +28,12 @@ IMAGE = Topic(
     "the image with the boxes",
     Qos(depth=5),  # the depth of ROS 2's profile for sensor data
 )
-TRACKER = NodeDeclaration("object_tracker", (DETECTED, DETECTIONS, DETECTIONS_3D, IMAGE), takes_images=True)
+TRACKER = NodeDeclaration(
+    "object_tracker",
+    (DETECTED, DETECTIONS, DETECTIONS_3D, IMAGE),
+    takes_images=True,
+    other_topics=("/<depth>", "/<camera_info>"),
+)
 
 SELECTION = RowTopic(
     "object_selection",

@@ -26,4 +26,5 @@ NODE = NodeDeclaration(
         Parameter("depth", str, "topic with the depth that is aligned to the colour images; empty for the default"),
         Parameter("camera_info", str, "topic with the parameters of the colour camera; empty for the default"),
     ),
+    other_topics=("/<depth>", "/<camera_info>"),
 )

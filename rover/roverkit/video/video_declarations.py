@@ -43,7 +43,9 @@ STREAM_PARAMETERS = (
     Parameter("<stream>.pipeline", str, "pipeline of GStreamer, or the name of one; empty for the own encoder"),
 )
 """Parameters of each stream."""
-SENDER = NodeDeclaration("video_sender", (STREAMS, SET, OBJECTS, LINK), STREAM_PARAMETERS, takes_images=True)
+SENDER = NodeDeclaration(
+    "video_sender", (STREAMS, SET, OBJECTS, LINK), STREAM_PARAMETERS, takes_images=True, other_topics=("/<source>",)
+)
 
 RECEIVED_IMAGES = Topic(
     "video/<stream>/compressed",
