@@ -119,6 +119,8 @@ class NodeClass:
     """Parameters that are set by arguments of the command line, such as ``frame_id`` by ``--frame-id``.
 
     An option that ends with a colon stands before its value in one word: ``topic:NAME``."""
+    topic_patterns: tuple[str, ...] = ()
+    """Names of topics that the node may have, too, with ``{*}`` for any text."""
 
 
 @dataclass(frozen=True, slots=True)

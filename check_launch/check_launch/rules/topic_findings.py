@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 
@@ -288,8 +289,11 @@ def _is_of_all(rule: StartedRemapping, nodes: list[RunningNode]) -> bool:
 
 
 def _names(node: RunningNode, source: str) -> bool:
-    """Return true if a node has a topic, service or action of this full name, or one that belongs to it."""
-    return any(source == one or source.startswith(f"{one}/") for one in node.connections_before)
+    """Return true if a node has or may have a topic, service or action of this full name, or one that belongs to it."""
+    if any(source == one or source.startswith(f"{one}/") for one in node.connections_before):
+        return True
+    patterns = (re.escape(full_name(one, node)) for one in (node.facts.topic_patterns if node.facts else ()))
+    return any(re.fullmatch(one.replace(re.escape("{*}"), ".+"), source) for one in patterns)
 
 
 def _without_effect(rule: StartedRemapping, nodes: list[RunningNode]) -> Diagnostic:
