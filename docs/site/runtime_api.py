@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import copy
 import inspect
+import re
 from collections.abc import Iterator
 from types import ModuleType
 
@@ -15,6 +16,7 @@ from roverlink import runtime
 from roverlink.runtime import client
 
 MODULES = {"reference/runtime.md": runtime, "reference/client.md": client}
+_BEFORE_LIST = re.compile(r"^(?!- |  ).+\n(?=- )", re.MULTILINE)
 _MODE = black.Mode(line_length=90, is_pyi=True)
 
 
@@ -42,7 +44,7 @@ def _class(cls: type, module: ModuleType) -> Iterator[str]:
     bases = [base.__name__ for base in cls.__bases__ if base.__name__ in module.__all__]
     if bases:
         yield from (f"Base class: {', '.join(f'[`{base}`](#{base.lower()})' for base in bases)}", "")
-    yield from (ast.get_docstring(node) or "", "")
+    yield from (_text(node), "")
     constructor = next((part for part in node.body if isinstance(part, Function) and part.name == "__init__"), None)
     if constructor:
         yield from _code(constructor)
@@ -59,7 +61,12 @@ def _class(cls: type, module: ModuleType) -> Iterator[str]:
 
 def _function(node: Function) -> Iterator[str]:
     yield from _code(node)
-    yield from (ast.get_docstring(node) or "", "")
+    yield from (_text(node), "")
+
+
+def _text(node: ast.ClassDef | Function) -> str:
+    """Return a docstring as Markdown, in which a list needs an empty line before it."""
+    return _BEFORE_LIST.sub(r"\g<0>\n", ast.get_docstring(node) or "")
 
 
 def _code(node: Function) -> Iterator[str]:
