@@ -28,7 +28,7 @@ def read_boards(path: Path) -> tuple[Board, ...]:
     top = whole.known_entries({"boards"})
     boards = top["boards"].entries("board") if "boards" in top else {}
     if not boards:
-        raise whole.error("no boards found under the key 'boards'; see the example in rover/docs/vision.md")
+        raise whole.error("no boards found under the key 'boards'; see the example in rover/docs/vision-reference.md")
     return tuple(_board(name, item) for name, item in boards.items())
 
 
