@@ -34,7 +34,10 @@ def read_table_nodes(path: Path) -> TableNodes | None:
     except (DiagnosticsError, OSError):
         return None
     topics = {row.name: tuple(_topics_of(row, table.ros.package)) for row in table.rows}
-    parameters = (*_parameters(), *(one for peer in table.peers for one in _addresses(peer)))
+    parameters = (
+        *_parameters(has_link=table.link is not None),
+        *(one for peer in table.peers for one in _addresses(peer)),
+    )
     return TableNodes(
         table.ros.package,
         NodeDeclaration(NODE, tuple(topic for those in topics.values() for topic in those), parameters),
@@ -53,8 +56,11 @@ def _topics_of(row: Row, package: str) -> Iterator[Topic]:
         yield Topic(one.topic, (type_name,), direction, f"row {row.name}", qos)
 
 
-def _parameters() -> Iterator[Parameter]:
+def _parameters(*, has_link: bool) -> Iterator[Parameter]:
+    """Yield the parameters of every bridge, without those of the link message if the table has none."""
     for name, one in DECLARED.items():
+        if one.of_link and not has_link:
+            continue
         least, most = (one.minimum, one.maximum) if one.limits else (None, None)
         yield Parameter(name, type(one.default), one.description, one.default, one.read_only, least, most, one.choices)
 

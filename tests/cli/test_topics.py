@@ -23,6 +23,7 @@ from roverlink import topic_types
 from roverlink.__main__ import main
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
+from roverlink.runtime.interfaces.std_msgs import String
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
 
@@ -90,6 +91,11 @@ def test_a_rows_topic_has_the_rows_type_and_quality(topic: str) -> None:
     """With or without the leading slash, what the table says of the topic is what is published and subscribed."""
     handler = REGISTRY.by_name["imu_info"]
     assert topic_types.endpoint(REGISTRY, topic, None) == (ImuSensorInformation, handler.route.qos)
+
+
+def test_a_topic_that_a_program_declares_needs_no_type() -> None:
+    """Its node says which messages it has."""
+    assert topic_types.endpoint(REGISTRY, "/drive/state", None) == (String, Qos())
 
 
 def test_a_given_type_goes_before_the_rows() -> None:

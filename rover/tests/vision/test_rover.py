@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from polling import wait_until
+from roverkit.aruco.tracker_declaration import POSITION
 from roverkit.vision import Landmark, Landmarks, Pose
 from roverkit.vision.field.localization import FieldPose, Shot
 from roverkit.vision.field.rover import SLOP_NS, RoverLocalizer, RoverPose
@@ -18,7 +19,7 @@ from roverkit.vision.poses.pose import quaternion_of, rotation_of
 from roverkit.vision.poses.transform_tree import TransformTree
 from roverkit.vision.ros.publishing import Publishing
 from roverkit.vision.ros.rover_pose import RoverFrames, RoverPublishing
-from roverkit.vision.ros.rover_position import FUSED_S, ROW, position_publisher
+from roverkit.vision.ros.rover_position import FUSED_S, position_publisher
 from roverkit.vision.ros.transform_listener import TransformListener
 
 from generated.interfaces.nav_msgs import Odometry
@@ -179,7 +180,7 @@ def test_markers_that_share_a_number_are_in_the_detections_alone(node: MemoryMid
 
 _DETECTIONS = vision_msgs.Detection3DArray
 _POSITION = np.array([1.5, -2.0, 0.25])
-_ROUTE = REGISTRY.by_name[ROW].route
+_ROUTE = REGISTRY.by_name[POSITION.row].route
 
 
 @pytest.mark.slow
