@@ -16,7 +16,7 @@ from roverkit.aruco.tracker_declaration import POSITION
 from roverkit.demo.camera_program import CameraProgram
 from roverkit.demo.demo_rover import DemoRover
 from roverkit.demo.driven_path import Point
-from roverkit.demo.field import SIDE, landmarks, write_cameras
+from roverkit.demo.field import SIDE, landmarks, write_cameras, write_field
 from roverkit.demo.rover_images import RoverImages
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.ros.rover_position import position_publisher
@@ -42,6 +42,7 @@ class MarkerCamera(CameraProgram):
         super().__init__(setting, "markers")
 
     def _words(self, folder: Path) -> Sequence[str]:
+        write_field(folder)
         write_cameras(folder, {"source": self.images.url(_TRACKER)})
         known = str(folder / "landmarks.yaml")
         return ["aruco", "track", str(folder / "cameras.yaml"), "--side", str(SIDE), "--landmarks", known]
