@@ -274,32 +274,6 @@ def test_velocities_need_the_pose_if_a_parameter_says_so() -> None:
     assert rover.tick() is not None
 
 
-def test_a_path_ends_at_its_end() -> None:
-    """No command leads beyond it."""
-    rover = _Rover(_AT_ONCE)
-    pose = PlanarPose()
-    rover.control.follow([(0, 0), (2, 0)], "map", rover.now)
-    for _ in range(200):
-        rover.localized = pose, "map", 0.1
-        command = rover.tick()
-        if command in (None, STOP):
-            break
-        assert command is not None
-        assert pose.x + command.distance_to_go <= 2 + 1e-9
-        pose = pose @ rover.settings.board.arc(command).shortened(0.05).end
-    assert rover.control.status.reason.startswith("the end of the path is reached, 0.")
-    assert pose.x == pytest.approx(2, abs=0.11)
-
-
-def test_the_pose_must_be_in_the_frame_of_the_path() -> None:
-    """The message names both."""
-    rover = _Rover()
-    rover.control.follow(_AHEAD, "map", rover.now)
-    rover.localized = PlanarPose(), "odom", 0.1
-    assert (rover.tick(), rover.control.status.state) == (None, State.IDLE)
-    assert rover.said == ["the path is refused: the path is in the frame 'map', but the pose is in 'odom'"]
-
-
 def test_a_velocity_takes_over_from_a_path_and_a_path_from_velocities() -> None:
     """The newest one counts. An empty path ends the one before."""
     rover = _Rover()
