@@ -67,8 +67,6 @@ into_a_oneof_alone | message A { int32 x = 1; }
 - | message A { oneof o { int32 x = 1; } }
 into_a_oneof_with_new_ones | message A { int32 x = 1; }
 - | message A { oneof o { int32 x = 1; int32 y = 2; } }
-values_swapped | enum E { A = 0; B = 1; C = 2; }
-WIR110 1, WIR110 2 | enum E { A = 0; C = 1; B = 2; }
 edition_requires | edition = "2023"; message A { int32 x = 1; }
 WIR104 2 | edition = "2023"; message A { int32 x = 1; int32 y = 2 [features.field_presence = LEGACY_REQUIRED]; }
 """)

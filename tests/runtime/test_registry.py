@@ -13,8 +13,6 @@ from google.protobuf import descriptor_pb2, descriptor_pool
 from generated import checks
 from roverlink.runtime import Registry, RegistryError, load_registry
 from roverlink.runtime.core import descriptor_check
-from roverlink.runtime.core.registry import EndName
-from roverlink.runtime.ros_arguments import parameters
 
 _REPOSITORY = Path(__file__).parents[2]
 
@@ -170,16 +168,3 @@ def test_an_enum_that_differs_is_told() -> None:
         caught.value
     )
     assert "tests.NoEnum: not loaded" in str(caught.value)
-
-
-# --- parameters -------------------------------------------------------------------------------------------------
-
-
-def test_the_defaults_are_those_of_the_contract(registry: Registry) -> None:
-    """Ports and policy of a node that was given nothing."""
-    read = parameters.read(registry, {})
-    assert (read.listen_port, read.dst_ip, read.forward_policy) == (5000, "127.0.0.1", "mapping")
-    assert read.addresses == {
-        EndName("basestation"): (("127.0.0.1",), 6000),
-        EndName("hardware"): (("127.0.0.1",), 6001),
-    }

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import socket
-import threading
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from needs import NOT_LINUX
-from polling import wait_until
 
 from roverlink.runtime.net import mmsg, udp
 
@@ -78,26 +76,6 @@ def test_a_closed_socket_is_an_error(reader_kind: str, listener: socket.socket) 
 
 
 # --- the receiver -----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.usefixtures("reader_kind")
-def test_the_receiver_hands_on_everything_in_order(listener: socket.socket, sender: socket.socket) -> None:
-    """All that arrives goes to the function, in order, from a thread of its own, until the receiver is left."""
-    arrived: list[bytes] = []
-    threads: set[str] = set()
-
-    def handle(batch: list[bytes]) -> None:
-        arrived.extend(batch)
-        threads.add(threading.current_thread().name)
-
-    sent = [str(number).encode() for number in range(2000)]
-    with udp.Receiver(listener, _SIZE, handle):
-        for number, datagram in enumerate(sent):
-            sender.send(datagram)
-            if number % 200 == 0:
-                wait_until(lambda number=number: len(arrived) > number, "the datagrams so far")  # type: ignore[misc]
-    assert arrived == sent
-    assert threads == {"udp-receive"}
 
 
 def test_what_the_function_raises_is_raised_by_join(listener: socket.socket, sender: socket.socket) -> None:
