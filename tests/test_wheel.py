@@ -7,7 +7,6 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -84,14 +83,3 @@ def test_folders_of_a_user_disturb_nothing(site: Path, roverlink: Run, tmp_path:
     where = [sys.executable, "-c", "import generated, roverlink.runtime as r; print(r.__file__, generated.__file__)"]
     told = subprocess.run(where, cwd=tmp_path, env={"PYTHONPATH": str(site)}, capture_output=True, text=True)
     assert told.stdout.split() == [str(site / "roverlink/runtime/__init__.py"), str(tmp_path / "generated/__init__.py")]
-
-
-@pytest.mark.slow
-def test_outside_of_a_project_commands_say_how_to_start_one(roverlink: Run) -> None:
-    """Exit code 2 and one line that names `roverlink init`; the wheel has no rover to fall back on."""
-    commands = ["run", "simulate", "demo", "send x", "echo x", "listen --port 0"]
-    with ThreadPoolExecutor() as pool:
-        for done in pool.map(lambda command: roverlink(*command.split()), commands):
-            assert (done.returncode, done.stdout) == (2, "")
-            assert len(done.stderr.splitlines()) == 1
-            assert "start a project here with `roverlink init`" in done.stderr

@@ -12,7 +12,6 @@ from running import Called
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.generator.example_payloads import payload_at
 from roverlink.wire_dump import wire_lines
 
 _ROOT = Path(__file__).parents[2]
@@ -87,14 +86,6 @@ def test_rules_need_no_table(tmp_path: Path, called: Called) -> None:
     assert called("explain", "ENV101", folder=tmp_path)[1].startswith("ENV101 field-number-taken (error)")
     code, _, errors = called("explain", "imu_info", folder=tmp_path)
     assert (code, "mapping.yaml does not exist" in errors) == (2, True)
-
-
-def test_the_lines_are_all_of_the_bytes() -> None:
-    """Put together, the bytes of all lines are the datagram."""
-    for handler in REGISTRY.handlers:
-        envelope = REGISTRY.envelope(**{handler.route.name: payload_at(handler.payload_type, 2.0)})
-        data = envelope.SerializeToString()
-        assert bytes.fromhex("".join(line.bytes for line in wire_lines(data, envelope.DESCRIPTOR))) == data
 
 
 def test_values_as_people_read_them() -> None:

@@ -88,17 +88,6 @@ def test_a_bridge_is_recorded(bridge: Bridge, peer: socket.socket, tmp_path: Pat
     assert array.status[0].name == "udp_forwarder"
 
 
-def test_a_replay_reproduces_the_original_datagrams(
-    run: Path, peer: socket.socket, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """As board, the bridge's port gets byte by byte what it got in the run."""
-    assert main(["recording", "replay", str(run), "--speed", "100", "--to", f"127.0.0.1:{peer.getsockname()[1]}"]) == 0
-    output, errors = capsys.readouterr()
-    assert output.startswith(f"replayed {_COUNT} datagrams in ")
-    assert errors == ""
-    assert [peer.recv(65_536) for _ in range(_COUNT)] == [_datagram(number) for number in range(_COUNT)]
-
-
 @pytest.mark.slow
 def test_a_replay_begins_again_until_it_is_interrupted(run: Path, start: Start, peer: socket.socket) -> None:
     """With `--loop`, the first datagram follows the last."""

@@ -127,29 +127,6 @@ def rover(tmp_path: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_a_direction_that_is_turned_around_is_refused(rover: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Both `lint` and `generate` report it; with a reason, generate takes it, and the old direction is the change."""
-    table, ledger = rover / "mapping.yaml", rover / "mapping.lock"
-    before, text = ledger.read_text(), table.read_text()
-    said = "error[TAB109] 'control_mode' has the opposite direction"
-    edit(table, "direction: basestation_to_ros", "direction: ros_to_basestation")
-    flipped = table.read_text()
-    assert main(["lint", "--table", str(table)]) == 1
-    assert said in capsys.readouterr().out
-    for _ in range(2):
-        run = generate(rover)
-        assert (run.code, said in run.stderr) == (1, True)
-        assert ledger.read_text() == before
-    _allow(rover, "TAB109")
-    assert generate(rover).code == 0
-    assert "16 BasestationControlMode direction: ros_to_basestation\n" in ledger.read_text()
-    table.write_text(flipped)
-    assert generate(rover).stderr == ""
-    table.write_text(text)
-    assert "error[TAB109]" in generate(rover).stderr
-
-
-@pytest.mark.slow
 def test_a_retired_row_does_not_come_back_with_another_peer(tmp_path: Path) -> None:
     """The ledger keeps the settings of a retired row: where its number may be freed, only the same row comes back."""
     project = _commands(tmp_path, "text: a")

@@ -100,14 +100,3 @@ def test_templates_of_a_folder_anywhere_are_used_end_to_end(project: Path, tmp_p
     assert numbers == {"probe": 1}
     tag = bytes([numbers["probe"] << 3 | 2, 0])
     assert Translator(REGISTRY).receive(tag)[0] == REGISTRY.by_number[1].route.name
-
-
-@pytest.mark.slow
-def test_what_a_template_made_goes_with_it(project: Path, tmp_path: Path) -> None:
-    """A file with our header that nothing makes any more is removed by the next run."""
-    own = tmp_path / "wire"
-    own.mkdir()
-    (own / "a.txt.j2").write_text("{{ header(bridge.table) }}\n")
-    generate(project, "--template", str(own))
-    assert "added generated/wire/a.txt" not in generate(project, "--template", str(own)).stdout
-    assert "removed generated/wire/a.txt" in generate(project).stdout

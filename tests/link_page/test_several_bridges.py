@@ -21,15 +21,11 @@ def page() -> Iterator[FollowedPage]:
 
 def _ids(events: Events, count: int) -> list[str]:
     """The names of the bridges in the list, as soon as it has so many that report."""
-    return [bridge["id"] for bridge in _bridges(events, count)]
 
-
-def _bridges(events: Events, count: int) -> list[dict[str, Any]]:
     def complete(content: dict[str, Any]) -> bool:
         return len(content["bridges"]) == count and all(bridge["level"] for bridge in content["bridges"])
 
-    bridges: list[dict[str, Any]] = events.until("bridges", complete)["bridges"]
-    return bridges
+    return [bridge["id"] for bridge in events.until("bridges", complete)["bridges"]]
 
 
 @pytest.mark.slow
@@ -62,21 +58,6 @@ def test_a_bridge_that_was_started_again_keeps_its_place(page: FollowedPage) -> 
         alarm = events.alarm("peer hardware")
         assert (alarm["number"], alarm["ended"] is None) == (number, False)
         assert "was started again: process 34 on rover" in events.next("log")["lines"][0]["text"]
-
-
-@pytest.mark.slow
-def test_two_bridges_with_one_name_are_both_shown(page: FollowedPage) -> None:
-    """Host and process tell them apart, each can be selected, and a warning names the cure."""
-    for _ in range(2):
-        page.hear("one", instance="a", pid=12)
-        page.hear("one", instance="b", pid=34)
-    with Events(page.url) as events:
-        first, second = _bridges(events, 2)
-    assert (first["name"], first["place"]) == ("/one", "process 12 on rover")
-    assert (second["name"], second["place"]) == ("/one", "process 34 on rover")
-    with Events(page.url, second["id"]) as events:
-        assert "start one with --ros-args -r __node:=NAME" in events.next("bridges")["warnings"][0]
-        assert events.next("state")["node"]["pid"] == 34
 
 
 @pytest.mark.slow

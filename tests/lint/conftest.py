@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from repositories import RepositoryBuilder
 
 from roverlink.__main__ import main
 
@@ -36,3 +37,9 @@ def found(run: Run) -> Callable[..., tuple[int, list[dict[str, Any]]]]:
         return code, json.loads(out)
 
     return call
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> RepositoryBuilder:
+    """A repository without commits."""
+    return RepositoryBuilder(tmp_path / "repository")

@@ -56,8 +56,10 @@ def test_no_state_is_parsed_twice(repository: Path, cache_file: Path, parsed: li
 
 
 @pytest.mark.parametrize("damage", [b"", b"x", b"{}", b"\x80\x04N.", b"0" * 64 + b"\n{}"])
-def test_a_damaged_cache_is_read_again(repository: Path, cache_file: Path, parsed: list[str], damage: bytes) -> None:
-    """A cache that is cut short or is none is replaced."""
+def test_a_damaged_cache_is_read_again(
+    repository: Path, cache_file: Path, parsed: list[str], monkeypatch: pytest.MonkeyPatch, damage: bytes
+) -> None:
+    """A cache that is cut short, is none, or is of another version is replaced."""
     whole = cache_file.read_bytes()
     for content in (damage, whole[:-9], whole + b" ", whole[1:]):
         parsed.clear()
@@ -65,13 +67,7 @@ def test_a_damaged_cache_is_read_again(repository: Path, cache_file: Path, parse
         read_history(repository)
         assert len(parsed) == 2
         assert cache_file.read_bytes() == whole
-
-
-def test_a_cache_of_another_version_is_read_again(
-    repository: Path, cache_file: Path, parsed: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """What another parser wrote does not count."""
-    whole = cache_file.read_bytes()
+    parsed.clear()
     monkeypatch.setattr(blob_cache, "_version", lambda: b"another")
     read_history(repository)
     assert len(parsed) == 2

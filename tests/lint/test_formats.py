@@ -50,20 +50,6 @@ def _said(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     return capsys.readouterr().out
 
 
-def test_text_shows_the_line_with_a_caret(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Place, fault, the line, where the number was first, the cure; and no colours where there is no terminal."""
-    said = _said(capsys)
-    assert (
-        "mapping.yaml:8:14: error[ENV101] field 1 is already taken by 'imu' (Imu)\n"
-        "8 |   - {number: 1, name: gps, proto: Gps, topic: gps, direction: board_to_ros}\n"
-        "  |              ^\n"
-        "  mapping.yaml:7:14: first used here\n"
-        "  help: use 2, the next number that was never used\n"
-    ) in said
-    assert "\x1b" not in said
-    assert said.splitlines()[-1].endswith(("error", "errors", "warning", "warnings", "hint", "hints"))
-
-
 def test_json_has_what_scripts_ask_for(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A list of objects with id, name, severity, type, number, place, message, cure and the other places."""
     found = [finding for finding in json.loads(_said(capsys, "--format", "json")) if finding["id"] == "ENV101"]

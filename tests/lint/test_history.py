@@ -15,12 +15,6 @@ _LETTERS = {"Imu": "I", "Gps": "G", "Ph": "P", "LoadCell": "L"}
 _MAIN = ("refs/heads/main",)
 
 
-@pytest.fixture
-def repository(tmp_path: Path) -> RepositoryBuilder:
-    """A repository without commits."""
-    return RepositoryBuilder(tmp_path / "repository")
-
-
 def _read(repository: RepositoryBuilder, *states: Mapping[str, str | None]) -> History:
     """The history of a repository, after further commits 0, 1, ... on its branch main."""
     return read_history(repository.commits(*states).write())

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from repositories import RepositoryBuilder, envelope, git, message
 
@@ -18,12 +16,6 @@ _ROOM = message("Pose", "string room", "bool known")
 _HOME, _NEW = "pose.proto", "common/pose_types.proto"
 
 States = list[dict[str, str | None]]
-
-
-@pytest.fixture
-def repository(tmp_path: Path) -> RepositoryBuilder:
-    """A repository without commits."""
-    return RepositoryBuilder(tmp_path / "repository")
 
 
 def _reused(history: History) -> set[tuple[str, int]]:

@@ -85,9 +85,9 @@ def test_a_mere_rename_and_a_replaced_content_are_other_rules(repository: Reposi
     repository.commit("Replace the GPS", {"components/gps.proto": gps})
     root = repository.write()
     of_envelope = [one for one in found("--history", root, *_TREE)[1] if one["message_type"] == "PBEnvelope"]
-    assert sorted((one["name"], one["number"], one["severity"]) for one in of_envelope) == [
-        ("payload-content-replaced", 2, "error"),
-        ("payload-renamed", 1, "hint"),
+    assert sorted((one["id"], one["number"], one["severity"]) for one in of_envelope) == [
+        ("HIS102", 1, "hint"),
+        ("HIS103", 2, "error"),
     ]
     code, against = found("--history", root, *_TREE, "--against", "base")
     assert (code, ("HIS103", "error") in [(one["id"], one["severity"]) for one in against]) == (1, True)

@@ -17,12 +17,6 @@ Run = Callable[..., tuple[int, str, str]]
 Found = Callable[..., tuple[int, list[dict[str, Any]]]]
 
 
-@pytest.fixture
-def repository(tmp_path: Path) -> RepositoryBuilder:
-    """A repository without commits."""
-    return RepositoryBuilder(tmp_path / "repository")
-
-
 def _ids(found: list[dict[str, Any]]) -> list[tuple[str, str | None, int | None]]:
     return [(one["id"], one["message_type"], one["number"]) for one in found]
 

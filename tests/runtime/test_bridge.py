@@ -19,7 +19,6 @@ from needs import needs_linux
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import MiddlewareError, Qos
-from roverlink.runtime.bridge.bridge import Handle, Send
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.registry import AnyHandler
@@ -132,40 +131,6 @@ def test_the_policy_all_forwards_everything_to_everyone() -> None:
         assert all(rig.arrived(peer, len(datagrams)) == datagrams for peer in rig.peers)
         assert rig.account.forwarded == dict.fromkeys(rig.peers, len(datagrams))
         assert rig.account.published == {"imu_info": 2, "control_mode": 1}
-
-
-class _Observer:
-    """Notes what passes a bridge."""
-
-    def __init__(self, name: str, notes: list[Any]) -> None:
-        self._name, self._notes = name, notes
-
-    def receiving(self, handle: Handle) -> Handle:
-        def received(batch: list[bytes]) -> None:
-            self._notes.append((self._name, "received", list(batch)))
-            handle(batch)
-
-        return received
-
-    def sending(self, peer: str, send: Send) -> Send:
-        def sent(datagrams: Sequence[bytes]) -> int:
-            self._notes.append((self._name, peer, list(datagrams)))
-            return send(datagrams)
-
-        return sent
-
-
-def test_observers_hear_what_is_received_and_what_is_made_for_peers() -> None:
-    """Each in turn, the last one first, before it is handled; raw forwards are not heard a second time."""
-    notes: list[Any] = []
-    with Rig(observers=[_Observer("first", notes), _Observer("second", notes)]) as rig:
-        rig.receive(_IMU)
-        command = rig.publish("drive_motor")
-        assert (rig.arrived("hardware", 1), rig.arrived("basestation", 1)) == ([command], [_IMU])
-    assert notes == [
-        *[(name, "received", [_IMU]) for name in ("second", "first")],
-        *[(name, "hardware", [command]) for name in ("second", "first")],
-    ]
 
 
 # --- what is not bridged ----------------------------------------------------------------------------------------

@@ -23,7 +23,6 @@ from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.interfaces import rcl_interfaces
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
 from roverlink.runtime.middleware import Endpoint, NodeIdentity, open_middleware
-from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.middleware.serving import ServedTopic, serve
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
@@ -74,25 +73,6 @@ def test_a_middleware_that_is_not_there_is_told(
     message = _refused(name)
     assert all(part in message for part in said)
     assert ("aarch64" in message) is (machine == "aarch64")
-
-
-# --- memory -----------------------------------------------------------------------------------------------------
-
-
-def test_middlewares_that_share_a_graph_see_each_other() -> None:
-    """What one publishes, every subscriber of the topic gets, in order, and no other topic does."""
-    graph = Graph()
-    with MemoryMiddleware(graph) as talker, MemoryMiddleware(graph) as first, MemoryMiddleware(graph) as second:
-        publisher = talker.publisher("/imu", ImuSensorInformation, Qos())
-        assert not publisher.has_subscribers()
-        seen: list[tuple[str, Sequence[bytes]]] = []
-        for name, node, topic in (("first", first, "/imu"), ("second", second, "/imu"), ("other", second, "/other")):
-            node.subscribe(
-                topic, ImuSensorInformation, Qos(), lambda messages, name=name: seen.append((name, messages))
-            )
-        assert publisher.has_subscribers()
-        assert publisher.publish([b"a", b"b"]) == 2
-        assert seen == [("first", [b"a", b"b"]), ("second", [b"a", b"b"])]
 
 
 # --- the order in which a middleware serves its topics ------------------------------------------------------------

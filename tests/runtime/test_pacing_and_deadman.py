@@ -26,16 +26,6 @@ def test_the_newest_waits_and_the_others_are_counted() -> None:
     assert pacer.superseded == 1
 
 
-def test_what_waits_can_be_withdrawn() -> None:
-    """A stop must not be followed by an older command."""
-    pacer: Pacer[str] = Pacer(10)
-    pacer.offer("a", 1.0)
-    pacer.offer("b", 1.05)
-    assert pacer.withdraw() == "b"
-    assert pacer.withdraw() is None
-    assert pacer.take(9.0) is None
-
-
 @settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(0, 0.3), st.booleans()), max_size=100))
 def test_order_is_kept_the_rate_is_kept_and_the_sums_agree(events: list[tuple[float, bool]]) -> None:

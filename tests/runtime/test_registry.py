@@ -11,10 +11,8 @@ import pytest
 from google.protobuf import descriptor_pb2, descriptor_pool
 
 from generated import checks
-from roverlink.runtime import Registry, RegistryError, SetupError, load_registry
+from roverlink.runtime import Registry, RegistryError, load_registry
 from roverlink.runtime.core import descriptor_check
-from roverlink.runtime.core.registry import EndName
-from roverlink.runtime.ros_arguments import parameters
 
 _REPOSITORY = Path(__file__).parents[2]
 
@@ -132,12 +130,6 @@ _WHOLE = (
 )
 
 
-def test_a_message_is_described_by_number_name_and_type() -> None:
-    """Fields come in the order of their numbers, in the words of a .proto."""
-    assert descriptor_check.describe(descriptor_pool.Default().FindMessageTypeByName("tests.Whole")) == _WHOLE
-    descriptor_check.check_descriptors({"tests.Whole": _WHOLE, "tests.Part": ((1, "text", "string"),)}, {})
-
-
 @pytest.mark.parametrize(
     ("known", "loaded"),
     [
@@ -176,39 +168,3 @@ def test_an_enum_that_differs_is_told() -> None:
         caught.value
     )
     assert "tests.NoEnum: not loaded" in str(caught.value)
-
-
-# --- the registry -----------------------------------------------------------------------------------------------
-
-
-# --- parameters -------------------------------------------------------------------------------------------------
-
-
-def test_the_defaults_are_those_of_the_contract(registry: Registry) -> None:
-    """Ports and policy of a node that was given nothing."""
-    read = parameters.read(registry, {})
-    assert (read.listen_port, read.dst_ip, read.forward_policy) == (5000, "127.0.0.1", "mapping")
-    assert read.addresses == {
-        EndName("basestation"): (("127.0.0.1",), 6000),
-        EndName("hardware"): (("127.0.0.1",), 6001),
-    }
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "expected"),
-    [
-        ("listen_prt", 5000, "unknown parameter 'listen_prt'; did you mean 'listen_port'?"),
-        ("listen_port", "5000", "'listen_port' is '5000'; it must be of type int"),
-        ("listen_port", True, "'listen_port' is True; it must be of type int"),
-        ("listen_port", 65_536, "'listen_port' is 65536; a UDP port is a number from 1 to 65535"),
-        ("dst_a_port", 0, "'dst_a_port' is 0; a UDP port is a number from 1 to 65535"),
-        ("forward_policy", "none", "'forward_policy' is 'none'; it must be one of mapping, all"),
-        ("max_datagram", 0, "'max_datagram' is 0; a UDP datagram has 1 to 65507 bytes"),
-        ("receive_buffer", 0, "'receive_buffer' is 0; it must be from 1 to"),
-    ],
-)
-def test_a_wrong_parameter_is_told(registry: Registry, name: str, value: object, expected: str) -> None:
-    """A name that is not known, a value of another type, a value that cannot be: each is named with what could be."""
-    with pytest.raises(SetupError) as caught:
-        parameters.read(registry, {name: value})
-    assert expected in str(caught.value)

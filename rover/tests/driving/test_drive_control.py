@@ -142,17 +142,6 @@ def test_a_board_that_is_too_fast_gets_less() -> None:
     assert all(0 <= one <= 2 * 0.2 * rover.settings.horizon + 1e-9 for one in _distances([rover.tick()]))
 
 
-def test_the_mode_is_manual_until_it_is_said() -> None:
-    """A rover that has just been started does not drive; a limit of zero lets the mode live forever."""
-    rover = _Rover(automatic=False)
-    assert rover.drive(0.5) is None
-    assert rover.control.status == Status(State.MANUAL, "no control_mode has come yet")
-    rover = _Rover(replace(_SETTINGS, mode_timeout=0))
-    rover.automatic = False
-    rover.tick(1000)
-    assert rover.drive(0.5) is not None
-
-
 def test_manual_is_one_stop_and_then_silence() -> None:
     """So that the commands of the person who drives are not overwritten. What was wanted before is forgotten."""
     rover = _Rover()
@@ -218,19 +207,12 @@ def test_a_velocity_that_cannot_be_driven_stops_the_rover(linear: float, angular
 
 
 def test_what_was_good_may_become_impossible_in_mid_drive() -> None:
-    """A parameter takes the reverse gear away; or the clock jumps back: a simulation that starts again is manual."""
+    """A parameter takes the reverse gear away."""
     rover = _Rover()
     rover.drive_on(-0.5, 0, 5)
     rover.settings = replace(_SETTINGS, board=DrivingBoard(smallest_radius=0.5, reverses=False))
     assert rover.tick() == STOP
     assert rover.control.status == Status(State.REFUSED, "the driving board does not drive backwards")
-    rover = _Rover()
-    rover.drive_on(0.5, 0, 3)
-    rover.now = 10**9
-    assert rover.control.step(rover.now) == STOP
-    assert rover.control.status.state is State.MANUAL
-    rover.tick()
-    assert rover.drive(0.5) is not None
 
 
 def test_limits_are_told_once_in_an_episode() -> None:
@@ -247,56 +229,12 @@ def test_limits_are_told_once_in_an_episode() -> None:
     assert len(rover.said) == 3
 
 
-def test_a_path_waits_for_the_pose_and_goes_on() -> None:
-    """Without a pose, with an old one, and with an uncertain one the rover stands."""
-    rover = _Rover()
-    assert rover.follow(*_AHEAD) is None
-    assert rover.control.status == Status(State.WAITING, "no pose has come yet")
-    rover.localized = _HERE
-    assert rover.tick() is not None
-    assert rover.control.status.state is State.FOLLOWING
-    rover.localized = PlanarPose(), "map", 0.6
-    assert rover.tick() == STOP
-    assert rover.control.status == Status(State.WAITING, "the position is uncertain by more than 0.5 m")
-    rover.localized = _HERE
-    assert rover.tick() is not None
-    rover.localized = None
-    assert rover.ticks(12).index(STOP) in (9, 10)
-    assert rover.control.status == Status(State.WAITING, "the newest pose is more than 0.5 s old")
-
-
 def test_velocities_need_the_pose_if_a_parameter_says_so() -> None:
     """The same loss stops them."""
     rover = _Rover(replace(_SETTINGS, velocity_needs_pose=True))
     assert (rover.drive(0.5), rover.control.status.state) == (None, State.WAITING)
     rover.localized = PlanarPose(), "odom", 0.1
     assert rover.tick() is not None
-
-
-def test_a_path_ends_at_its_end() -> None:
-    """No command leads beyond it."""
-    rover = _Rover(_AT_ONCE)
-    pose = PlanarPose()
-    rover.control.follow([(0, 0), (2, 0)], "map", rover.now)
-    for _ in range(200):
-        rover.localized = pose, "map", 0.1
-        command = rover.tick()
-        if command in (None, STOP):
-            break
-        assert command is not None
-        assert pose.x + command.distance_to_go <= 2 + 1e-9
-        pose = pose @ rover.settings.board.arc(command).shortened(0.05).end
-    assert rover.control.status.reason.startswith("the end of the path is reached, 0.")
-    assert pose.x == pytest.approx(2, abs=0.11)
-
-
-def test_the_pose_must_be_in_the_frame_of_the_path() -> None:
-    """The message names both."""
-    rover = _Rover()
-    rover.control.follow(_AHEAD, "map", rover.now)
-    rover.localized = PlanarPose(), "odom", 0.1
-    assert (rover.tick(), rover.control.status.state) == (None, State.IDLE)
-    assert rover.said == ["the path is refused: the path is in the frame 'map', but the pose is in 'odom'"]
 
 
 def test_a_velocity_takes_over_from_a_path_and_a_path_from_velocities() -> None:

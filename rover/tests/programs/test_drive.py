@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import math
-import socket
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any
 
 import pytest
-from needs import needs_dds
-from node_in_memory import BEGAN, SECOND, NodeInMemory, hear
+from node_in_memory import BEGAN, SECOND, NodeInMemory
 from polling import wait_until
-from programs import Start
-from repeating import repeated
 from roverkit.driving.drive_node import Driving
 from roverkit.driving.drive_parameters import DriveParameters
 from roverkit.driving.drive_rows import DriveRows
-from running import Bridge
 
 from generated.messages import BasestationControlMode, DrivingBoardMotorMessage
 from generated.registry import REGISTRY
 from roverlink.runtime import Qos
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import Time
@@ -33,7 +25,6 @@ from roverlink.runtime.interfaces.geometry_msgs import Point, Pose, PoseStamped,
 from roverlink.runtime.interfaces.nav_msgs import Odometry, Path
 from roverlink.runtime.interfaces.rosgraph_msgs import Clock
 from roverlink.runtime.interfaces.std_msgs import Header, String
-from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.ros_time.headers import header_of
 
 _PERIOD = SECOND // 20
@@ -46,66 +37,6 @@ def _twist(linear: float, angular: float = 0.0) -> Twist:
 def _path(length: float = 5.0, frame: str = "map", stamp: int = 0) -> Path:
     header = header_of(stamp, frame)
     return Path(header, [PoseStamped(header, Pose(Point(x))) for x in (0.0, length)])
-
-
-@pytest.mark.slow
-@needs_dds
-def test_velocities_reach_the_board_while_the_basestation_says_so(
-    bridge: Bridge, start: Start, peer: socket.socket
-) -> None:
-    """Twist, then TwistStamped of another program. When a person takes over, there is one stop and then silence."""
-    with ExitStack() as held:
-        peer.settimeout(0.2)
-        basestation = held.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-        _, port = bridge(parameters=[f"dst_b_port:={peer.getsockname()[1]}"], middleware="dds")
-        given = ("-p", "mode_timeout:=60.0", "-p", "timeout:=2.0")  # long enough for a busy machine
-        program = start("drive", "--middleware", "dds", "--json", "--ros-args", *given)
-        program.wait_for("while /control_mode is AUTO")
-
-        def tell(mode: int) -> None:
-            basestation.sendto(REGISTRY.envelope(control_mode={"mode": mode}).SerializeToString(), ("127.0.0.1", port))
-
-        def command() -> Any:
-            try:
-                envelope = REGISTRY.envelope.FromString(peer.recv(2000))
-            except TimeoutError:
-                return None
-            return envelope.drive_motor if envelope.WhichOneof("payload") == "drive_motor" else None
-
-        mode = 1
-        held.enter_context(repeated(lambda _: tell(mode), 0.1))
-        with open_middleware("dds", NodeIdentity("controller")) as node:
-            velocities = node.publisher("/cmd_vel", Twist, Qos())
-            with repeated(lambda _: velocities.publish([cdr.encode(_twist(0.3, 0.15))])):
-                straight = wait_until(lambda: (one := command()) and one.distance_to_go > 0.1 and one, "a command")
-        assert straight.turning_radius == pytest.approx(2.0)
-        assert straight.distance_to_go <= 0.3 * 0.4 + 1e-6
-        program.wait_for("idle: no velocity for 2 s")
-        node = held.enter_context(open_middleware("dds", NodeIdentity("other_controller")))
-        states = hear(node, "/drive/state", String, Qos(depth=1, durability="transient_local"))
-        wait_until(lambda: states == [String("idle: no velocity for 2 s")], "the state, which was published before")
-        stamped = node.publisher("/cmd_vel", TwistStamped, Qos())
-        published: list[int] = []
-
-        def publish(number: int) -> None:
-            header = header_of(time.time_ns(), "base_link")
-            stamped.publish([cdr.encode(TwistStamped(header, _twist(0.3, -0.15)))])
-            published.append(number)
-
-        with repeated(publish):
-            right = wait_until(lambda: (one := command()) and one.turning_radius < 0 and one, "a command")
-            assert right.turning_radius == pytest.approx(-2.0)
-            mode = 0
-            program.wait_for("manual: control_mode is MANUAL")
-            wait_until(lambda: (one := command()) and one.distance_to_go == 0, "the stop")
-            more = len(published) + 20
-            wait_until(lambda: len(published) > more, "more velocities")
-            wait_until(lambda: states[-1] == String("manual: control_mode is MANUAL"), "the state")
-        assert program.interrupt() == 0
-    entries = [json.loads(line) for line in program.output]
-    assert [one["reason"] for one in entries[-2:]] == ["control_mode is MANUAL", "this program ends"]
-    assert entries[-3]["distance_to_go"] == 0
-    assert [one["distance_to_go"] for one in entries if "distance_to_go" in one][-2] > 0
 
 
 class _Drive(NodeInMemory):

@@ -85,5 +85,7 @@ def test_losses_stop_nothing_and_the_operator_and_a_cut_link_do(
         wait_until(lambda: 0 in _distances(board), "a stop")
         wait_until(lambda: 0 in (found := _distances(board)) and not any(found), "nothing but stops")
         assert drive.interrupt() == 0
-    states = [one["state"] for one in map(json.loads, drive.output) if "state" in one]
+    entries = [*map(json.loads, drive.output)]
+    assert entries[-1]["reason"] == "this program ends"
+    states = [one["state"] for one in entries if "state" in one]
     assert states == ["manual", "idle", "driving", "manual", "idle", "driving", "manual", "manual"]

@@ -144,15 +144,6 @@ def test_progress_becomes_a_pose_with_a_covariance(node: _Node) -> None:
     assert node.log == []
 
 
-def test_the_imu_turns_the_rover(node: _Node) -> None:
-    """The angular velocity is about the z axis, counterclockwise, in rad/s."""
-    _begin(node, radius=2.0)
-    node.drive(2.0, rate=0.25)
-    assert _yaw(node.found[-1]) == pytest.approx(1.0, abs=0.03)
-    assert node.found[-1].twist.twist.angular.z == pytest.approx(0.25, abs=1e-3)
-    assert node.found[-1].pose.pose.position.y > 0.5
-
-
 def test_without_an_imu_the_command_tells_the_turn(node: _Node) -> None:
     """The log says so once, and the covariance of the yaw is larger; a radius that is too small is limited."""
     _begin(node, radius=0.1)

@@ -82,19 +82,6 @@ def test_the_latency_makes_stamps_earlier(camera: list[Any], monkeypatch: pytest
 
 
 @pytest.mark.parametrize(
-    ("given", "expected"),
-    [
-        ({"format": "mjpg2"}, "'mjpg2' is no pixel format; use a FOURCC code, such as MJPG"),
-        ({"exposure": 0.0}, "the exposure 0 is not possible"),
-    ],
-)
-def test_impossible_settings_are_refused(given: dict[str, Any], expected: str) -> None:
-    """Before a camera is opened."""
-    with pytest.raises(SetupError, match=expected):
-        CameraSettings(**given)
-
-
-@pytest.mark.parametrize(
     ("text", "given", "expected"),
     [
         ("{folder}", {"exposure": 5.0}, "the setting 'exposure' has no effect on this kind of source"),

@@ -185,6 +185,10 @@ _MISTAKES = {
         ("cameras:\n  arm: {source: 2, exposure: slow}", r":2:30: camera arm: exposure is slow; it must be a number"),
         ("cameras:\n  arm: {source: 2, exposure: 0}", r":2:8: camera arm: the exposure 0 is not possible"),
         (
+            "cameras:\n  arm: {source: 2, format: mjpg2}",
+            r":2:8: camera arm: .mjpg2. is no pixel format; use a FOURCC code",
+        ),
+        (
             "cameras: {a: {source: 'topic:/a', parameters: a, camera_info: /b}}",
             "has 'parameters' and 'camera_info'; re",
         ),
@@ -208,9 +212,3 @@ def test_mistakes_are_told_with_their_place(path: Path, read: Callable[[Path], o
     with pytest.raises(SetupError, match=words) as raised:
         read(path)
     assert str(raised.value).startswith(f"{path}:")
-
-
-def test_a_missing_file_is_a_setup_error(tmp_path: Path) -> None:
-    """Its path is named."""
-    with pytest.raises(SetupError, match="nowhere"):
-        read_landmarks(tmp_path / "nowhere.yaml")
