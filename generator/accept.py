@@ -24,8 +24,8 @@ from roverlink.generator.lint.project import Linted
 from roverlink.generator.lock import Burned
 from roverlink.generator.lock.ledger_rules import LEDGER_RULES
 from roverlink.generator.pipeline import recompile
-from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
-from roverlink.generator.table.edit_rules import ACCEPT_WITHOUT_HISTORY, NO_SUCH_FINDING
+from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
+from roverlink.generator.table.edit_rules import AcceptWithoutHistory, NoFindingToAccept
 
 _HISTORY_RULES = ("HIS101", "HIS103", "HIS105")
 
@@ -46,7 +46,7 @@ def accept(
     context, past = found.context, found.context.past
     if past is None or not past.of_numbers:
         help = "add --history to the command"
-        raise DiagnosticsError([ACCEPT_WITHOUT_HISTORY.at(Span("--accept"), "--accept needs --history", help)])
+        raise DiagnosticsError([AcceptWithoutHistory.at(Span("--accept"), "--accept needs --history", help)])
     # Writing a ledger that was read only in part would lose the rest of it.
     if damaged := [finding for finding in found.findings if finding.rule in LEDGER_RULES]:
         raise DiagnosticsError(damaged)
@@ -69,7 +69,7 @@ def _chosen(context: Context, past: Past, wanted: Iterable[Number], reported: It
     if any(not owner for owner, _ in chosen):
         message = "a number without a message is a number of the envelope, and the envelope is not named"
         help = "name the envelope with --message, or write the message before the number: --accept rover.ImuInfo:3"
-        raise DiagnosticsError([NO_SUCH_FINDING.at(Span("--accept"), message, help)])
+        raise DiagnosticsError([NoFindingToAccept.at(Span("--accept"), message, help)])
     known = {*reported, *((one.owner, one.number) for one in context.ledger.burned)}
     if missing := sorted(chosen - known):
         ready = ", ".join(number_to_accept(context, *one) for one in sorted(reported))
@@ -78,7 +78,7 @@ def _chosen(context: Context, past: Past, wanted: Iterable[Number], reported: It
             help = f"this is a shallow clone, which lacks earlier commits: get them with {DEEPEN}; {help}"
         raise DiagnosticsError(
             [
-                NO_SUCH_FINDING.at(Span("--accept"), f"--history reports nothing about number {n} of {owner!r}", help)
+                NoFindingToAccept.at(Span("--accept"), f"--history reports nothing about number {n} of {owner!r}", help)
                 for owner, n in missing
             ]
         )
@@ -123,4 +123,4 @@ def _not_compiled(found: Linted, chosen: Iterable[Number]) -> Iterable[Diagnosti
     declared = {one.full_name for file in context.files.values() for one in file.messages}
     declared |= {one.full_name for file in context.files.values() for one in file.enums}
     if any(owner in declared - compiled for owner, _ in chosen):
-        yield from (one for one in found.findings if one.rule is DOES_NOT_COMPILE and one.severity is Severity.ERROR)
+        yield from (one for one in found.findings if one.rule is ProtoDoesNotCompile and one.severity is Severity.ERROR)

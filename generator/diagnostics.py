@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import difflib
+import inspect
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from types import ModuleType
+from typing import ClassVar
 
 from roverlink.generator.git import Commit, shortened
 
@@ -58,11 +62,11 @@ def shown(folder: str, path: str) -> str:
     return f"{folder}{path}" if folder.endswith(":") else f"{folder}/{path}"
 
 
-@dataclass(frozen=True, slots=True)
 class Rule:
-    """A kind of diagnostic, with an id such as ``ENV101``.
+    """A kind of diagnostic, with an id such as ``ENV101``. Each rule is a subclass; its docstring is its documentation.
 
-    The id of a removed rule is never given to a new rule.
+    The id of a removed rule is never given to a new rule. The class's name also is the rule's name: ``NameTaken`` is
+    ``name-taken``.
 
     The first line of the documentation says what the rule finds. The next lines say why that is a fault. The sections
     ``Bad::`` and ``Good::`` follow, each with one example. An example is a part of a project: rows or sections of
@@ -70,18 +74,21 @@ class Rule:
     fault, the example is the output of a command.
     """
 
-    id: str
-    name: str
-    documentation: str
-    severity: Severity = Severity.ERROR
+    id: ClassVar[str]
+    name: ClassVar[str]
+    severity: ClassVar[Severity]
+    documentation: ClassVar[str]
+    summary: ClassVar[str]
+    """The first line of the documentation."""
 
-    @property
-    def summary(self) -> str:
-        """The first line of the rule's documentation."""
-        return self.documentation.strip().splitlines()[0]
+    def __init_subclass__(cls, id: str, severity: Severity = Severity.ERROR) -> None:
+        cls.id, cls.severity, cls.documentation = id, severity, inspect.getdoc(cls) or ""
+        cls.name = re.sub(r"(?<=.)([A-Z]|\d+)", r"-\1", cls.__name__).lower()
+        cls.summary = cls.documentation.partition("\n")[0]
 
+    @classmethod
     def at(
-        self,
+        cls,
         span: Span,
         message: str,
         help: str = "",
@@ -100,7 +107,13 @@ class Rule:
         of them has an error itself, the diagnostic is dropped (see `independent`).
         """
         rests = tuple(rests_on)
-        return Diagnostic(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses), rests)
+        return Diagnostic(cls, span, message, help, tuple(also), type, number, cls.severity, tuple(uses), rests)
+
+
+def rules_in(module: ModuleType) -> dict[str, type[Rule]]:
+    """Return the rules that a module declares, by their ids."""
+    classes = [item for item in vars(module).values() if isinstance(item, type) and item.__module__ == module.__name__]
+    return {rule.id: rule for rule in classes if issubclass(rule, Rule) and rule is not Rule}
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +174,7 @@ def _event(word: str, commit: Commit, widest: int) -> list[str]:
 class Diagnostic:
     """A fault at a place in a file, with the rule that found it."""
 
-    rule: Rule
+    rule: type[Rule]
     span: Span
     message: str
     help: str = ""

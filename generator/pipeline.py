@@ -17,7 +17,7 @@ from roverlink.generator.lint.context import Context, since_last_generate
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.nanopb import row_sizes, table_bounds
 from roverlink.generator.protos.files import DeclarationIndex, index_declarations, read_protos
-from roverlink.generator.protos.proto_rules import NO_ENVELOPE, NO_PROTO_ROOT
+from roverlink.generator.protos.proto_rules import NoEnvelopeFile, NoProtoRoot
 from roverlink.generator.protos.protoc import Compilation, compile_protos
 from roverlink.generator.resolve.locate import locate, locate_anys
 from roverlink.generator.resolve.resolver import resolve, resolve_envelope
@@ -177,7 +177,7 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
         message = f"the proto root {table.proto.root!r} is not a folder"
         raise DiagnosticsError(
             [
-                NO_PROTO_ROOT.at(
+                NoProtoRoot.at(
                     table.proto.at("root"),
                     message,
                     "create the folder, or correct `root`, which is relative to the table",
@@ -187,7 +187,7 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     if source_files.leads_out(project, root):
         message = f"the proto root {table.proto.root!r} is outside the git repository"
         help = "move the .proto files into the repository, or add their repository as a submodule"
-        raise DiagnosticsError([NO_PROTO_ROOT.at(table.proto.at("root"), message, help)])
+        raise DiagnosticsError([NoProtoRoot.at(table.proto.at("root"), message, help)])
     findings: list[Diagnostic] = []
     files = read_protos(root, table.proto.root, findings)
     if findings:
@@ -212,7 +212,7 @@ def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping
         message = f"the file {envelope.file!r} does not exist below the proto root {table.proto.root!r}"
         raise DiagnosticsError(
             [
-                NO_ENVELOPE.at(
+                NoEnvelopeFile.at(
                     table.envelope.at("file"),
                     message,
                     "correct `file`; or write `owner: mapping`, so that `roverlink generate` writes the file",

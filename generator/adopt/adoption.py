@@ -19,7 +19,7 @@ from roverlink.generator.adopt.table_text import text_of
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, in_order, shown
 from roverlink.generator.emit import envelope_file
 from roverlink.generator.emit.writer import Change
-from roverlink.generator.init_rules import NOTHING_TO_TAKE_OVER
+from roverlink.generator.init_rules import NothingToTakeOver
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lock import Ledger
@@ -72,7 +72,7 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
     if source_files.leads_out(project, root):
         message = "the folder is outside the git repository"
         help = "move the .proto files into the repository, or add their repository as a submodule"
-        raise DiagnosticsError([NOTHING_TO_TAKE_OVER.at(Span(str(wanted.root)), message, help)])
+        raise DiagnosticsError([NothingToTakeOver.at(Span(str(wanted.root)), message, help)])
     shown_root = Path(os.path.relpath(root, project)).as_posix()
     tree = read_tree(root, shown_root, wanted.file, wanted.message, wanted.oneof)
     peers, rows = guess_rows(tree)

@@ -13,7 +13,7 @@ from roverlink.generator.adopt.table_text import text_of
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
 from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoField, Schema
-from roverlink.generator.resolve.conversion_rules import FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN
+from roverlink.generator.resolve.conversion_rules import FieldNameForbidden, FieldNameTaken
 from roverlink.generator.resolve.messages import RosMessages
 from roverlink.generator.table import reader
 
@@ -80,7 +80,7 @@ def _fit(rows: list[DraftRow], type: str, field: ProtoField | None, finding: Dia
     for row in rows:
         own = schema.messages[row.proto].fields
         if row.proto == type and field is not None:
-            if finding.rule in (FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN):
+            if finding.rule in (FieldNameForbidden, FieldNameTaken):
                 row.fields[field.name] = _free_name(field, own)
             else:
                 row.ignore[field.name] = finding.message

@@ -13,11 +13,11 @@ from pathlib import Path
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from roverlink.generator.emit.render import carries_header
-from roverlink.generator.init_rules import NO_SUCH_ENVELOPE, NOTHING_TO_TAKE_OVER
+from roverlink.generator.init_rules import NoSuchEnvelope, NothingToTakeOver
 from roverlink.generator.protos.files import read_protos
 from roverlink.generator.protos.parser import SCALARS, File
 from roverlink.generator.protos.parser.tokens import Kind, Lexer, Token
-from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
+from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
 from roverlink.generator.protos.protoc import compile_protos
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
@@ -59,7 +59,7 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
     findings: list[Diagnostic] = []
     files = read_protos(root, shown_root, findings) if root.is_dir() else {}
     if findings or not files:
-        none = NOTHING_TO_TAKE_OVER.at(
+        none = NothingToTakeOver.at(
             Span(shown_root), "the folder contains no .proto file", "give the folder of your .proto files with --from"
         )
         raise DiagnosticsError(findings or [none])
@@ -96,13 +96,13 @@ def _size_of_oneof(message: ProtoMessage) -> int:
 
 def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root: str) -> Diagnostic:
     if file and file not in files:
-        return NO_SUCH_ENVELOPE.at(
+        return NoSuchEnvelope.at(
             Span(shown_root), f"the folder contains no file {file!r}", f"known files: {', '.join(sorted(files))}"
         )
     known = sorted({one.full_name for name in files for one in files[name].messages if one.oneofs})
     fault = f"no message {message!r} is declared" if message else "no message with a oneof is declared"
     help = f"messages with a oneof: {', '.join(known)}" if known else "the envelope is a message with a oneof"
-    return NO_SUCH_ENVELOPE.at(Span(shown(shown_root, file) if file else shown_root), fault, help)
+    return NoSuchEnvelope.at(Span(shown(shown_root, file) if file else shown_root), fault, help)
 
 
 def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
@@ -116,7 +116,7 @@ def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
         named = f"no oneof {wanted!r}" if wanted else "no oneof"
         message = f"the message {envelope.full_name!r} has {named} that contains messages"
         help = "name the envelope with --message, and its oneof with --oneof"
-        raise DiagnosticsError([NO_SUCH_ENVELOPE.at(envelope.span or Span(shown_root), message, help)])
+        raise DiagnosticsError([NoSuchEnvelope.at(envelope.span or Span(shown_root), message, help)])
     return found
 
 
@@ -174,7 +174,7 @@ def _faults(
 
     If protoc names none of the files, returns the files that import an excluded file.
     """
-    said = {finding.span.file: finding for finding in reversed(error.findings) if finding.rule == DOES_NOT_COMPILE}
+    said = {finding.span.file: finding for finding in reversed(error.findings) if finding.rule == ProtoDoesNotCompile}
     faults = {file: said[shown(shown_root, file)].message for file in kept if shown(shown_root, file) in said}
     if faults:
         return faults

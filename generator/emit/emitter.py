@@ -9,7 +9,7 @@ from pathlib import Path, PurePosixPath
 from roverlink.generator import ir, lock
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest, shown
 from roverlink.generator.emit import envelope_file, link_file, mapping_json_schema, targets, user_templates
-from roverlink.generator.emit.output_rules import FORBIDDEN_PATH, TARGET_FAILED, UNKNOWN_TARGET
+from roverlink.generator.emit.output_rules import ForbiddenPath, TargetFailed, UnknownTarget
 from roverlink.generator.emit.python_format import format_python
 from roverlink.generator.emit.render import Files, carries_header
 from roverlink.generator.table import Table
@@ -76,7 +76,7 @@ class _Collected:
                     also = [(self._asked[path], "the first target or folder that writes the file")]
                     message = f"two targets or template folders write the same file, {path!r}"
                     help = "remove one of the two from the table, or rename a template"
-                    self._findings.append(FORBIDDEN_PATH.at(span, message, help, also))
+                    self._findings.append(ForbiddenPath.at(span, message, help, also))
                 self._files[path] = text
                 self._asked[path] = span
         except DiagnosticsError as error:
@@ -97,7 +97,7 @@ def _of_target(name: str, bridge: ir.Bridge, span: Span) -> Files:
     else:
         known = targets.names()
         help = nearest(name, known, f"known targets: {', '.join(known)}")
-        raise DiagnosticsError([UNKNOWN_TARGET.at(span, f"unknown target {name!r}", help)])
+        raise DiagnosticsError([UnknownTarget.at(span, f"unknown target {name!r}", help)])
 
 
 def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
@@ -109,7 +109,7 @@ def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
         package = found.dist.name if found.dist else found.value
         message = f"the target {found.name!r} of the package {package!r} failed: {type(error).__name__}: {error}"
         help = "report this to the authors of the package, or remove the target from `targets`"
-        raise DiagnosticsError([TARGET_FAILED.at(span, message, help)]) from error
+        raise DiagnosticsError([TargetFailed.at(span, message, help)]) from error
 
 
 def _formatted(files: Files) -> Files:
@@ -135,5 +135,5 @@ def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tupl
         pure = PurePosixPath(path)
         if pure.parts[:1] != (FOLDER,) or len(pure.parts) < 2 or ".." in pure.parts or "\\" in path:
             message = f"cannot write {path!r}: the path is not below {FOLDER}/"
-            raise DiagnosticsError([FORBIDDEN_PATH.at(span, message, "correct the target or the template")])
+            raise DiagnosticsError([ForbiddenPath.at(span, message, "correct the target or the template")])
         yield str(pure), text

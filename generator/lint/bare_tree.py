@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest_names
-from roverlink.generator.lint.input_rules import NO_ENVELOPE_MESSAGE
+from roverlink.generator.lint.input_rules import NoEnvelopeMessage
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSettings, RosSettings, Row, Table
 
@@ -126,7 +126,7 @@ def _no_envelope(
         message = "the envelope's message is not named"
     else:
         message = f"no message {name!r} is declared"
-    return NO_ENVELOPE_MESSAGE.at(settings.span, message, help)
+    return NoEnvelopeMessage.at(settings.span, message, help)
 
 
 def _with_oneofs(messages: Iterable[ProtoMessage]) -> list[str]:

@@ -16,48 +16,44 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span, shown
 from roverlink.generator.protos.schema import ProtoEnum, ProtoMessage, Schema
 
-NOT_INSTALLED = Rule(
-    "BUF101",
-    "buf-not-installed",
+
+class BufNotInstalled(Rule, id="BUF101", severity=Severity.FATAL):
     """`lint --with-buf` needs buf, which is not installed.
 
-The lint looks for buf beside the running Python interpreter, then on the PATH. Without buf nothing is linted, because
-the result could be mistaken for a complete one.
+    The lint looks for buf beside the running Python interpreter, then on the PATH. Without buf nothing is linted,
+    because the result could be mistaken for a complete one.
 
-Bad::
+    Bad::
 
-    $ roverlink lint --against origin/main --with-buf     # buf is not installed
+        $ roverlink lint --against origin/main --with-buf     # buf is not installed
 
-Good::
+    Good::
 
-    $ pip install buf-bin
-    $ roverlink lint --against origin/main --with-buf
-""",
-    Severity.FATAL,
-)
+        $ pip install buf-bin
+        $ roverlink lint --against origin/main --with-buf
+    """
 
-FAILED = Rule(
-    "BUF102",
-    "buf-failed",
+
+class BufFailed(Rule, id="BUF102", severity=Severity.FATAL):
     """buf cannot be run, or failed to compare the two states.
 
-buf rejects some files that protoc accepts, such as message sets. The lint's own results are still shown.
+    buf rejects some files that protoc accepts, such as message sets. The lint's own results are still shown.
 
-Bad::
+    Bad::
 
-    $ roverlink lint --against origin/main --with-buf     # old.proto declares a message set
+        $ roverlink lint --against origin/main --with-buf     # old.proto declares a message set
 
-Good::
+    Good::
 
-    $ roverlink lint --against origin/main     # without --with-buf
-""",
-    Severity.FATAL,
-)
+        $ roverlink lint --against origin/main     # without --with-buf
+    """
+
 
 _OPTION = Span("--with-buf")
 _VIOLATIONS = 100  # the exit code of a comparison that found something
@@ -67,9 +63,16 @@ _TYPE = re.compile(r'\b(?:message|enum) "([\w.]+)"', re.IGNORECASE)
 _NUMBER = re.compile(r'(?:missing values: \[|")(-?\d+)')
 
 
-def rule(id: str) -> Rule | None:
+@cache
+def rule(id: str) -> type[Rule] | None:
     """Return the `Rule` for a rule of buf, such as ``FIELD_NO_DELETE``; None if ``id`` has another form."""
-    return Rule(id, "buf-breaking", f"buf documents {id}.", Severity.WARNING) if _RULE.fullmatch(id) else None
+    if not _RULE.fullmatch(id):
+        return None
+
+    class BufBreaking(Rule, id=id, severity=Severity.WARNING):
+        __doc__ = f"buf documents {id}."
+
+    return BufBreaking
 
 
 def executable() -> str | None:
@@ -84,7 +87,7 @@ def require() -> None:
     """Raise `DiagnosticsError` if buf is not installed."""
     if executable() is None:
         message = "buf is not installed beside this Python interpreter or on the PATH; nothing was linted"
-        raise DiagnosticsError([NOT_INSTALLED.at(_OPTION, message, f"{sys.executable} -m pip install buf-bin")])
+        raise DiagnosticsError([BufNotInstalled.at(_OPTION, message, f"{sys.executable} -m pip install buf-bin")])
 
 
 def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]:
@@ -142,7 +145,7 @@ def _first_line(text: str) -> str:
 
 def _failure(why: str) -> DiagnosticsError:
     help = f"if this buf is old or broken: {sys.executable} -m pip install --upgrade buf-bin"
-    return DiagnosticsError([FAILED.at(_OPTION, f"{executable()} did not compare the two states: {why}", help)])
+    return DiagnosticsError([BufFailed.at(_OPTION, f"{executable()} did not compare the two states: {why}", help)])
 
 
 def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_root: str) -> Diagnostic:

@@ -128,7 +128,7 @@ class Context:
         return changed
 
     def diagnostic_of_change(
-        self, rule: Rule, row: Row, change: ChangedSetting, message: str, help: str, span: Span, rests_on: Span
+        self, rule: type[Rule], row: Row, change: ChangedSetting, message: str, help: str, span: Span, rests_on: Span
     ) -> Diagnostic:
         """Return the diagnostic of a rule about a changed setting of a row, with the places of the published settings.
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from roverlink.generator.diagnostics import Diagnostic, Severity, independent
 from roverlink.generator.lint.buf import unstated
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.rules import modules
+from roverlink.generator.lint.rules import lint_rules
 from roverlink.generator.table import Lowered
 
 _OF_THE_ENVELOPE = "ENV"
@@ -22,7 +22,7 @@ def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic
     """
     # Two rules may find the same fault, and so may comparisons with two earlier states. A dict removes repetitions and
     # keeps the order of the rules.
-    found = dict.fromkeys(finding for module in modules().values() for finding in module.check(context))
+    found = dict.fromkeys(finding for rule in lint_rules().values() for finding in rule.check(context))
     said = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
     counted = (_as_the_table_says(finding, context) for finding in said)
     return independent(finding for finding in counted if finding is not None)

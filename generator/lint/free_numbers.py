@@ -116,7 +116,7 @@ def back_or_renumber(numbers: NewNumbers, pair: FieldPair, undo: str = "") -> st
 
 
 def changed_field(
-    rule: Rule, numbers: NewNumbers, pair: FieldPair, message: str, place: Callable[[ProtoField], Span]
+    rule: type[Rule], numbers: NewNumbers, pair: FieldPair, message: str, place: Callable[[ProtoField], Span]
 ) -> Diagnostic:
     """Return the diagnostic for a change that makes old values of a field unreadable.
 

@@ -42,7 +42,7 @@ def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[Trace
                 yield type, number, reuses
 
 
-def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
+def reported(rule: type[Rule], context: Context, type: TracedType, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
     """Return the diagnostic about one number that had several meanings in history.
 
     It is a hint if the baseline's history has all these meanings already, or if only an unmerged branch gave the number

@@ -14,7 +14,7 @@ from roverlink.generator.lint.fixits.declarations import name_place, type_place
 from roverlink.generator.lint.free_numbers import NewNumbers, changed_field
 
 
-def judged_fields(rule: Rule, context: Context, meaning: Meaning) -> Iterator[Diagnostic]:
+def judged_fields(rule: type[Rule], context: Context, meaning: Meaning) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each field with the given judgement."""
 
     def compare(change: SchemaChange) -> Iterator[Diagnostic]:

@@ -22,7 +22,7 @@ _T = TypeVar("_T")
 _KEPT = frozenset({Meaning.SAME, Meaning.RENAMED})
 
 
-def reused_fields(rule: Rule, context: Context, meanings: Set[Meaning]) -> Iterator[Diagnostic]:
+def reused_fields(rule: type[Rule], context: Context, meanings: Set[Meaning]) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each field whose number belonged to a deleted field in the ledger.
 
     Only fields with one of the given judgements are reported. A field is left out if the ledger also contains it with
@@ -52,7 +52,7 @@ def _reused(judged: list[tuple[_T, Judgement]]) -> list[tuple[_T, Judgement]]:
     return [] if any(one.meaning in _KEPT for _, one in judged) else judged
 
 
-def _field(rule: Rule, pair: FieldPair, judged: Judgement, free: int | None) -> Diagnostic:
+def _field(rule: type[Rule], pair: FieldPair, judged: Judgement, free: int | None) -> Diagnostic:
     old, new = pair.old, pair.new
     was = f"{old.name!r} ({old.wire_type})"
     message = f"number {new.number} of {pair.owner!r} was {was} in the past, and is now {new.name!r}"
@@ -73,7 +73,7 @@ def _field_help(pair: FieldPair, free: int) -> str:
     return f"write `{moved} {freed}`: the number {free} is free"
 
 
-def reused_values(rule: Rule, context: Context, meanings: Set[Meaning]) -> Iterator[Diagnostic]:
+def reused_values(rule: type[Rule], context: Context, meanings: Set[Meaning]) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each enum value whose number belonged to a deleted value in the ledger.
 
     Only values with one of the given judgements are reported. A value is left out if the ledger also contains it with
@@ -99,7 +99,7 @@ def reused_values(rule: Rule, context: Context, meanings: Set[Meaning]) -> Itera
                 )
 
 
-def burned_fields(rule: Rule, context: Context) -> Iterator[Diagnostic]:
+def burned_fields(rule: type[Rule], context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each field with a burned number that it must not have."""
     for name, message in (context.schema.messages if context.schema else {}).items():
         for field in message.fields:
@@ -107,7 +107,7 @@ def burned_fields(rule: Rule, context: Context) -> Iterator[Diagnostic]:
                 yield _of_burned(rule, burned, field, next_field_number(context, name))
 
 
-def burned_values(rule: Rule, context: Context) -> Iterator[Diagnostic]:
+def burned_values(rule: type[Rule], context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each enum value with a burned number that it must not have."""
     for name, enum in (context.schema.enums if context.schema else {}).items():
         for number, values in values_by_number(enum).items():
@@ -117,7 +117,7 @@ def burned_values(rule: Rule, context: Context) -> Iterator[Diagnostic]:
                 yield _of_burned(rule, forbidden[0], values[0], next_enum_number(context, name))
 
 
-def _of_burned(rule: Rule, burned: Burned, now: ProtoField | ProtoEnumValue, free: int | None) -> Diagnostic:
+def _of_burned(rule: type[Rule], burned: Burned, now: ProtoField | ProtoEnumValue, free: int | None) -> Diagnostic:
     was = f"number {burned.number} of {burned.owner!r} was used for {burned.told} in the past"
     return rule.at(
         now.at("number"),
@@ -135,7 +135,7 @@ def _judge(pair: EnumPair, old: ProtoEnumValue, values: list[ProtoEnumValue]) ->
 
 
 def _value(
-    rule: Rule,
+    rule: type[Rule],
     pair: EnumPair,
     values: list[ProtoEnumValue],
     old: ProtoEnumValue,

@@ -17,7 +17,7 @@ from roverlink.generator.lint.free_numbers import new_numbers
 from roverlink.generator.protos.schema import ProtoEnumValue
 
 
-def judged_values(rule: Rule, context: Context, meaning: Meaning) -> Iterator[Diagnostic]:
+def judged_values(rule: type[Rule], context: Context, meaning: Meaning) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each value of an enum whose number has the given judgement."""
 
     def compare(change: SchemaChange) -> Iterator[Diagnostic]:

@@ -16,7 +16,7 @@ from roverlink.generator.git import Commit, GitError, Repository, name_of_reposi
 from roverlink.generator.lint.baseline import checked_out
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.consumer_pins import Pin
-from roverlink.generator.lint.input_rules import LIMITED_HISTORY, UNREADABLE_PINS
+from roverlink.generator.lint.input_rules import LimitedHistory, UnreadablePins
 from roverlink.generator.lint.misreadings import Misreading, misreadings
 from roverlink.generator.protos.files import declarations, proto_files, read_proto
 from roverlink.generator.protos.protoc import compile_tree
@@ -148,7 +148,7 @@ class StateReader:
             except LookupError as error:
                 if pin.listed or name_of_repository(pin.address) in ours:
                     message = f"the project {pin.consumer!r} is pinned to {pin.commit!r}, which {error.args[0]}"
-                    faults.append(UNREADABLE_PINS.at(pin.span, message, _FETCH))
+                    faults.append(UnreadablePins.at(pin.span, message, _FETCH))
         findings += faults or _without_any(pins, {consumer.pin.source for consumer, _ in read})
         findings += _broken_states(read)
         return read
@@ -193,7 +193,7 @@ def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Diagnostic]:
     for source in dict.fromkeys(pin.source for pin in pins if pin.source not in known):
         others = ", ".join(f"{pin.consumer} ({pin.commit})" for pin in pins if pin.source == source)
         message = f"none of the pins here is a commit of this repository: {others}"
-        yield UNREADABLE_PINS.at(Span(source), message, _FETCH)
+        yield UnreadablePins.at(Span(source), message, _FETCH)
 
 
 def _broken_states(read: Sequence[tuple[Consumer, ProtoState]]) -> Iterator[Diagnostic]:
@@ -204,5 +204,5 @@ def _broken_states(read: Sequence[tuple[Consumer, ProtoState]]) -> Iterator[Diag
         files |= {state.schema.enums[name].file for name in enums}
         if broken := sorted(files.intersection(state.schema.uncompiled)):
             message = f"{broken[0]!r} does not compile at {consumer.commit}, and was read as far as possible"
-            finding = LIMITED_HISTORY.at(consumer.pin.span, message, "defaults and other options in it are unknown")
+            finding = LimitedHistory.at(consumer.pin.span, message, "defaults and other options in it are unknown")
             yield dataclasses.replace(finding, severity=Severity.HINT)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span
-from roverlink.generator.lint.input_rules import WRONG_ROOT
+from roverlink.generator.lint.input_rules import WrongProtoRoot
 from roverlink.generator.protos.parser import File
 
 _OF_PROTOBUF = "google/protobuf/"
@@ -55,7 +55,7 @@ def wrong_root(root: Path, files: Mapping[str, File], shown_root: str, span: Spa
         f"{len(missing)} of {len(imports)} imports, such as {first.imported!r} in {first.file!r}, are not found from "
         f"here; they start at {named}"
     )
-    return WRONG_ROOT.at(span, message, f"give the folder {named} as the proto root")
+    return WrongProtoRoot.at(span, message, f"give the folder {named} as the proto root")
 
 
 def _best_root(root: Path, files: Mapping[str, File], imports: Iterable[_Import]) -> str:

@@ -17,7 +17,11 @@ from typing import Any
 
 from roverlink.generator.diagnostics import Diagnostic, Span, shown
 from roverlink.generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
-from roverlink.generator.nanopb.option_rules import NANOPB_MISSING, PATTERN_WITHOUT_MATCH, UNREADABLE_OPTIONS
+from roverlink.generator.nanopb.option_rules import (
+    NanopbNotInstalled,
+    NanopbPatternWithoutMatch,
+    UnreadableNanopbOptions,
+)
 from roverlink.generator.nanopb.options import Decoded, decode_options
 from roverlink.generator.nanopb.options_file import OptionsLine, options_file_of, read_options_file
 from roverlink.generator.nanopb.vocabulary import has_options, vocabulary
@@ -48,7 +52,7 @@ def read_bounds(
             vocabulary()
         except ModuleNotFoundError:
             told = "the sizes of messages depend on options of nanopb, but nanopb is not installed"
-            findings.append(NANOPB_MISSING.at(place, told, "install nanopb: pip install 'nanopb>=0.4.9,<0.5'"))
+            findings.append(NanopbNotInstalled.at(place, told, "install nanopb: pip install 'nanopb>=0.4.9,<0.5'"))
             return None
     messages: dict[str, MessageBounds] = {}
     fields: dict[tuple[str, str], FieldBounds] = {}
@@ -66,7 +70,7 @@ def read_bounds(
         for line in reader.unused():
             told = f"no name in {file} matches {line.pattern!r}"
             help = "write the full name, with the package: pkg.Message.field"
-            findings.append(PATTERN_WITHOUT_MATCH.at(line.span, told, help))
+            findings.append(NanopbPatternWithoutMatch.at(line.span, told, help))
     return Bounds(messages, fields)
 
 
@@ -161,7 +165,7 @@ class _FileReader:
 
     def _decoded(self, host: str, options: bytes, span: Span) -> Decoded:
         decoded = decode_options(host, options) if options and self._decodes else Decoded({})
-        self._findings.extend(UNREADABLE_OPTIONS.at(span, fault) for fault in decoded.faults)
+        self._findings.extend(UnreadableNanopbOptions.at(span, fault) for fault in decoded.faults)
         return decoded
 
     def _in_force(self, inherited: _Options, name: str, decoded: Decoded, span: Span) -> _Options:

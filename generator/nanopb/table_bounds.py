@@ -8,7 +8,7 @@ from pathlib import Path
 
 from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic, Span, nearest, shown
-from roverlink.generator.nanopb.option_rules import BOUNDS_IN_TWO_PLACES, UNFIT_BOUND
+from roverlink.generator.nanopb.option_rules import BoundsInTwoPlaces, UnfitBound
 from roverlink.generator.nanopb.options import Values
 from roverlink.generator.nanopb.options_file import OptionsLine, options_file_of
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
@@ -39,14 +39,14 @@ def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Diagno
             try:
                 one = TableBound(_resolved(row, path, bound, schema), span)
             except LookupError as error:
-                findings.append(UNFIT_BOUND.at(span, *error.args))
+                findings.append(UnfitBound.at(span, *error.args))
                 continue
             key = (one.bound.message, one.bound.field)
             before = found.setdefault(key, one)
             if before.bound != one.bound:
                 message = f"'{'.'.join(key)}' has a different bound in another row"
                 findings.append(
-                    UNFIT_BOUND.at(
+                    UnfitBound.at(
                         span, message, "write the same bound in both rows", [(before.span, "the other bound is here")]
                     )
                 )
@@ -109,7 +109,7 @@ def _report_files(bounds: list[TableBound], root: Path, shown_root: str, finding
             field = f"'{one.bound.message}.{one.bound.field}'"
             message = f"{field} has a bound in the table, but {shown(shown_root, beside)} exists"
             help = "nanopb reads one .options file for a .proto file: write all bounds in one of the two places"
-            findings.append(BOUNDS_IN_TWO_PLACES.at(one.span, message, help))
+            findings.append(BoundsInTwoPlaces.at(one.span, message, help))
 
 
 def as_options(bound: ir.FieldBound) -> Values:

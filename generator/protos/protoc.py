@@ -20,7 +20,7 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, 
 from roverlink.generator.ir.pb2_paths import module_path
 from roverlink.generator.protos.descriptors import schema_of
 from roverlink.generator.protos.files import declarations
-from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE, UNIMPORTABLE_PROTO
+from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile, UnimportableProtoPath
 from roverlink.generator.protos.schema import Schema
 
 # The same as `python -m grpc_tools.protoc`, which takes four times as long to start: it loads modules not needed here.
@@ -78,10 +78,10 @@ def _unimportable(files: Sequence[str], shown_root: str) -> Iterator[Diagnostic]
         span, module = Span(shown(shown_root, file)), module_path(file)
         if bad := [part for part in module.split("/") if not part.isidentifier() or keyword.iskeyword(part)]:
             message = f"protoc makes the Python module '{module}.py' of this file, but {bad[0]!r} cannot be imported"
-            yield UNIMPORTABLE_PROTO.at(span, message, "rename this folder or file")
+            yield UnimportableProtoPath.at(span, message, "rename this folder or file")
         elif (other := first.setdefault(module, file)) != file:
             message = f"protoc makes the Python module '{module}.py' of this file and of {other!r}"
-            yield UNIMPORTABLE_PROTO.at(span, message, "rename one of the two files")
+            yield UnimportableProtoPath.at(span, message, "rename one of the two files")
 
 
 def _stage(root: Path, files: Iterable[str], overlay: Mapping[str, str], staged: Path) -> list[str]:
@@ -198,10 +198,12 @@ def _protoc_findings(output: str, staged: Path, shown_root: str) -> list[Diagnos
             places.setdefault(span, []).append(error.text)
     if not places:
         return [
-            DOES_NOT_COMPILE.at(Span(shown_root or "."), f"protoc failed: {output.strip() or 'it printed no message'}")
+            ProtoDoesNotCompile.at(
+                Span(shown_root or "."), f"protoc failed: {output.strip() or 'it printed no message'}"
+            )
         ]
     return [
-        DOES_NOT_COMPILE.at(
+        ProtoDoesNotCompile.at(
             span,
             first,
             " ".join(rest),

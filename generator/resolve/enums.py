@@ -11,7 +11,7 @@ from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, commented
-from roverlink.generator.resolve.conversion_rules import CONSTANT_NAME
+from roverlink.generator.resolve.conversion_rules import ConstantName
 
 # An enum of proto is an int32; the smallest ROS type saves bytes in every message.
 _INTEGERS = (("uint8", 0, 2**8), ("uint16", 0, 2**16), ("uint32", 0, 2**32))
@@ -45,14 +45,14 @@ def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]
                 f"'{enum.full_name}.{value.name}' cannot be a ROS constant, which has capitals, digits and single _"
             )
             report(
-                CONSTANT_NAME.at(
+                ConstantName.at(
                     enum.span, message, "rename the value; the name is not sent, so the encoding does not change"
                 )
             )
         elif first.number != value.number:
             message = f"'{enum.full_name}.{value.name}' and {first.name!r} would both become the constant {name!r}"
             report(
-                CONSTANT_NAME.at(
+                ConstantName.at(
                     enum.span, message, "rename one of the values; names are not sent, so the encoding does not change"
                 )
             )
@@ -107,4 +107,4 @@ def _unless_taken(
         "rename an enum value or a member of the oneof in the .proto file, or list an enum under `enums` in "
         "mapping.yaml: it then becomes a ROS message of its own"
     )
-    report(CONSTANT_NAME.at(span, message, help))
+    report(ConstantName.at(span, message, help))

@@ -11,12 +11,12 @@ from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, commented
 from roverlink.generator.resolve import enums, oneofs, well_known
 from roverlink.generator.resolve.conversion_rules import (
-    CANNOT_CONVERT,
-    CONTRADICTING_PATHS,
-    FIELD_NAME_FORBIDDEN,
-    FIELD_NAME_TAKEN,
-    UNKNOWN_FIELD,
-    UNMAPPED_FIELD,
+    CannotConvert,
+    ContradictingPaths,
+    FieldNameForbidden,
+    FieldNameTaken,
+    UnknownField,
+    UnmappedField,
 )
 from roverlink.generator.resolve.row_overrides import Shape
 from roverlink.generator.resolve.types import FieldTypes, MessageMaker
@@ -64,7 +64,7 @@ class MessageBuilder:
                 continue
             if field.name in _HIDING:
                 self._report(
-                    CANNOT_CONVERT.at(
+                    CannotConvert.at(
                         field.span, f"the field {dotted!r} would hide a method of Python's protobuf messages", _RENAME
                     )
                 )
@@ -73,7 +73,7 @@ class MessageBuilder:
             elif path and dotted not in self._shape.fields:
                 help = f"give the field a ROS field under `fields`, or list {dotted!r} under `ignore`"
                 self._report(
-                    UNMAPPED_FIELD.at(
+                    UnmappedField.at(
                         field.span,
                         f"the ROS message {self._shape.ros!r} has no field for the proto field {dotted!r}",
                         help,
@@ -97,7 +97,7 @@ class MessageBuilder:
                 f"{dotted!r} is optional; if its fields are moved out of it, subscribers cannot see whether it was set"
             )
             help = f"keep the field as a nested message, or set `presence: {{{dotted}: false}}` if absent means zero"
-            self._report(CANNOT_CONVERT.at(field.span, fault, help))
+            self._report(CannotConvert.at(field.span, fault, help))
         if nested is None or field.repeated or field.oneof:
             self._report_paths_into(dotted, field)
         else:
@@ -110,9 +110,7 @@ class MessageBuilder:
                 if path.startswith(f"{dotted}."):
                     self._paths_seen.add(path)
                     message = f"the field {dotted!r} is not a single message, so a path cannot lead into it"
-                    self._report(
-                        UNKNOWN_FIELD.at(self._shape.at(group, path, field.span), message, f"write {dotted!r}")
-                    )
+                    self._report(UnknownField.at(self._shape.at(group, path, field.span), message, f"write {dotted!r}"))
 
     def check_paths(self) -> None:
         """Report paths under the row's `fields` and `ignore` that lead to no field or contradict another path."""
@@ -123,12 +121,12 @@ class MessageBuilder:
             for path in paths:
                 span = self._shape.at(group, path, row.span)
                 if contradiction := self._contradiction(group, path):
-                    self._report(CONTRADICTING_PATHS.at(span, contradiction, "keep only one of the two settings"))
+                    self._report(ContradictingPaths.at(span, contradiction, "keep only one of the two settings"))
                 elif path not in self._paths_seen:
                     known = ", ".join(sorted(self._paths_seen)) or "none"
                     help = nearest(path, self._paths_seen, f"known fields: {known}")
                     message = f"the proto message {self._message.full_name!r} has no field {path!r}"
-                    self._report(UNKNOWN_FIELD.at(span, message, help))
+                    self._report(UnknownField.at(span, message, help))
 
     def _contradiction(self, group: str, path: str) -> str:
         """Return a message about a setting of the row that contradicts the setting of a path; empty if there is none.
@@ -196,13 +194,13 @@ class MessageBuilder:
             help = f"give the field another name under `fields` of the row ({dotted}: other_name)"
             if self._shape.row is None:
                 help = _RENAME
-            self._report(FIELD_NAME_FORBIDDEN.at(span, f"{name!r} cannot be a field of a ROS message: {why}", help))
+            self._report(FieldNameForbidden.at(span, f"{name!r} cannot be a field of a ROS message: {why}", help))
         if name in self._fields:
             help = "give one of the two fields another name under `fields` of the row"
             if self._shape.row is None:
                 help = f"rename one of them in the .proto file, or give {self._message.full_name!r} a row with `fields`"
             self._report(
-                FIELD_NAME_TAKEN.at(span, f"the ROS message {self._shape.ros!r} already has a field {name!r}", help)
+                FieldNameTaken.at(span, f"the ROS message {self._shape.ros!r} already has a field {name!r}", help)
             )
         self._fields[name] = conversion.ros
         self.conversions.append(conversion)

@@ -10,12 +10,12 @@ from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Schema, commented
 from roverlink.generator.resolve import enums
 from roverlink.generator.resolve.conversion_rules import (
-    CANNOT_CONVERT,
-    EXTENSIONS,
-    FIELD_NAME_FORBIDDEN,
-    FIELD_NAME_TAKEN,
-    MESSAGE_NAME_TAKEN,
-    UNKNOWN_ENUM,
+    CannotConvert,
+    ExtensionsNotCarried,
+    FieldNameForbidden,
+    FieldNameTaken,
+    MessageNameTaken,
+    UnknownEnum,
 )
 from roverlink.generator.resolve.field_overrides import FieldSettings
 from roverlink.generator.resolve.fields import MessageBuilder
@@ -62,7 +62,7 @@ class RosMessages:
         for settings in self._enum_settings.values():
             if settings.proto not in self.enums_used:
                 help = nearest(settings.proto, self.enums_used, "remove the entry, or correct the enum's name")
-                self.report(UNKNOWN_ENUM.at(settings.span, f"no payload contains the enum {settings.proto!r}", help))
+                self.report(UnknownEnum.at(settings.span, f"no payload contains the enum {settings.proto!r}", help))
 
     # --- messages ---
 
@@ -76,13 +76,15 @@ class RosMessages:
         if any(keyword.iskeyword(part) for part in proto.split(".")):
             fault = f"the name {proto!r} contains a Python keyword, so generated code cannot access it"
             self.report(
-                CANNOT_CONVERT.at(
+                CannotConvert.at(
                     message.span, fault, "rename the message; the name is not sent, so the encoding does not change"
                 )
             )
         if message.extendable:
             fault = f"extensions of {proto!r} are lost, because they have no ROS fields"
-            self.report(EXTENSIONS.at(message.span, fault, "declare the extensions as ordinary fields of the message"))
+            self.report(
+                ExtensionsNotCarried.at(message.span, fault, "declare the extensions as ordinary fields of the message")
+            )
         # A message that is found again while it is in progress contains itself. Protobuf allows that, a ROS message
         # cannot: its size in memory would be infinite (rosidl generates C structs by value).
         self._in_progress.append(proto)
@@ -114,7 +116,7 @@ class RosMessages:
         if not ros_names.is_message_name(ros) and row is None:  # ROS101 checks the name in a row
             fault = f"{source!r} cannot become the ROS message {ros!r}: ROS does not allow the name"
             self.report(
-                CANNOT_CONVERT.at(
+                CannotConvert.at(
                     span, fault, "rename it in the .proto file; the name is not sent, so the encoding does not change"
                 )
             )
@@ -126,7 +128,7 @@ class RosMessages:
                 else f"which differs from {taken!r} (of {holder!r}) only in capitals"
             )
             help = "give one of the two another name with the key `ros`"
-            self.report(MESSAGE_NAME_TAKEN.at(span, f"{source!r} would become the ROS message {ros!r}, {why}", help))
+            self.report(MessageNameTaken.at(span, f"{source!r} would become the ROS message {ros!r}, {why}", help))
 
     def nested_message(self, field: ProtoField, proto: str) -> str | None:
         """Return the name of the ROS message for the proto message ``proto``, which is the type of a field.
@@ -148,7 +150,7 @@ class RosMessages:
             return False
         cycle = " -> ".join([*self._in_progress[self._in_progress.index(proto) :], proto])
         fault = f"the field {field.name!r} makes a message contain itself, which ROS does not allow: {cycle}"
-        self.report(CANNOT_CONVERT.at(field.span, fault, help))
+        self.report(CannotConvert.at(field.span, fault, help))
         return True
 
     def any_message(self, message: ProtoMessage, field: ProtoField, ros: str, types: tuple[str, ...]) -> str:
@@ -172,7 +174,7 @@ class RosMessages:
             if member.field in [one.name for one in fields] or member.constant == NONE:
                 fault = f"the ROS message {ros!r} cannot have a field {member.field!r} for {type!r}: the name is taken"
                 self.report(
-                    FIELD_NAME_TAKEN.at(
+                    FieldNameTaken.at(
                         field.span,
                         fault,
                         "rename the message in the .proto files of all peers, because an Any contains its name",
@@ -210,7 +212,7 @@ class RosMessages:
         self.claim(settings.ros, enum.full_name, settings.at("ros"))
         if why := ros_names.unusable(settings.field):
             message = f"{settings.field!r} cannot be a field of a ROS message: {why}"
-            self.report(FIELD_NAME_FORBIDDEN.at(settings.at("field"), message, "write another name under `field`"))
+            self.report(FieldNameForbidden.at(settings.at("field"), message, "write another name under `field`"))
         self.messages[settings.ros] = ir.RosMessage(
             settings.ros,
             (ir.RosField(settings.field, ir.RosType(enums.integer_type(enum)), "", enum.full_name),),

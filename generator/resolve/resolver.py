@@ -13,7 +13,7 @@ from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic
 from roverlink.generator.ir import StandardTopic
 from roverlink.generator.lock import Ledger
-from roverlink.generator.protos.proto_rules import EXCLUDED_PROTO
+from roverlink.generator.protos.proto_rules import ExcludedProtoMessage
 from roverlink.generator.protos.protoc import Compilation
 from roverlink.generator.protos.row_hash import row_hash
 from roverlink.generator.protos.schema import Schema
@@ -155,4 +155,6 @@ def _excluded(table: Table, schema: Schema) -> Iterator[Diagnostic]:
         if str(PurePosixPath(path)) in schema.files:
             span = table.proto.at(f"exclude.{path}")
             message = f"the file {path!r} is excluded, but another file that the rows need imports it"
-            yield EXCLUDED_PROTO.at(span, message, "remove the file from `exclude` of `proto`, or remove the import")
+            yield ExcludedProtoMessage.at(
+                span, message, "remove the file from `exclude` of `proto`, or remove the import"
+            )

@@ -11,12 +11,12 @@ from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic, Span, nearest
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.resolve.safety_rules import (
-    MISPLACED,
-    RATE_WITHOUT_SOURCES,
-    SIGN_WITHOUT_SIGNING,
-    SLOWER_THAN_DEADMAN,
-    STOP_VALUE,
-    UNKNOWN_STOP_FIELD,
+    MisplacedGuard,
+    RateSlowerThanDeadman,
+    RateWithoutSources,
+    SignWithoutSigning,
+    StopValue,
+    UnknownStopField,
 )
 from roverlink.generator.table import DeadmanSettings, Row, Table
 
@@ -60,11 +60,11 @@ def check_peers(table: Table) -> Iterator[Diagnostic]:
         if peer.sign and table.signing is None and "signing" not in table.spans:
             message = f"datagrams of the peer {peer.name!r} must be signed, but the table has no `signing`"
             help = "add `signing: {number: N}`; `roverlink number next` prints the number"
-            yield SIGN_WITHOUT_SIGNING.at(peer.at("sign"), message, help)
+            yield SignWithoutSigning.at(peer.at("sign"), message, help)
         if peer.source_rate is not None and not peer.sources:
             message = f"the peer {peer.name!r} has a `source_rate`, but no `sources`"
             help = "list its `sources`; [0.0.0.0/0] allows any address"
-            yield RATE_WITHOUT_SOURCES.at(peer.at("source_rate"), message, help)
+            yield RateWithoutSources.at(peer.at("source_rate"), message, help)
 
 
 def _misplaced(row: Row) -> Iterator[Diagnostic]:
@@ -77,12 +77,12 @@ def _misplaced(row: Row) -> Iterator[Diagnostic]:
         message += "are sent to a peer"
         help = f"write `direction: ros_to_{row.peer}`, or remove {keys}"
         also = [(row.at(key), f"`{key}` is set here") for key in outgoing]
-        yield MISPLACED.at(row.at("direction"), message, help, also)
+        yield MisplacedGuard.at(row.at("direction"), message, help, also)
     if not row.inbound and row.also and row.deadman:
         message = (
             f"{row.name!r} has extra topics under `also`, so `deadman` could stop the peer while one topic is active"
         )
-        yield MISPLACED.at(
+        yield MisplacedGuard.at(
             row.at("deadman"), message, "remove `also` or `deadman`; only one topic should command the peer"
         )
 
@@ -93,7 +93,7 @@ def _too_slow(row: Row) -> Iterator[Diagnostic]:
         silent = f"counts as silent after {row.deadman.after_ms} ms"
         message = f"{row.name!r} has at most {row.max_rate} messages a second, but {silent}"
         also = [(row.deadman.at("after"), "this time is set here")]
-        yield SLOWER_THAN_DEADMAN.at(row.at("max_rate"), message, "raise `max_rate` or `after`", also)
+        yield RateSlowerThanDeadman.at(row.at("max_rate"), message, "raise `max_rate` or `after`", also)
 
 
 def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list[Diagnostic]) -> ir.Deadman:
@@ -106,7 +106,7 @@ def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list
         value, wanted = _value(field, text, schema)
         if value is None:
             message = f"{path!r} of {row.name!r} cannot be {text!r}; it must be {wanted}"
-            findings.append(STOP_VALUE.at(span, message, "write the value that stops the peer"))
+            findings.append(StopValue.at(span, message, "write the value that stops the peer"))
         else:
             values.append((path, value))
     return ir.Deadman(settings.after_ms, settings.repeat_ms, tuple(values))
@@ -123,7 +123,7 @@ def _field(
             return None
         if field.type not in ("message", "group") or field.repeated:
             fault = f"{part!r} in the path {path!r} is not a nested message"
-            findings.append(UNKNOWN_STOP_FIELD.at(span, fault, f"end the path at {part!r}, or correct it"))
+            findings.append(UnknownStopField.at(span, fault, f"end the path at {part!r}, or correct it"))
             return None
         message = schema.messages[field.type_name]
     return _member(message, name, path, span, findings)
@@ -134,7 +134,7 @@ def _member(message: ProtoMessage, name: str, path: str, span: Span, findings: l
     if name not in fields:
         help = nearest(name, fields, f"known fields: {', '.join(fields)}" if fields else "this message has no fields")
         findings.append(
-            UNKNOWN_STOP_FIELD.at(
+            UnknownStopField.at(
                 span, f"the path {path!r} is wrong: the proto message {message.full_name!r} has no field {name!r}", help
             )
         )

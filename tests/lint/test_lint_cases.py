@@ -10,7 +10,7 @@ from golden_histories import golden_histories
 from golden_lint_cases import LintCase, lint_cases
 
 from roverlink.__main__ import main
-from roverlink.generator.lint.rules import modules
+from roverlink.generator.lint.rules import lint_rules
 
 _CASES = lint_cases()
 # A case holds no history: these have their cases in test_past.py, where a test reports each and another does not.
@@ -50,7 +50,7 @@ def test_lint_case(
 def test_every_rule_has_a_case_that_fails_and_one_that_passes() -> None:
     """For each rule of the lint there is a bad and a good case, or a good example that is run."""
     named = {tuple(case.name.split("_")[:2]) for case in _CASES} | {(id, "good") for id in _GOOD_BY_EXAMPLE}
-    ids = modules().keys() - _OF_HISTORY
+    ids = lint_rules().keys() - _OF_HISTORY
     assert sorted(f"{id}_{verdict}" for id in ids for verdict in ("bad", "good") if (id, verdict) not in named) == []
 
 
