@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import inspect
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -14,7 +13,6 @@ from typing import ClassVar
 from roverlink.generator.git import Commit, shortened
 
 _WIDEST = 72  # columns of the text about a use, where nothing else limits it
-_MOST_NEAREST = 3  # names that are suggested for one unknown name
 _LONGEST_AUTHOR = 20  # characters of an author's name, so that the subject has room beside it
 
 
@@ -234,22 +232,3 @@ def in_order(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
 def has_errors(findings: Iterable[Diagnostic]) -> bool:
     """Return True if the severity of at least one diagnostic is error or fatal."""
     return any(finding.severity.rank <= Severity.ERROR.rank for finding in findings)
-
-
-def nearest(word: str, known: Iterable[str], otherwise: str = "") -> str:
-    """Return ``did you mean ...?`` with the most similar known word, or ``otherwise`` if no word is similar."""
-    found = difflib.get_close_matches(word, list(known), 1, 0.6)
-    return f"did you mean {found[0]!r}?" if found else otherwise
-
-
-def nearest_names(name: str, known: Iterable[str]) -> list[str]:
-    """Return up to three known full names whose last parts are the most similar to the last part of ``name``."""
-    by_last_part: dict[str, list[str]] = {}
-    for full_name in sorted(known):
-        by_last_part.setdefault(_last_part(full_name), []).append(full_name)
-    found = difflib.get_close_matches(_last_part(name), by_last_part, _MOST_NEAREST)
-    return [full_name for last_part in found for full_name in by_last_part[last_part]][:_MOST_NEAREST]
-
-
-def _last_part(name: str) -> str:
-    return name.rpartition(".")[2].casefold()

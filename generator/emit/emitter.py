@@ -7,12 +7,13 @@ from importlib.metadata import EntryPoint
 from pathlib import Path, PurePosixPath
 
 from roverlink.generator import ir, lock
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest, shown
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from roverlink.generator.emit import envelope_file, link_file, mapping_json_schema, targets, user_templates
 from roverlink.generator.emit.output_rules import ForbiddenPath, TargetFailed, UnknownTarget
 from roverlink.generator.emit.python_format import format_python
 from roverlink.generator.emit.render import Files, carries_header
 from roverlink.generator.table import Table
+from roverlink.suggestions import nearest
 
 FOLDER = "generated"
 """First folder in the paths that targets return: ``generated/registry.py``. `placed` replaces it by the real folder."""

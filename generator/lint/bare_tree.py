@@ -12,10 +12,11 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest_names
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.lint.input_rules import NoEnvelopeMessage
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSettings, RosSettings, Row, Table
+from roverlink.suggestions import nearest_names
 
 _MOST_NAMED = 3  # messages that are suggested if no name is similar to the one that the user gave
 

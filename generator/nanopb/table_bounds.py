@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from roverlink.generator import ir
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest, shown
+from roverlink.generator.diagnostics import Diagnostic, Span, shown
 from roverlink.generator.nanopb.option_rules import BoundsInTwoPlaces, UnfitBound
 from roverlink.generator.nanopb.options import Values
 from roverlink.generator.nanopb.options_file import OptionsLine, options_file_of
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.table import Bound, Row, Table
+from roverlink.suggestions import nearest
 
 _HAVE_A_LENGTH = ("string", "bytes")
 _SIGNATURE_BYTES = 15  # key id (1), timestamp (6) and MAC (8); runtime/core/signing.py
@@ -94,7 +95,7 @@ def _field(row: Row, path: list[str], schema: Schema) -> tuple[ProtoMessage, Pro
 def _named(message: ProtoMessage, name: str) -> ProtoField:
     fields = {field.name: field for field in message.fields}
     if name not in fields:
-        raise LookupError(f"{message.full_name!r} has no field {name!r}", nearest(name, fields))
+        raise LookupError(f"{message.full_name!r} has no field {name!r}", nearest(name, fields, ""))
     return fields[name]
 
 

@@ -10,7 +10,7 @@ import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TypeVar, cast
 
-from roverlink.generator.diagnostics import Diagnostic, nearest
+from roverlink.generator.diagnostics import Diagnostic
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.resolve import well_known
 from roverlink.generator.resolve.conversion_rules import (
@@ -20,6 +20,7 @@ from roverlink.generator.resolve.conversion_rules import (
     UnknownField,
 )
 from roverlink.generator.table import Row, Table
+from roverlink.suggestions import nearest
 
 T = TypeVar("T")
 

@@ -6,7 +6,6 @@ import dataclasses
 import itertools
 
 from roverlink.generator import ir
-from roverlink.generator.diagnostics import nearest
 from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, commented
 from roverlink.generator.resolve import enums, oneofs, well_known
@@ -20,6 +19,7 @@ from roverlink.generator.resolve.conversion_rules import (
 )
 from roverlink.generator.resolve.row_overrides import Shape
 from roverlink.generator.resolve.types import FieldTypes, MessageMaker
+from roverlink.suggestions import nearest
 
 _HIDING = frozenset({"HasField", "WhichOneof"})
 """Methods of Python's protobuf messages that generated code calls. A field with such a name would hide the method."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from roverlink.generator import ir
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.protos.files import DeclarationIndex
 from roverlink.generator.protos.proto_rules import (
     AmbiguousProtoMessage,
@@ -14,6 +14,7 @@ from roverlink.generator.protos.proto_rules import (
     UnknownProtoMessage,
 )
 from roverlink.generator.table import Table
+from roverlink.suggestions import nearest
 
 
 def locate(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) -> dict[str, str]:

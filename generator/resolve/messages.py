@@ -5,7 +5,7 @@ from __future__ import annotations
 import keyword
 
 from roverlink.generator import ir
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Schema, commented
 from roverlink.generator.resolve import enums
@@ -22,6 +22,7 @@ from roverlink.generator.resolve.fields import MessageBuilder
 from roverlink.generator.resolve.oneofs import NONE, smallest
 from roverlink.generator.resolve.row_overrides import Shape, shapes_of
 from roverlink.generator.table import EnumSettings, Row, Table
+from roverlink.suggestions import nearest
 
 
 class RosMessages:

@@ -8,7 +8,7 @@ import struct
 from collections.abc import Iterator
 
 from roverlink.generator import ir
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.resolve.safety_rules import (
     MisplacedGuard,
@@ -19,6 +19,7 @@ from roverlink.generator.resolve.safety_rules import (
     UnknownStopField,
 )
 from roverlink.generator.table import DeadmanSettings, Row, Table
+from roverlink.suggestions import nearest
 
 Value = bool | int | float | str | bytes
 

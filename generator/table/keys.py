@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, replace
 from ipaddress import IPv6Network, ip_address, ip_network
 from typing import Annotated, ClassVar, Literal, TypeAlias
 
+from roverlink.datagram_size import LARGEST_DATAGRAM
 from roverlink.generator.diagnostics import Span
 from roverlink.generator.ir import LINK_MEMBER, LINK_MESSAGE
 from roverlink.generator.ir.model import End, Qos
@@ -42,8 +43,6 @@ FORMAT_VERSION = 1
 LARGEST_NUMBER = 536_870_911  # 2**29 - 1, protobuf's largest field number
 IMPLEMENTATION_NUMBERS = range(19_000, 20_000)
 """Field numbers that protobuf reserves for its implementation; protoc refuses them."""
-LARGEST_DATAGRAM = 65_507
-"""Largest payload of a UDP datagram over IPv4 in bytes: 65,535 minus the IP header (20) and the UDP header (8)."""
 USUAL_TARGETS = ("python", "ros2", "markdown")
 LEARN = "learn"
 """Host that stands for the source of a peer's last valid datagram."""

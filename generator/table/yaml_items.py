@@ -16,7 +16,7 @@ import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from roverlink.generator import source_files
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.table.parts import Form
 from roverlink.generator.table.reading_rules import (
     BadValue,
@@ -29,6 +29,7 @@ from roverlink.generator.table.reading_rules import (
 )
 from roverlink.generator.table.value_types import AnyOf, ListOf, MapOf, Named, Object, Text, Type
 from roverlink.generator.table.yaml_scalars import ScalarReader, fitting_form
+from roverlink.suggestions import nearest
 
 _LISTS_OF_ROWS = ("`messages`", "`retired`")
 
@@ -130,7 +131,7 @@ class _Reader(ScalarReader):
         for name, key in type.keys.items():
             if key.required and name not in present:
                 misspelt = [
-                    span for other, span in unknown.items() if nearest(other, type.keys) == nearest(name, [name])
+                    span for other, span in unknown.items() if nearest(other, type.keys, "") == nearest(name, [name])
                 ]
                 message, help = f"{subject} lacks the key {name!r}", f"{name}: {key.meaning.text}"
                 self.findings.append(MissingKey.at(span, message, help, rests_on=misspelt))

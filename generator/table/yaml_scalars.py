@@ -15,7 +15,7 @@ from typing import Any
 
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.table.parts import Form
 from roverlink.generator.table.reading_rules import BadValue, SurprisingScalar, WrongType
 from roverlink.generator.table.value_types import (
@@ -30,6 +30,7 @@ from roverlink.generator.table.value_types import (
     Text,
     Type,
 )
+from roverlink.suggestions import nearest
 
 _LONGEST_INTEGER = 20  # digits; int() raises ValueError for more than 4300 digits
 _LONGEST_NUMBER = 40
@@ -193,7 +194,7 @@ class ScalarReader:
     def _checked_text(self, node: ScalarNode, type: Text, subject: str) -> str | None:
         value: str = node.value
         if type.choices and value not in type.choices:
-            help = nearest(value, type.choices)
+            help = nearest(value, type.choices, "")
             message = f"{subject} is {value!r}; it must be one of {', '.join(type.choices)}"
             self.findings.append(BadValue.at(self.span(node), message, help))
             return None

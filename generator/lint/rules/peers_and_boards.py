@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from ipaddress import ip_address
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.node_parameters import node_parameters
 from roverlink.generator.table import LEARN, EndSettings, Row
+from roverlink.suggestions import nearest
 
 
 class UnknownPeer(LintRule, id="TAB103"):

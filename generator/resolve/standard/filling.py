@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir.interfaces import Constant, Expression, InterfaceType, Moment, Path, Rotation, Taken, Unset
 from roverlink.generator.resolve import units
 from roverlink.generator.resolve.standard import standard_rules
@@ -20,6 +20,7 @@ from roverlink.generator.resolve.standard.message_fields import Place, Places
 from roverlink.generator.resolve.standard.payload_fields import Sources
 from roverlink.generator.table import Form
 from roverlink.generator.table.keys import OPTIONS
+from roverlink.suggestions import nearest
 
 _TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 _QUATERNION = "geometry_msgs/msg/Quaternion"

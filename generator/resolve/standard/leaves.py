@@ -11,13 +11,14 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir.interfaces import Case, Chosen, Constant, Interface, Source, Taken
 from roverlink.generator.resolve.standard import numeric_ranges, standard_rules
 from roverlink.generator.resolve.standard.field_options import Options, Scalings
 from roverlink.generator.resolve.standard.message_fields import Place, short
 from roverlink.generator.resolve.standard.payload_fields import Sources
 from roverlink.generator.table import Form
+from roverlink.suggestions import nearest
 
 
 class Leaves:

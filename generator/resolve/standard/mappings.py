@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import StandardTopic
 from roverlink.generator.ir.interfaces import Constant, Interface, Moment
 from roverlink.generator.protos.schema import Schema
@@ -16,6 +16,7 @@ from roverlink.generator.resolve.standard.message_fields import Places, short
 from roverlink.generator.resolve.standard.payload_fields import Sources
 from roverlink.generator.resolve.standard.unset import Tree
 from roverlink.generator.table import Row, StandardTopicSettings, Table
+from roverlink.suggestions import nearest
 
 _HEADER = "std_msgs/msg/Header"
 
@@ -180,7 +181,7 @@ class StandardTopics:
         for path in settings.ignore:
             if not sources.leads_somewhere(path):
                 span = settings.spans.get(f"ignore.{path}", settings.span)
-                help = nearest(path, sources.paths())
+                help = nearest(path, sources.paths(), "")
                 self._report(
                     standard_rules.UnknownSourceField.at(
                         span, f"the proto message {sources.proto!r} has no field {path!r}", help

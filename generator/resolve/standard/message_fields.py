@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir.interfaces import Interface, InterfaceType, Path
 from roverlink.generator.resolve.interfaces import meanings
 from roverlink.generator.resolve.standard.standard_rules import UnknownTargetField
+from roverlink.suggestions import nearest
 
 
 @dataclass(frozen=True, slots=True)
