@@ -50,7 +50,7 @@ def accept(
     # Writing a ledger that was read only in part would lose the rest of it.
     if damaged := [finding for finding in found.findings if finding.rule in LEDGER_RULES]:
         raise DiagnosticsError(damaged)
-    shown = {(one.type, one.number) for one in found.findings if one.rule.id in _HISTORY_RULES}
+    shown = {(finding.type, finding.number) for finding in found.findings if finding.rule.id in _HISTORY_RULES}
     reported = {(type.name, number) for type, number, _ in _reuses(context) if (type.name, number) in shown}
     chosen = _chosen(context, past, wanted, reported) if wanted else reported
     published = context.ledger.with_burned(_burned(context, past, chosen, reason))
@@ -70,9 +70,9 @@ def _chosen(context: Context, past: Past, wanted: Iterable[Number], reported: It
         message = "a number without a message is a number of the envelope, and the envelope is not named"
         help = "name the envelope with --message, or write the message before the number: --accept rover.ImuInfo:3"
         raise DiagnosticsError([NoFindingToAccept.at(Span("--accept"), message, help)])
-    known = {*reported, *((one.owner, one.number) for one in context.ledger.burned)}
+    known = {*reported, *((entry.owner, entry.number) for entry in context.ledger.burned)}
     if missing := sorted(chosen - known):
-        ready = ", ".join(number_to_accept(context, *one) for one in sorted(reported))
+        ready = ", ".join(number_to_accept(context, *number) for number in sorted(reported))
         help = f"--accept takes the reported numbers: {ready}" if ready else "leave out --accept: nothing is reported"
         if past.history.shallow:
             help = f"this is a shallow clone, which lacks earlier commits: get them with {DEEPEN}; {help}"
@@ -103,7 +103,7 @@ def _reuses(context: Context) -> Iterator[tuple[TracedType, int, list[Reuse]]]:
     for type, number, reuses in reuses_by_number(context, frozenset(Kind) - {Kind.RENAMED}):
         # What a branch does with the number is not accepted together with the past, but only if it is all that is
         # reported.
-        here = [reuse for reuse in reuses if not reuse.elsewhere] or [one for one in reuses if not one.unmerged]
+        here = [reuse for reuse in reuses if not reuse.elsewhere] or [reuse for reuse in reuses if not reuse.unmerged]
         if here:
             yield type, number, here
 
@@ -120,7 +120,11 @@ def _not_compiled(found: Linted, chosen: Iterable[Number]) -> Iterable[Diagnosti
     """Yield the errors of protoc if they hide what a chosen number means today."""
     context = found.context
     compiled = {*context.schema.messages, *context.schema.enums} if context.schema else set()
-    declared = {one.full_name for file in context.files.values() for one in file.messages}
-    declared |= {one.full_name for file in context.files.values() for one in file.enums}
+    declared = {message.full_name for file in context.files.values() for message in file.messages}
+    declared |= {enum.full_name for file in context.files.values() for enum in file.enums}
     if any(owner in declared - compiled for owner, _ in chosen):
-        yield from (one for one in found.findings if one.rule is ProtoDoesNotCompile and one.severity is Severity.ERROR)
+        yield from (
+            finding
+            for finding in found.findings
+            if finding.rule is ProtoDoesNotCompile and finding.severity is Severity.ERROR
+        )

@@ -220,8 +220,10 @@ def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     findings = list(findings)
     # A mistake at one place often makes another place look wrong. Only the first is worth the user's time: with it, the
     # others go away, or show what they really are.
-    wrong = {one.span for one in findings if one.severity.rank <= Severity.ERROR.rank and not one.rests_on}
-    return [one for one in findings if wrong.isdisjoint(one.rests_on)]
+    wrong = {
+        finding.span for finding in findings if finding.severity.rank <= Severity.ERROR.rank and not finding.rests_on
+    }
+    return [finding for finding in findings if wrong.isdisjoint(finding.rests_on)]
 
 
 def in_order(findings: Iterable[Diagnostic]) -> list[Diagnostic]:

@@ -146,7 +146,7 @@ def _compiled(
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
         given = table_bounds(table, compilation.schema, project / table.proto.root, findings)
-        bounds = [one.bound for one in given]
+        bounds = [bound_of_table.bound for bound_of_table in given]
         sizes = row_sizes(table, compilation.schema, bounds)
         bridge = resolve(table, compilation, envelope, bounds, sizes, findings)
     if has_errors(findings) or bridge is None:
@@ -240,7 +240,10 @@ def _unambiguous(envelope: ir.Envelope) -> ir.Envelope:
         and _is_new(ros_names.distinct(member.name), classes)
     ]
     signature = envelope.signature
-    if signature in {*numbers, *IMPLEMENTATION_NUMBERS} or "signature" in {*names, *(one.name for one in members)}:
+    if signature in {*numbers, *IMPLEMENTATION_NUMBERS} or "signature" in {
+        *names,
+        *(member.name for member in members),
+    }:
         signature = None
     return dataclasses.replace(envelope, members=tuple(members), retired=tuple(retired), signature=signature)
 

@@ -67,7 +67,7 @@ def _declarations(schema: Schema) -> Mapping[Span, tuple[str, ProtoField | None]
     for message in schema.messages.values():
         found[message.span] = message.full_name, None
         found |= {field.span: (message.full_name, field) for field in message.fields}
-    return {span: one for span, one in found.items() if span.line}
+    return {span: setting for span, setting in found.items() if span.line}
 
 
 def _fit(rows: list[DraftRow], type: str, field: ProtoField | None, finding: Diagnostic, schema: Schema) -> None:
@@ -85,12 +85,12 @@ def _fit(rows: list[DraftRow], type: str, field: ProtoField | None, finding: Dia
             else:
                 row.ignore[field.name] = finding.message
         elif type not in payloads:
-            inside = (one.name for one in own if type in _inside(one.type_name, schema, payloads))
+            inside = (field.name for field in own if type in _inside(field.type_name, schema, payloads))
             row.ignore.update((name, finding.message) for name in inside if name not in row.ignore)
 
 
 def _free_name(field: ProtoField, fields: Collection[ProtoField]) -> str:
-    taken = {ros_names.field_name(one.name) for one in fields}
+    taken = {ros_names.field_name(field.name) for field in fields}
     name = f"{ros_names.field_name(field.name)}_field"
     return name if name not in taken else f"field_{field.number}"
 

@@ -26,8 +26,10 @@ def lower(draft: Draft, findings: Iterable[Diagnostic], schema: Schema) -> None:
     """
     grave = [finding for finding in findings if finding.severity.rank <= Severity.WARNING.rank]
     may_count_less = lint_rules().keys() - _MUST_HOLD
-    ids = sorted((finding for finding in grave if finding.rule.id in may_count_less), key=lambda one: one.rule.id)
-    for rule, found in groupby(ids, key=lambda one: one.rule.id):
+    ids = sorted(
+        (finding for finding in grave if finding.rule.id in may_count_less), key=lambda finding: finding.rule.id
+    )
+    for rule, found in groupby(ids, key=lambda finding: finding.rule.id):
         listed = list(found)
         about = [_rows_about(finding, draft, schema) for finding in listed]
         rows = {row.number: row for of_one in about for row in of_one}

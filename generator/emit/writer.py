@@ -154,7 +154,7 @@ def _generated(project: Path, top: str, suffix: str) -> Iterable[str]:
     left out.
     """
     for folder, folders_in, names in os.walk(project / top):
-        folders_in[:] = [one for one in folders_in if not _is_other_project(Path(folder, one))]
+        folders_in[:] = [folder_name for folder_name in folders_in if not _is_other_project(Path(folder, folder_name))]
         for path in (Path(folder, name) for name in names if name.endswith(suffix) and not name.endswith(".pyc")):
             if not path.is_symlink() and path.is_file() and _is_ours(path):
                 yield path.relative_to(project).as_posix()

@@ -114,7 +114,9 @@ def _no_envelope(
     name, file = settings.message, settings.file
     in_file = [message for message in schema.messages.values() if message.span.file == file]
     likely = _with_oneofs(in_file or schema.messages.values())
-    similar = sorted(nearest_names(name, {*schema.messages, *past}), key=lambda one: one not in likely)
+    similar = sorted(
+        nearest_names(name, {*schema.messages, *past}), key=lambda similar_name: similar_name not in likely
+    )
     known = _named(name, schema.messages) or similar or likely[:_MOST_NAMED]
     help = f"use --message {' or --message '.join(known)}" if known else "use --message with the name of the envelope"
     if elsewhere is not None and elsewhere.file in schema.uncompiled:
@@ -132,7 +134,7 @@ def _no_envelope(
 
 def _with_oneofs(messages: Iterable[ProtoMessage]) -> list[str]:
     """Return the full names of the messages with a oneof, those with the most members in oneofs first."""
-    members = Counter({one.full_name: sum(bool(field.oneof) for field in one.fields) for one in messages})
+    members = Counter({message.full_name: sum(bool(field.oneof) for field in message.fields) for message in messages})
     return [name for name, count in members.most_common() if count]
 
 

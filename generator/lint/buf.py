@@ -106,7 +106,7 @@ def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]
     except (ValueError, LookupError, TypeError) as error:
         raise _failure(f"its output is not a list of findings: {_first_line(said)}") from error
     entries = {name for name, message in before.messages.items() if message.map_entry}
-    return [one for one in found if one.rule.id != "MESSAGE_NO_DELETE" or one.type not in entries]
+    return [finding for finding in found if finding.rule.id != "MESSAGE_NO_DELETE" or finding.type not in entries]
 
 
 def _run(before: Schema, after: Schema) -> str:
@@ -184,9 +184,13 @@ def _full_name(message: str, path: str, span: Span, before: Schema, after: Schem
         types: dict[str, ProtoMessage | ProtoEnum] = {**schema.messages, **schema.enums}
         if name[1] in types:
             return name[1]
-        found = [one for one in types.values() if one.file == path and one.full_name.endswith(f".{name[1]}")]
+        found = [
+            declared
+            for declared in types.values()
+            if declared.file == path and declared.full_name.endswith(f".{name[1]}")
+        ]
         if found:
-            return max(found, key=lambda one: (one.span <= span, one.span)).full_name
+            return max(found, key=lambda declared: (declared.span <= span, declared.span)).full_name
     return ""
 
 
@@ -195,10 +199,10 @@ def unstated(theirs: Iterable[Diagnostic], ours: Iterable[Diagnostic]) -> Iterat
 
     Two diagnostics are about the same fault if they have the same message or enum and the same number.
     """
-    told = {(one.type, one.number) for one in ours if one.rule.id.startswith(_OURS)}
-    for one in theirs:
+    told = {(finding.type, finding.number) for finding in ours if finding.rule.id.startswith(_OURS)}
+    for finding in theirs:
         of_range = (
-            one.rule.id.startswith("RESERVED_") and (one.type, None) in told
+            finding.rule.id.startswith("RESERVED_") and (finding.type, None) in told
         )  # our diagnostic may cover several ranges
-        if one.number is None or not (of_range or (one.type, one.number) in told):
-            yield one
+        if finding.number is None or not (of_range or (finding.type, finding.number) in told):
+            yield finding

@@ -35,11 +35,13 @@ def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator
     for the same number are dropped. ``envelope`` is the full name of the envelope's message.
     """
     found = list(found)
-    payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
+    payloads = {
+        finding.number for finding in found if finding.type == envelope and finding.rule.id.startswith(_OF_THE_ENVELOPE)
+    }
     told = {*payloads, None} if payloads else payloads  # None stands for a range of reserved numbers
-    for one in found:
-        if one.type != envelope or one.number not in told or not one.rule.id.startswith(_OF_CHANGES):
-            yield one
+    for finding in found:
+        if finding.type != envelope or finding.number not in told or not finding.rule.id.startswith(_OF_CHANGES):
+            yield finding
 
 
 def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | None:
@@ -53,7 +55,7 @@ def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | No
     for lowered in _lowerings(finding, context):
         if lowered.severity == "off":
             return None
-        severity = max([severity, Severity(lowered.severity)], key=lambda one: one.rank)
+        severity = max([severity, Severity(lowered.severity)], key=lambda level: level.rank)
     return dataclasses.replace(finding, severity=severity)
 
 

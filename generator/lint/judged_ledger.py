@@ -37,19 +37,21 @@ def reused_fields(rule: type[Rule], context: Context, meanings: Set[Meaning]) ->
             continue
         messages, offered = MessagePair(change, before, after), set[int]()
         for field in after.fields:
-            known = [one for one in context.ledger.fields(name) if one.number == field.number]
-            known = [one for one in known if not is_accepted(context, name, one, field)]
-            pairs = [FieldPair(change, name, one, field, messages, (before.file, after.file)) for one in known]
+            known = [past for past in context.ledger.fields(name) if past.number == field.number]
+            known = [past for past in known if not is_accepted(context, name, past, field)]
+            pairs = [FieldPair(change, name, past, field, messages, (before.file, after.file)) for past in known]
             judged = [(pair, judge_pair(pair)) for pair in pairs]
-            if reused := [(pair, one) for pair, one in _reused(judged) if pair.old in gone]:
+            if reused := [(pair, judgement) for pair, judgement in _reused(judged) if pair.old in gone]:
                 free = next_field_number(context, name, offered)
                 offered |= {free} if free else set()
-                yield from (_field(rule, pair, one, free) for pair, one in reused if one.meaning in meanings)
+                yield from (
+                    _field(rule, pair, judgement, free) for pair, judgement in reused if judgement.meaning in meanings
+                )
 
 
 def _reused(judged: list[tuple[_T, Judgement]]) -> list[tuple[_T, Judgement]]:
     """Return the judged declarations of a number; an empty list if the number has kept the meaning of one of them."""
-    return [] if any(one.meaning in _KEPT for _, one in judged) else judged
+    return [] if any(judgement.meaning in _KEPT for _, judgement in judged) else judged
 
 
 def _field(rule: type[Rule], pair: FieldPair, judged: Judgement, free: int | None) -> Diagnostic:
@@ -88,14 +90,16 @@ def reused_values(rule: type[Rule], context: Context, meanings: Set[Meaning]) ->
             continue
         pair, offered = EnumPair(change, before, after), set[int]()
         for number, values in values_by_number(after).items():
-            known = [one for one in context.ledger.values(name) if one.number == number]
-            known = [one for one in known if not is_accepted(context, name, one, *values)]
-            judged = [(one, _judge(pair, one, values)) for one in known]
-            if reused := [(old, one) for old, one in _reused(judged) if old in gone]:
+            known = [past for past in context.ledger.values(name) if past.number == number]
+            known = [past for past in known if not is_accepted(context, name, past, *values)]
+            judged = [(past, _judge(pair, past, values)) for past in known]
+            if reused := [(old, judgement) for old, judgement in _reused(judged) if old in gone]:
                 free = next_enum_number(context, name, offered)
                 offered |= {free} if free else set()
                 yield from (
-                    _value(rule, pair, values, old, one, free) for old, one in reused if one.meaning in meanings
+                    _value(rule, pair, values, old, judgement, free)
+                    for old, judgement in reused
+                    if judgement.meaning in meanings
                 )
 
 

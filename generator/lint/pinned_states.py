@@ -53,7 +53,7 @@ class ProtoState:
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the checkout and of the consumers that have this state."""
-        return (*filter(None, [self.checkout]), *dict.fromkeys(one.name for one in self.consumers))
+        return (*filter(None, [self.checkout]), *dict.fromkeys(consumer.name for consumer in self.consumers))
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,14 +80,14 @@ class PinnedStates:
 def compare_states(states: Sequence[ProtoState]) -> PinnedStates:
     """Join equal states, and compare each with each other; the states are sorted, the oldest first."""
     joined: dict[Hashable, ProtoState] = {}
-    for one in states:
-        key = _on_the_wire(one)
+    for state in states:
+        key = _on_the_wire(state)
         known = joined.get(key)
         if known:
             # A file of the checkout can be edited, so diagnostics show its places.
-            shown = one if one.checkout else known
-            one = dataclasses.replace(shown, consumers=(*known.consumers, *one.consumers))
-        joined[key] = one
+            shown = state if state.checkout else known
+            state = dataclasses.replace(shown, consumers=(*known.consumers, *state.consumers))
+        joined[key] = state
     found = tuple(joined.values())
     return PinnedStates(
         found,
@@ -105,7 +105,9 @@ def _on_the_wire(state: ProtoState) -> Hashable:
     schema = state.schema
     messages, enums = schema.reachable(state.envelope)
     fields = [(name, field) for name in messages for field in schema.messages[name].fields]
-    fields += [(one.extendee, one.field) for one in schema.extensions if one.extendee in messages]
+    fields += [
+        (extension.extendee, extension.field) for extension in schema.extensions if extension.extendee in messages
+    ]
     return (
         state.envelope,
         frozenset((name, field.fact, *sorted(field.facets.items())) for name, field in fields),
@@ -179,8 +181,8 @@ class StateReader:
             files = [file for file in proto_files(folder, shown_root, unread) if file not in self._exclude]
             schema, _ = compile_tree(folder, files, shown_root)
             texts = {file: read_proto(folder, file, shown_root, unread) for file in schema.uncompiled}
-        for one in unread:
-            why = f"has a file that cannot be read, {one.span.file!r}: {one.message}"
+        for finding in unread:
+            why = f"has a file that cannot be read, {finding.span.file!r}: {finding.message}"
             raise LookupError(why)  # the repository's fault, not a caller's
         return with_uncompiled(schema, {file: declarations(text or "") for file, text in texts.items()}, shown_root)
 

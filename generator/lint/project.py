@@ -107,9 +107,9 @@ class Linted:
         concerned = {root or ".", *(shown(root, path) for path in files)}
         partly = (LimitedHistory, PastNotFollowed, ProtoDoesNotCompile)
         return [
-            one
-            for one in self.findings
-            if one.severity is Severity.FATAL or (one.rule in partly and one.span.file in concerned)
+            finding
+            for finding in self.findings
+            if finding.severity is Severity.FATAL or (finding.rule in partly and finding.span.file in concerned)
         ]
 
 
@@ -284,7 +284,7 @@ def _past(root: Path, shown_root: str, question: Question, findings: list[Diagno
                 "some earlier versions of this file are binary, too large, or missing, and were not checked",
             )
         )
-    for commit, lost in groupby(history.lost, key=lambda one: one.commit):
+    for commit, lost in groupby(history.lost, key=lambda loss: loss.commit):
         first, *others = lost
         and_others = f", nor that of {len(others)} other files" if others else ""
         why = (
@@ -317,7 +317,7 @@ def _pinned(
     except GitError:
         head = ""  # the branch has no commit yet; then the checkout is the newest state
     order = [*repository.in_order(filter(None, [head, *(commit for commit, _ in known)])), ""]
-    known = sorted([*known, (head, today)], key=lambda one: order.index(one[0]))
+    known = sorted([*known, (head, today)], key=lambda state: order.index(state[0]))
     return compare_states([state for _, state in known if state.envelope])
 
 

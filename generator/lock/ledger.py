@@ -114,10 +114,10 @@ class Ledger:
 
     def with_burned(self, added: Iterable[Burned]) -> Ledger:
         """Return the ledger with more burned numbers. A number that was burned before keeps its meanings."""
-        burned = {(one.owner, one.number): one for one in self.burned}
-        for one in added:
-            burned[one.owner, one.number] = one.joined(burned.get((one.owner, one.number)))
-        return replace(self, burned=tuple(one for _, one in sorted(burned.items())))
+        burned = {(entry.owner, entry.number): entry for entry in self.burned}
+        for number in added:
+            burned[number.owner, number.number] = number.joined(burned.get((number.owner, number.number)))
+        return replace(self, burned=tuple(entry for _, entry in sorted(burned.items())))
 
     def must_not_be(self, owner: str, number: int, use: PastUse) -> Burned | None:
         """Return the burned number that forbids ``use``, a meaning that a number has today; None if it is allowed.

@@ -145,11 +145,11 @@ class _FileReader:
         inside = self._decoded("Message", message.options, message.span)
         options = self._in_force(self._of_file, name, inside, message.span)
         # nanopb applies the options inside a message to its oneofs too. They override a line for a oneof.
-        oneofs = {one: self._in_force(options, f"{name}.{one}", inside, message.span) for one in message.oneofs}
+        oneofs = {oneof: self._in_force(options, f"{name}.{oneof}", inside, message.span) for oneof in message.oneofs}
         for part in _further_parts(message):
             self._in_force(options, f"{name}.{part}", inside, message.span)
-        separate = frozenset(one for one, of_one in oneofs.items() if _value(of_one, "no_unions"))
-        ignored = {one for one, of_one in oneofs.items() if _value(of_one, "type") == "FT_IGNORE"} - separate
+        separate = frozenset(oneof for oneof, of_one in oneofs.items() if _value(of_one, "no_unions"))
+        ignored = {oneof for oneof, of_one in oneofs.items() if _value(of_one, "type") == "FT_IGNORE"} - separate
         skipped = _value(options, "skip_message") or (inside.deprecated and _value(options, "discard_deprecated"))
         messages[message.full_name] = MessageBounds(bool(skipped), separate)
         for field in message.fields:

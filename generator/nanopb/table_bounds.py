@@ -104,13 +104,13 @@ def _report_files(bounds: list[TableBound], root: Path, shown_root: str, finding
 
     nanopb reads only one .options file for each .proto file.
     """
-    for one in bounds:
-        beside = options_file_of(one.bound.file)
+    for bound in bounds:
+        beside = options_file_of(bound.bound.file)
         if (root / beside).is_file():
-            field = f"'{one.bound.message}.{one.bound.field}'"
+            field = f"'{bound.bound.message}.{bound.bound.field}'"
             message = f"{field} has a bound in the table, but {shown(shown_root, beside)} exists"
             help = "nanopb reads one .options file for a .proto file: write all bounds in one of the two places"
-            findings.append(BoundsInTwoPlaces.at(one.span, message, help))
+            findings.append(BoundsInTwoPlaces.at(bound.span, message, help))
 
 
 def as_options(bound: ir.FieldBound) -> Values:
@@ -122,7 +122,9 @@ def as_options(bound: ir.FieldBound) -> Values:
 def as_lines(bounds: list[TableBound]) -> Mapping[str, list[OptionsLine]]:
     """Return the size limits as lines of .options files, by the path of the .proto file that declares the field."""
     lines: dict[str, list[OptionsLine]] = {}
-    for one in bounds:
-        name = f"{one.bound.message}.{one.bound.field}"
-        lines.setdefault(one.bound.file, []).append(OptionsLine(name, name.__eq__, as_options(one.bound), one.span))
+    for bound in bounds:
+        name = f"{bound.bound.message}.{bound.bound.field}"
+        lines.setdefault(bound.bound.file, []).append(
+            OptionsLine(name, name.__eq__, as_options(bound.bound), bound.span)
+        )
     return lines

@@ -104,7 +104,7 @@ class _FileReader:
                 self._field(field, message, (*path, _MESSAGE_FIELD, index), features, place)
                 for index, field in enumerate(message.field)
             ),
-            oneofs=tuple(one.name for index, one in enumerate(message.oneof_decl) if index in real_oneofs),
+            oneofs=tuple(oneof.name for index, oneof in enumerate(message.oneof_decl) if index in real_oneofs),
             map_entry=message.options.map_entry,
             # Ranges of messages exclude their end, those of enums include it (descriptor.proto).
             extension_ranges=tuple((range.start, range.end - 1) for range in message.extension_range),

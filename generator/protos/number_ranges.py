@@ -37,7 +37,7 @@ def missing(wanted: Range, ranges: Iterable[Range]) -> Iterator[Range]:
 
 def spelled(ranges: Iterable[Range]) -> str:
     """Return ranges as a ``reserved`` statement of a .proto file writes them: ``4, 8 to max``."""
-    return ", ".join(_spelled(*one) for one in ranges)
+    return ", ".join(_spelled(*numbers) for numbers in ranges)
 
 
 def _spelled(first: int, last: int) -> str:

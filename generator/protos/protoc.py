@@ -105,7 +105,11 @@ def _stage(root: Path, files: Iterable[str], overlay: Mapping[str, str], staged:
         except OSError:
             continue  # protoc reports that the file does not exist
         copied.append(name)
-        new = [one for one in declarations(data.decode("utf-8", errors="replace")).imported if one not in known]
+        new = [
+            imported
+            for imported in declarations(data.decode("utf-8", errors="replace")).imported
+            if imported not in known
+        ]
         known.update(new)
         waiting += dict.fromkeys(new)
     return copied

@@ -94,7 +94,7 @@ class FieldSettings:
             message = self._held(message, part)
         field = _field_of(message, name)
         if message is None or field is None:
-            known = [] if message is None else [one.name for one in message.fields]
+            known = [] if message is None else [field.name for field in message.fields]
             fault = f"the proto message {row.proto!r} has no field {path!r}"
             help = nearest(
                 name, known, f"known fields: {', '.join(known)}" if known else f"remove {path!r} from `{group}`"

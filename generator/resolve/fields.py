@@ -172,7 +172,9 @@ class MessageBuilder:
         if full_path not in self._which:
             dotted = ".".join(full_path)
             self._paths_seen.add(dotted)
-            members = [one for one in message.fields if one.oneof == field.oneof and self._placed(one, path)]
+            members = [
+                member for member in message.fields if member.oneof == field.oneof and self._placed(member, path)
+            ]
             ros, constants, choices = oneofs.discriminator(
                 message, field.oneof, members, self._shape.fields.get(dotted)
             )

@@ -172,7 +172,7 @@ class RosMessages:
             held = self._conversion(self.schema.messages[type]).ros
             last = ros_names.snake_case(type.rpartition(".")[2])
             member = ir.AnyMember(type, held, ros_names.field_name(last), ros_names.constant_name(last))
-            if member.field in [one.name for one in fields] or member.constant == NONE:
+            if member.field in [field.name for field in fields] or member.constant == NONE:
                 fault = f"the ROS message {ros!r} cannot have a field {member.field!r} for {type!r}: the name is taken"
                 self.report(
                     FieldNameTaken.at(

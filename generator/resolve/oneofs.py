@@ -32,7 +32,7 @@ def discriminator(
         source,
     )
     choices = tuple(ir.Choice(member.name, f"{prefix}_{ros_names.constant_name(member.name)}") for member in members)
-    numbers = [(f"{prefix}_{NONE}", 0), *((choice.constant, one.number) for choice, one in zip(choices, members))]
+    numbers = [(f"{prefix}_{NONE}", 0), *((choice.constant, member.number) for choice, member in zip(choices, members))]
     return ros, [ir.RosConstant(constant, type, number, "", source) for constant, number in numbers], choices
 
 

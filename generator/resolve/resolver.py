@@ -46,8 +46,8 @@ def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) 
             ir.Retired(row.number, row.name, row.proto) for row in sorted(table.retired, key=lambda row: row.number)
         ),
         burned=tuple(
-            ir.Burned(number, tuple(dict.fromkeys(use.type for use in one.uses)), one.reason)
-            for number, one in sorted(burned.items())
+            ir.Burned(number, tuple(dict.fromkeys(use.type for use in entry.uses)), entry.reason)
+            for number, entry in sorted(burned.items())
             if number not in table.numbers
         ),
         signature=table.signing.number if table.signing else None,

@@ -160,7 +160,7 @@ class FieldTypes:
         if not message.map_entry:
             return message, field
         holder = self._schema.messages[message.full_name.rpartition(".")[0]]
-        return holder, next(one for one in holder.fields if one.type_name == message.full_name)
+        return holder, next(field for field in holder.fields if field.type_name == message.full_name)
 
     def _map(
         self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], name: str

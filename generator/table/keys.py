@@ -316,7 +316,7 @@ class EndSettings(Part):
         """Hosts to which datagrams are sent, such as names or IP addresses; empty if the table names none."""
         if self.host is None:
             return ()
-        return tuple(str(one.value) for one in (self.host.items if self.host.items is not None else (self.host,)))
+        return tuple(str(host.value) for host in (self.host.items if self.host.items is not None else (self.host,)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

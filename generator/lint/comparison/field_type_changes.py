@@ -107,7 +107,7 @@ class _Comparison:
         There is one check for each old field: it fails if the new message lacks the field's number, or has another type
         there that reads the bytes differently. The last check fails if a new field is required.
         """
-        fields = {one.number: one for one in after.fields}
+        fields = {field.number: field for field in after.fields}
         for old in before.fields:
             new = fields.pop(old.number, None)
             # Unlike in the field's own message, a deleted field counts as broken here: it shows that the two types are

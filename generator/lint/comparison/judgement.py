@@ -159,12 +159,12 @@ def _had_another_number(new: Part) -> Judgement:
 
 def least(judgements: Iterable[Judgement]) -> Judgement:
     """Return the least grave of some judgements."""
-    return min(judgements, key=lambda one: _GRAVITY.index(one.meaning))
+    return min(judgements, key=lambda judgement: _GRAVITY.index(judgement.meaning))
 
 
 def gravest(judgements: Iterable[Judgement]) -> Judgement:
     """Return the gravest of some judgements."""
-    return max(judgements, key=lambda one: _GRAVITY.index(one.meaning))
+    return max(judgements, key=lambda judgement: _GRAVITY.index(judgement.meaning))
 
 
 def _judge_alone(old: Part, new: Part, shared: frozenset[str] = frozenset()) -> Judgement:
@@ -190,7 +190,7 @@ def _broken(old: str, new: str) -> bool:
     old_map, new_map = map_types(old), map_types(new)
     if old_map and new_map:
         inner = zip(old_map, new_map, strict=True)
-        return any(_broken(*(one if one in SCALARS else NAMED for one in pair)) for pair in inner)
+        return any(_broken(*(type if type in SCALARS else NAMED for type in pair)) for pair in inner)
     old, new = "message" if old_map else old, "message" if new_map else new
     if NAMED in (old, new):
         return not {old, new} <= _OF_NAMED
@@ -252,7 +252,7 @@ def compare_parts(old: TypeState, new: TypeState) -> Kept:
     kept = telling = retyped = replaced = 0
     for part in old.parts:
         found = [(_judge_alone(part, other, shared), other) for other in after.get(part.number, ())]
-        if any(not one.certain for one, _ in found):
+        if any(not judgement.certain for judgement, _ in found):
             kept += 1
             telling += is_telling(part.name, shared)
         elif any(other.name == part.name for _, other in found):

@@ -16,7 +16,7 @@ def misplaced_fields(pair: MessagePair) -> Iterator[ProtoField]:
     """Yield the new fields whose number belonged to another field before, or was reserved before."""
     # A number that was reserved once had another meaning, which only old boards still know.
     freed = [part for was in pair.old.reserved for part in missing(was, pair.new.reserved)]
-    pairs = {one.new.number: one for one in fields_of_messages(pair)}
+    pairs = {field_pair.new.number: field_pair for field_pair in fields_of_messages(pair)}
     for field in sorted(pair.new.fields, key=lambda field: field.number):
         one = pairs.get(field.number)
         of_another = one is not None and (_is_another(one) or any(map(_is_another, _inside_of_map(one))))

@@ -118,8 +118,14 @@ def _encoded(known: Mapping[str, NumberedTypes]) -> bytes:
         for blob, declared in known.items()
     ]
     listed = [
-        [[facts.setdefault(fact, len(facts)) for fact in one.facts], one.offsets, one.line, one.broken, one.enum]
-        for one in types
+        [
+            [facts.setdefault(fact, len(facts)) for fact in declared.facts],
+            declared.offsets,
+            declared.line,
+            declared.broken,
+            declared.enum,
+        ]
+        for declared in types
     ]
     return b"\n".join([_json(list(facts)), *map(_json, [len(listed), *listed]), *blobs])
 

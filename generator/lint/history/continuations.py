@@ -251,10 +251,10 @@ def _agree(fact: Fact, name: str, other: Fact, other_name: str) -> bool:
 def _sum(agreements: Iterable[_Agreement]) -> _Agreement:
     all = list(agreements)
     return _Agreement(
-        sum(one.agreed for one in all),
-        sum(one.weight for one in all),
-        sum(one.smaller for one in all),
-        sum(one.larger for one in all),
+        sum(agreement.agreed for agreement in all),
+        sum(agreement.weight for agreement in all),
+        sum(agreement.smaller for agreement in all),
+        sum(agreement.larger for agreement in all),
     )
 
 

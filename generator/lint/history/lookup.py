@@ -176,9 +176,9 @@ class Record:
             id = waiting.pop()
             if id not in found:
                 found.add(id)
-                types = {fact.type for one in self.declared(id, node).values() for fact in one.facts}
+                types = {fact.type for type in self.declared(id, node).values() for fact in type.facts}
                 types |= {values for _, values in filter(None, map(map_types, types))}
-                waiting += [one for one in (self.resolve(type, id, node) for type in types) if one is not None]
+                waiting += [found for found in (self.resolve(type, id, node) for type in types) if found is not None]
         return found
 
     # --- facts ------------------------------------------------------------------------------------------------------

@@ -142,7 +142,7 @@ def _judged(context: Context, row: Numbered, entry: Entry, finding: Diagnostic) 
     if context.ledger.settles(context.table.envelope.message, row.number, old, new):
         return
     judged = (judge_payload(change, entry.proto, row.proto, entry.name, row.name) for change in context.changes)
-    found = least([one for one in judged if one] or [Judgement(Meaning.OTHER)])
+    found = least([judgement for judgement in judged if judgement] or [Judgement(Meaning.OTHER)])
     if found.certain:
         yield finding
     elif found.meaning is not Meaning.RENAMED:

@@ -61,7 +61,7 @@ class NameTaken(LintRule, id="TAB101"):
                 )
         seen: dict[str, Numbered] = {}
         # The link message and the signature come first, because nobody can choose another name for them.
-        for row in sorted(table.numbered, key=lambda one: isinstance(one, Row)):
+        for row in sorted(table.numbered, key=lambda row: isinstance(row, Row)):
             earlier = seen.setdefault(distinct(row.name), row)
             if earlier is not row:
                 message = f"the name {row.name!r} is already taken by field {earlier.number} ({earlier.proto})"

@@ -254,7 +254,7 @@ class BoardUndecided(LintRule, id="TAB115"):
         peers = table.peers_by_name()
         for row in table.rows:
             peer, board = peers.get(row.peer), table.board_of(row)
-            boards = [one.name for one in peer.boards] if peer else []
+            boards = [board.name for board in peer.boards] if peer else []
             # A board that the row names, and that does not exist, is reported by unknown-board.
             if (
                 row.inbound

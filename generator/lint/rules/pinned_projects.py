@@ -69,10 +69,10 @@ def _grouped(pinned: PinnedStates) -> Iterator[tuple[Misreading, _Side, _Side]]:
     """Yield each pair of declarations that are misread, with all states that have the one or the other."""
     groups: dict[tuple[str, int | None, str, str], tuple[Misreading, _Side, _Side]] = {}
     for indices, found in pinned.misreadings.items():
-        for one in found:
-            key = one.owner, one.number, one.old.text, one.new.text
-            group = groups.setdefault(key, (one, _Side(one.old.text), _Side(one.new.text)))
-            for side, index, span in zip(group[1:], indices, (one.old.span, one.new.span), strict=True):
+        for misreading in found:
+            key = misreading.owner, misreading.number, misreading.old.text, misreading.new.text
+            group = groups.setdefault(key, (misreading, _Side(misreading.old.text), _Side(misreading.new.text)))
+            for side, index, span in zip(group[1:], indices, (misreading.old.span, misreading.new.span), strict=True):
                 side.states[index] = pinned.states[index], span
     yield from groups.values()
 
@@ -102,8 +102,8 @@ def _places(side: _Side) -> Iterator[tuple[Span, str]]:
 def _pins(consumers: Iterable[Consumer]) -> Iterator[tuple[Span, str]]:
     """Yield the place of a pin to each commit, with the names of all projects that are pinned to the commit."""
     of_commit: dict[str, list[Consumer]] = {}
-    for one in consumers:
-        of_commit.setdefault(one.commit.id, []).append(one)
+    for consumer in consumers:
+        of_commit.setdefault(consumer.commit.id, []).append(consumer)
     for found in of_commit.values():
         are = "are" if len(_quoted(found)) > 1 else "is"
         yield found[0].pin.span, f"{_listed(_quoted(found))} {are} pinned to {found[0].commit}"
@@ -122,7 +122,7 @@ def _help(old: _Side, new: _Side) -> str:
 
 
 def _quoted(consumers: Iterable[Consumer]) -> list[str]:
-    return list(dict.fromkeys(repr(one.name) for one in consumers))
+    return list(dict.fromkeys(repr(consumer.name) for consumer in consumers))
 
 
 def _listed(names: list[str]) -> str:

@@ -136,15 +136,17 @@ class NumberGivenOnTwoBranches(LintRule, id="HIS104"):
                 f"keep the number for one of them, and give the other one {other}",
                 type=owner,
                 number=number,
-                uses=[_use(context, number, one) for one in found.allocations],
+                uses=[_use(context, number, allocation) for allocation in found.allocations],
             )
             yield finding if found.certain else dataclasses.replace(finding, severity=Severity.WARNING)
 
 
-def _use(context: Context, number: int, one: Allocation) -> Use:
-    declaration = Fact(number, one.name, one.type).text
-    place = context.place(one.path, one.line, 0)
-    return Use(one.type, one.name, one.came, None, (declaration,), place, whereabouts(one.refs))
+def _use(context: Context, number: int, allocation: Allocation) -> Use:
+    declaration = Fact(number, allocation.name, allocation.type).text
+    place = context.place(allocation.path, allocation.line, 0)
+    return Use(
+        allocation.type, allocation.name, allocation.came, None, (declaration,), place, whereabouts(allocation.refs)
+    )
 
 
 def _said(allocation: Allocation) -> str:

@@ -63,7 +63,7 @@ class File:
     @property
     def imported(self) -> tuple[str, ...]:
         """Paths of the imported files that protoc has to compile, too. Files of ``import option`` are left out."""
-        return tuple(one.path for one in self.imports if one.kind != "option")
+        return tuple(imported.path for imported in self.imports if imported.kind != "option")
 
     @property
     def outermost(self) -> tuple[ProtoMessage, ...]:

@@ -76,7 +76,9 @@ class Payloads:
 
     def values(self, enum: ir.WireEnum) -> tuple[Value, ...]:
         """Return the lines of an enum's table, one for each value."""
-        return tuple(Value(one.number, one.name, self._renamed(enum, one), cell(one.comment)) for one in enum.values)
+        return tuple(
+            Value(value.number, value.name, self._renamed(enum, value), cell(value.comment)) for value in enum.values
+        )
 
     def _renamed(self, enum: ir.WireEnum, value: ir.WireValue) -> tuple[str, ...]:
         return tuple(name for name in self._constants.get((enum.name, value.number), ()) if name != value.name)
@@ -100,7 +102,7 @@ class Payloads:
     def _type(self, field: ir.WireField) -> str:
         held = self._messages.get(field.type)
         if held is not None and held.map_entry:
-            key, value = (self._linked(one.type) for one in held.fields)
+            key, value = (self._linked(field.type) for field in held.fields)
             return f"map of {key} to {value}"
         type = self._linked(field.type)
         return " ".join(filter(None, (field.label, type, f"in oneof `{field.oneof}`" if field.oneof else "")))

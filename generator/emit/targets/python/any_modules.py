@@ -29,7 +29,7 @@ def any_module(bridge: ir.Bridge, conversion: ir.AnyConversion, converter_of: Ca
     by_ros = bridge.conversions()
     held = [by_ros[member.ros] for member in conversion.members]
     own = bridge.python_package
-    modules = _local_names({_module(own, one) for one in held}, own)
+    modules = _local_names({_module(own, held_conversion) for held_conversion in held}, own)
     used = ["check_empty", "check_none", *(["holds", "packed", "unpacked"] if held else [])]
     imports: set[Import] = {("google.protobuf", "any_pb2"), (f"{own}.messages", message)}
     imports |= {("roverlink.runtime.convert.any_of", name) for name in used}
@@ -37,10 +37,10 @@ def any_module(bridge: ir.Bridge, conversion: ir.AnyConversion, converter_of: Ca
         (package, name if name == local else f"{name} as {local}") for (package, name), local in modules.items()
     }
     members = []
-    for member, one in zip(conversion.members, held):
+    for member, held_conversion in zip(conversion.members, held):
         converter = converter_of(member.ros)
         imports.add((converter.module, converter.name))
-        type = f"{modules[_module(own, one)]}.{one.local_name}"
+        type = f"{modules[_module(own, held_conversion)]}.{held_conversion.local_name}"
         members.append(_Member(type, converter.name, member.field, member.constant))
     return render(
         "any.py.j2",
