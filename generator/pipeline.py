@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from roverlink.generator import ir, lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order
-from roverlink.generator.emit import emitter, envelope_file, link_file
+from roverlink.generator.emit import emitter, envelope_file
 from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.ir import ros_names
 from roverlink.generator.lint.context import Context, since_last_generate
@@ -207,7 +207,7 @@ def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping
     if envelope.ours:
         overlay[envelope.file] = envelope_file.text(_unambiguous(envelope), table.file)
         if table.link is not None:
-            overlay[table.envelope.link_file] = link_file.text(table.file)
+            overlay[table.envelope.link_file] = envelope_file.link_text(table.file)
     if not envelope.ours and not (root / envelope.file).is_file():
         message = f"the file {envelope.file!r} does not exist below the proto root {table.proto.root!r}"
         raise DiagnosticsError(

@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 
 from roverlink.generator import ir, lock
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
-from roverlink.generator.emit import envelope_file, link_file, mapping_json_schema, targets, user_templates
+from roverlink.generator.emit import envelope_file, mapping_json_schema, targets, user_templates
 from roverlink.generator.emit.output_rules import ForbiddenPath, TargetFailed, UnknownTarget
 from roverlink.generator.emit.python_format import format_python
 from roverlink.generator.emit.render import Files, carries_header
@@ -40,7 +40,7 @@ def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path)
         collected.add(Span(bridge.table), [(path, envelope_file.text(bridge.envelope, bridge.table))])
         if bridge.link is not None:
             path = shown(table.proto.root, bridge.link.file)
-            collected.add(table.at("link"), [(path, link_file.text(bridge.table))])
+            collected.add(table.at("link"), [(path, envelope_file.link_text(bridge.table))])
     for name in table.targets:
         span = table.at(f"targets.{name}")
         collected.add(span, _placed(_of_target(name, bridge, span), bridge))

@@ -9,12 +9,14 @@ from collections.abc import Callable, Iterable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 from roverlink.generator.lint.comparison import EnumPair, FieldPair, MessagePair, SchemaChange
-from roverlink.generator.lint.comparison.misplaced_fields import misplaced_fields
-from roverlink.generator.lint.comparison.pairing import written
+from roverlink.generator.lint.comparison.judged_changes import judge_pair
+from roverlink.generator.lint.comparison.judgement import Meaning
+from roverlink.generator.lint.comparison.oneof_changes import broken_by_oneof
+from roverlink.generator.lint.comparison.pairing import fields_of_messages, written
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import declaration
 from roverlink.generator.lint.fixits.put_back_or_reserve import back, reserve, was
-from roverlink.generator.protos.number_ranges import Range
+from roverlink.generator.protos.number_ranges import Range, covers, missing
 from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
 from roverlink.generator.protos.schema import ProtoField, Schema
 from roverlink.generator.table import IMPLEMENTATION_NUMBERS
@@ -149,3 +151,30 @@ def _above(known: Iterable[int], closed: Iterable[Range], largest: int) -> int |
         if first <= number <= last:
             number = last + 1
     return number if number <= largest else None
+
+
+def misplaced_fields(pair: MessagePair) -> Iterator[ProtoField]:
+    """Yield the new fields whose number belonged to another field before, or was reserved before."""
+    # A number that was reserved once had another meaning, which only old boards still know.
+    freed = [part for was in pair.old.reserved for part in missing(was, pair.new.reserved)]
+    pairs = {field_pair.new.number: field_pair for field_pair in fields_of_messages(pair)}
+    for field in sorted(pair.new.fields, key=lambda field: field.number):
+        one = pairs.get(field.number)
+        of_another = one is not None and (_is_another(one) or any(map(_is_another, _inside_of_map(one))))
+        if of_another or covers(freed, field.number):
+            yield field
+
+
+def _is_another(pair: FieldPair) -> bool:
+    return judge_pair(pair).meaning not in (Meaning.SAME, Meaning.RENAMED) or broken_by_oneof(pair)
+
+
+def _inside_of_map(pair: FieldPair) -> Iterator[FieldPair]:
+    """Yield the key and the value of a map field, each as it was before the change and as it is now.
+
+    Yield nothing for other fields.
+    """
+    change = pair.change
+    old, new = change.before.messages.get(pair.old.type_name), change.after.messages.get(pair.new.type_name)
+    if old and new and new.map_entry and old.full_name == new.full_name:
+        yield from fields_of_messages(MessagePair(change, old, new))

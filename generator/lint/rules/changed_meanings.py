@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from roverlink.generator.diagnostics import Diagnostic, Severity
-from roverlink.generator.lint.comparison import SchemaChange, each_once, messages
-from roverlink.generator.lint.comparison.judged_changes import type_state
-from roverlink.generator.lint.comparison.judgement import Meaning, compare_parts
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
+from roverlink.generator.lint.accepted_past import is_accepted
+from roverlink.generator.lint.comparison import EnumPair, FieldPair, SchemaChange, each_once, fields, messages
+from roverlink.generator.lint.comparison.enum_renames import moved_away, moved_here, renamed_values
+from roverlink.generator.lint.comparison.judged_changes import judge_number, judge_pair, type_state
+from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, compare_parts
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.judged_fields import judged_fields
+from roverlink.generator.lint.fixits.declarations import name_place, type_place, value_place
+from roverlink.generator.lint.fixits.put_back_or_reserve import values as declared
+from roverlink.generator.lint.free_numbers import NewNumbers, changed_field, new_numbers
 from roverlink.generator.lint.judged_ledger import burned_fields, burned_values, reused_fields, reused_values
-from roverlink.generator.lint.judged_values import judged_values
 from roverlink.generator.lint.rules import LintRule
+from roverlink.generator.protos.schema import ProtoEnumValue
 
 
 class EnumValueMeaningReplaced(LintRule, id="WIR110"):
@@ -36,7 +40,7 @@ class EnumValueMeaningReplaced(LintRule, id="WIR110"):
     @classmethod
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each enum number whose value has another meaning."""
-        return judged_values(cls, context, Meaning.OTHER)
+        return _judged_values(cls, context, Meaning.OTHER)
 
 
 class FieldNumberReuseInMessage(LintRule, id="WIR111"):
@@ -159,7 +163,7 @@ class FieldMeaningReplaced(LintRule, id="WIR114"):
     @classmethod
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each field whose new name or type shows another meaning."""
-        return judged_fields(cls, context, Meaning.OTHER)
+        return _judged_fields(cls, context, Meaning.OTHER)
 
 
 class FieldUnitChanged(LintRule, id="WIR115", severity=Severity.WARNING):
@@ -181,7 +185,7 @@ class FieldUnitChanged(LintRule, id="WIR115", severity=Severity.WARNING):
     @classmethod
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each field whose old and new name contain the same quantity in different units."""
-        yield from judged_fields(cls, context, Meaning.UNIT)
+        yield from _judged_fields(cls, context, Meaning.UNIT)
         yield from reused_fields(cls, context, {Meaning.UNIT})
 
 
@@ -214,7 +218,78 @@ class MeaningDoubtful(LintRule, id="WIR116", severity=Severity.WARNING):
     @classmethod
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each field and enum value whose new name may or may not have the old meaning."""
-        yield from judged_fields(cls, context, Meaning.DOUBTFUL)
-        yield from judged_values(cls, context, Meaning.DOUBTFUL)
+        yield from _judged_fields(cls, context, Meaning.DOUBTFUL)
+        yield from _judged_values(cls, context, Meaning.DOUBTFUL)
         yield from reused_fields(cls, context, {Meaning.DOUBTFUL})
         yield from reused_values(cls, context, {Meaning.DOUBTFUL})
+
+
+def _judged_fields(rule: type[Rule], context: Context, meaning: Meaning) -> Iterator[Diagnostic]:
+    """Yield a diagnostic of the rule for each field with the given judgement."""
+
+    def compare(change: SchemaChange) -> Iterator[Diagnostic]:
+        numbers = NewNumbers(context, change)
+        for pair in fields(change):
+            judged = judge_pair(pair)
+            if judged.meaning is meaning and not is_accepted(context, pair.owner, pair.old, pair.new):
+                place = type_place if pair.old.name == pair.new.name else name_place
+                yield changed_field(rule, numbers, pair, f"{_told(pair)}: {judged.reason}", place)
+
+    return each_once(context.changes, compare)
+
+
+def _told(pair: FieldPair) -> str:
+    old, new = (repr(field.name) for field in (pair.old, pair.new))
+    if pair.old.name == pair.new.name:
+        old, new = f"{old} ({pair.old.wire_type})", f"{new} ({pair.new.wire_type})"
+    return f"field number {pair.new.number} was {old} and is now {new}"
+
+
+def _judged_values(rule: type[Rule], context: Context, meaning: Meaning) -> Iterator[Diagnostic]:
+    """Yield a diagnostic of the rule for each value of an enum whose number has the given judgement."""
+
+    def compare(change: SchemaChange) -> Iterator[Diagnostic]:
+        for pair, number, gone, values in renamed_values(change):
+            judged = judge_number(pair, number, gone, values)
+            lost = [value for value in pair.old.values if value.number == number and value.name in gone]
+            accepted = all(is_accepted(context, pair.new.full_name, value, *values) for value in lost)
+            if judged.meaning is meaning and not accepted:
+                help = _help(context, pair, number, gone, values)
+                for value in values:
+                    yield rule.at(
+                        value.at("number"),
+                        _message(pair, number, gone, value, judged),
+                        help,
+                        change.earlier(value_place(pair.old, number), f"it was {_quoted(gone)} here"),
+                        type=pair.new.full_name,
+                        number=number,
+                    )
+
+    return each_once(context.changes, compare)
+
+
+def _quoted(names: Iterable[str]) -> str:
+    return ", ".join(map(repr, names))
+
+
+def _message(pair: EnumPair, number: int, gone: tuple[str, ...], value: ProtoEnumValue, judged: Judgement) -> str:
+    message = f"number {number} of the enum {pair.new.full_name!r} was {_quoted(gone)}"
+    moved = moved_here(pair, number)
+    if moved is not None:
+        return f"{message}; it is now {moved.name!r}, which had the number {moved.number} before"
+    message = f"{message}; it is now {value.name!r}"
+    away = moved_away(pair, number)
+    return f"{message}, and {away.name!r} now has the number {away.number}" if away else f"{message}: {judged.reason}"
+
+
+def _help(context: Context, pair: EnumPair, number: int, gone: tuple[str, ...], values: list[ProtoEnumValue]) -> str:
+    before = {value.name: value.number for value in pair.old.values}
+    moved = [declared([value.name], before[value.name]) for value in values if before.get(value.name, number) != number]
+    back = f"put back `{' '.join([declared(gone, number), *moved])}`"
+    new, numbers = [value.name for value in values if value.name not in before], new_numbers(context, pair)
+    if not new:
+        return back
+    if not numbers.keys() >= set(new):
+        return f"{back}, and give {_quoted(new)} a number of its own"
+    given = " ".join(declared([name], numbers[name]) for name in new)
+    return f"{back}, and give {_quoted(new)} a new number: `{given}`"
