@@ -29,7 +29,7 @@ def fit(draft: Draft, schema: Schema, table: str) -> None:
     parsed = reader.parse(text_of(draft), table, [])
     messages = RosMessages(parsed, schema, findings)
     for row in parsed.rows:
-        messages.route(row)
+        messages.conversion(row)
     declared = _declarations(schema)
     for finding in findings:
         if finding.severity.rank <= Severity.ERROR.rank and finding.span in declared:

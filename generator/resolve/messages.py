@@ -48,15 +48,12 @@ class RosMessages:
         """Conversions between proto messages and generated ROS messages, by the name of the ROS message."""
         return {conversion.ros: conversion for conversion in self._made.values()}
 
-    def route(self, row: Row) -> ir.Route:
-        """Return the route of a row, with the conversion between its payload and its generated ROS message.
+    def conversion(self, row: Row) -> ir.Conversion | None:
+        """Return the conversion between a row's payload and its generated ROS message.
 
-        The conversion is None if the row has a standard message, such as ``sensor_msgs/Imu``.
+        It is None if the row has a standard message, such as ``sensor_msgs/Imu``.
         """
-        payload = self.schema.messages[row.proto]
-        conversion = None if row.standard else self._conversion(payload)
-        where = (row.number, row.name, row.topic, row.direction, row.inbound, row.profile, row.forward)
-        return ir.Route(*where, row.proto, conversion, commented(payload), expect_rate=row.expect_rate)
+        return None if row.standard else self._conversion(self.schema.messages[row.proto])
 
     def check_enums(self) -> None:
         """Report each enum that the table lists under `enums`, but that no payload contains."""

@@ -12,7 +12,8 @@ from collections.abc import Callable
 from fractions import Fraction
 
 from roverlink.generator.diagnostics import Diagnostic, Span
-from roverlink.generator.ir.interfaces import Case, Chosen, Constant, Interface, Scaling, Source, Taken
+from roverlink.generator.ir.interfaces import Case, Chosen, Constant, Interface, Source, Taken
+from roverlink.generator.resolve import numeric_ranges
 from roverlink.generator.resolve.standard import standard_rules
 from roverlink.generator.resolve.standard.field_options import Options, Scalings
 from roverlink.generator.resolve.standard.message_fields import Place, short
@@ -87,7 +88,7 @@ class Leaves:
         if scaling is None:
             return None
         target = place.type.name
-        if not options.narrow and (why := loss(source, scaling, target)):
+        if not options.narrow and (why := numeric_ranges.loss(source, scaling, target)):
             message = f"{place.shown} cannot hold every value exactly: {source.dotted!r} {why}"
             help = (
                 f"write `{{from: {source.dotted}, narrow: true}}` to allow it; values are then rounded, "
@@ -95,7 +96,7 @@ class Leaves:
             )
             self._report(standard_rules.LossyNarrowing.at(span, message, help))
             return None
-        rounded = not is_float(target) and not (source.is_integer and scaling.is_whole)
+        rounded = not numeric_ranges.is_float(target) and not (source.is_integer and scaling.is_whole)
         return self._with_default(Taken(source, scaling, rounded), place, options, span)
 
     def _with_default(self, taken: Taken, place: Place, options: Options, span: Span) -> Taken | None:
@@ -126,13 +127,9 @@ class Leaves:
                 self._report(standard_rules.MappingDoesNotFit.at(form.span, message))
                 return None
             return self._value(place, form, negated)
-        length, bound = place.type.length, place.type.bound
-        if not place.type.is_many or len(form.items) != (len(form.items) if length is None else length):
-            message = f"{place.shown} is a {place.type}, but the constant has {len(form.items)} items"
-            self._report(standard_rules.MappingDoesNotFit.at(form.span, message))
-            return None
-        if bound is not None and len(form.items) > bound:
-            message = f"{place.shown} is a {place.type}, but the constant has {len(form.items)} items"
+        count, length, bound = len(form.items), place.type.length, place.type.bound
+        if not place.type.is_many or length not in (None, count) or (bound is not None and count > bound):
+            message = f"{place.shown} is a {place.type}, but the constant has {count} items"
             self._report(standard_rules.MappingDoesNotFit.at(form.span, message))
             return None
         items = [self._value(place, item) for item in form.items]
@@ -153,7 +150,7 @@ class Leaves:
         if isinstance(value, str) and _is_number(type):
             return self._constant_of(place, value, form.span)
         if isinstance(value, (int, float, Fraction)) and not isinstance(value, bool) and _is_number(type):
-            number = constant(-value if negated else value, type)
+            number = numeric_ranges.constant(-value if negated else value, type)
             if number is not None:
                 return Constant(number)
         shown = _shown(value)
@@ -230,71 +227,3 @@ def _shown(value: object) -> str:
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return repr(value)
-
-
-# Bits of the significand with the hidden one (IEEE 754, binary32 and binary64): every integer up to 2**24, or 2**53, is
-# exact.
-_MANTISSA = {"float32": 24, "float64": 53}
-# In a .msg file, `byte` and `char` are both 8 bits without a sign (rosidl_adapter, MSG_TYPE_TO_IDL).
-_SPELLED = {"byte": "uint8", "char": "uint8", "octet": "uint8"}
-
-
-def range_of(type: str) -> tuple[int, int] | None:
-    """Return the smallest and the largest number of an integer type; None for a type that is no integer."""
-    type = _SPELLED.get(type, type)
-    if "int" not in type:
-        return None
-    bits = int(type.removeprefix("u").removeprefix("int"))
-    return (0, 2**bits - 1) if type.startswith("u") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-
-
-def is_float(type: str) -> bool:
-    """Return True if the type is a floating point type."""
-    return type in _MANTISSA
-
-
-def loss(source: Source, scaling: Scaling, target: str) -> str:
-    """Return a text about the range or precision that a payload field may lose in a ROS type; empty if nothing is lost.
-
-    Example: ``has values from 0 to 65535, but uint8 only from 0 to 255``. ``scaling`` is the conversion of the number,
-    and ``target`` is the ROS type.
-    """
-    taken = range_of(source.type)
-    if is_float(target):
-        return _loss_in_float(source.type, scaling, target)
-    if taken is None or not scaling.is_whole:
-        return f"is rounded to an integer in {target}"
-    low, high = sorted(int(end * scaling.factor + scaling.offset) for end in taken)
-    room = range_of(target)
-    if room is None or (room[0] <= low and high <= room[1]):
-        return ""
-    return f"has values from {low} to {high}, but {target} only from {room[0]} to {room[1]}"
-
-
-def _loss_in_float(source: str, scaling: Scaling, target: str) -> str:
-    """Return a text about the digits that a number may lose in a floating point type; empty if nothing is lost.
-
-    An integer loses digits if it has more bits than the significand. A scaled integer of at most 16 bits fits a
-    float32, because the rounding error is far below the resolution of a sensor.
-    """
-    digits = _MANTISSA[target]
-    taken = range_of(source)
-    if taken is None:
-        return f"is a {source}, which is more precise than {target}" if _MANTISSA[source] > digits else ""
-    # A scaled value is usually no float32, and is rounded once. Up to 16 bits, that error is at most 1/256 of the
-    # integer's last digit, far below the resolution of the sensor.
-    if not scaling.is_identity and target == "float32":
-        return "after scaling has more digits than float32" if max(map(abs, taken)) >= 2**16 else ""
-    if max(map(abs, taken)) > 2**digits:
-        return f"has up to {max(taken).bit_length()} bits, but {target} keeps only {digits}"
-    return ""
-
-
-def constant(value: Fraction | float, type: str) -> int | float | None:
-    """Convert a number from the table to a value of a numeric type; return None if the type cannot hold it."""
-    if is_float(type):
-        return float(value)
-    room = range_of(type)
-    if room is None or isinstance(value, float) or value.denominator != 1 or not room[0] <= value <= room[1]:
-        return None
-    return int(value)

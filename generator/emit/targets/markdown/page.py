@@ -29,22 +29,14 @@ class Topic:
 class Row:
     """Section of docs/messages.md for a row of the table."""
 
-    number: int
-    name: str
+    route: ir.Route
     comment: str
     anchor: str
     sender: str
     receiver: str
-    forward: tuple[str, ...]
     topic: Topic
     extra_topics: tuple[Topic, ...]
-    proto: str
     file: str
-    size: ir.WireSize | None
-    max_rate: int | None
-    expect_rate: int | None
-    priority: int
-    deadman: ir.Deadman | None
     payload: Payload | None
     """Payload of the row; None if the section of an earlier row shows the same payload."""
     payload_anchor: str
@@ -54,7 +46,7 @@ class Row:
     @property
     def receivers(self) -> tuple[str, ...]:
         """Receiver of the row, and the peers to which the row is forwarded."""
-        return (self.receiver, *self.forward)
+        return (self.receiver, *self.route.forward)
 
     @property
     def topics(self) -> tuple[Topic, ...]:
@@ -84,11 +76,8 @@ class Helper:
 class Page:
     """Content of the whole page docs/messages.md."""
 
-    table: str
-    package: str
+    bridge: ir.Bridge
     default_qos: str
-    envelope: ir.Envelope
-    peers: tuple[ir.Peer, ...]
     diagram: Diagram
     rows: tuple[Row, ...]
     nested: tuple[Payload, ...]
@@ -98,7 +87,7 @@ class Page:
     @property
     def names_hosts(self) -> bool:
         """True if the table names the host of a peer or of a board."""
-        return any(end.host for peer in self.peers for end in peer.ends)
+        return any(end.host for peer in self.bridge.peers for end in peer.ends)
 
 
 def page(bridge: ir.Bridge) -> Page:
@@ -108,11 +97,8 @@ def page(bridge: ir.Bridge) -> Page:
     shown = [message for message in bridge.wire_messages if message.name != bridge.envelope.message]
     own = [message for message in shown if not message.map_entry and not message.name.startswith("google.protobuf.")]
     return Page(
-        table=bridge.table,
-        package=bridge.package,
+        bridge=bridge,
         default_qos=_qos_words(ir.Qos()),
-        envelope=bridge.envelope,
-        peers=bridge.peers,
         diagram=diagram(bridge),
         rows=tuple(_rows(bridge, payloads)),
         nested=tuple(payloads.of(message.name) for message in own if message.name not in carried),
@@ -137,22 +123,14 @@ def _rows(bridge: ir.Bridge, payloads: Payloads) -> Iterator[Row]:
 def _row(route: ir.Route, package: str, file: str, payloads: Payloads, examples: Examples, *, new: bool) -> Row:
     ends = (route.peer, "ROS 2") if route.inbound else ("ROS 2", route.peer)
     return Row(
-        number=route.number,
-        name=route.name,
+        route=route,
         comment=payloads.comment(route.proto),
         anchor=payloads.anchor_of_row(route),
         sender=ends[0],
         receiver=ends[1],
-        forward=route.forward,
         topic=_topic(route, package),
         extra_topics=tuple(_extra_topic(standard) for standard in route.extra_topics),
-        proto=route.proto,
         file=file,
-        size=route.size,
-        max_rate=route.max_rate,
-        expect_rate=route.expect_rate,
-        priority=route.priority,
-        deadman=route.deadman,
         payload=payloads.of(route.proto) if new else None,
         payload_anchor=payloads.anchor(route.proto),
         example=examples.of(route),
