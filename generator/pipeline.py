@@ -145,8 +145,7 @@ def _compiled(
     findings += lint(Context(table, schema, published, changes=changes))
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
-        given = table_bounds(table, compilation.schema, project / table.proto.root, findings)
-        bounds = [bound_of_table.bound for bound_of_table in given]
+        bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
         sizes = row_sizes(table, compilation.schema, bounds)
         bridge = resolve(table, compilation, envelope, bounds, sizes, findings)
     if has_errors(findings) or bridge is None:
