@@ -21,6 +21,7 @@ from roverlink.generator.lint.free_numbers import next_enum_number, next_field_n
 from roverlink.generator.lint.history import Content, History, Kind, Relation, Reuse, TracedType, Usage, whereabouts
 from roverlink.generator.lint.history.judged_facts import is_named
 from roverlink.generator.lock import PastUse
+from roverlink.generator.protos.number_ranges import covers
 from roverlink.generator.protos.schema import Fact, ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
 
 _MOST_TOLD = 3
@@ -250,10 +251,6 @@ def _compiles(context: Context, declared: ProtoMessage | ProtoEnum) -> bool:
     return context.checkout is None or declared.file not in context.checkout.uncompiled
 
 
-def _is_reserved(declared: ProtoMessage | ProtoEnum, number: int) -> bool:
-    return any(first <= number <= last for first, last in declared.reserved)
-
-
 def _today(context: Context, owner: str, number: int) -> str:
     """Return a clause about the number today if no declaration shows it."""
     declared = _declared(context, owner)
@@ -261,7 +258,7 @@ def _today(context: Context, owner: str, number: int) -> str:
         return f"; today {owner!r} does not exist"
     if number in _parts(context, declared) or not _compiles(context, declared):
         return ""
-    return "; today it is reserved" if _is_reserved(declared, number) else "; today it is free, and not reserved"
+    return "; today it is reserved" if covers(declared.reserved, number) else "; today it is free, and not reserved"
 
 
 def number_never_used(context: Context, history: History, owner: str) -> int | None:
@@ -281,7 +278,7 @@ def _help(context: Context, past: Past, owner: str, number: int, reuses: Sequenc
     declared = _declared(context, owner)
     if declared and not _compiles(context, declared):
         return "correct the errors in this file, and run the lint again"
-    if declared is None or _is_reserved(declared, number):
+    if declared is None or covers(declared.reserved, number):
         return accept
     if part := _parts(context, declared).get(number):
         free = number_never_used(context, past.history, owner)

@@ -12,22 +12,12 @@ from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, commented
 from roverlink.generator.resolve.conversion_rules import ConstantName
-
-# An enum of proto is an int32; the smallest ROS type saves bytes in every message.
-_INTEGERS = (("uint8", 0, 2**8), ("uint16", 0, 2**16), ("uint32", 0, 2**32))
-_SIGNED_INTEGERS = (("int8", -(2**7), 2**7), ("int16", -(2**15), 2**15), ("int32", -(2**31), 2**31))
+from roverlink.generator.resolve.numeric_ranges import smallest_integer
 
 
 def integer_type(enum: ProtoEnum) -> str:
-    """Return the smallest ROS integer type that holds all values of an enum.
-
-    The type is signed only if a value is negative: ``uint8`` for the values 0 to 3, ``int8`` for -1 to 3.
-    """
-    numbers = [value.number for value in enum.values]
-    for name, low, end in _SIGNED_INTEGERS if min(numbers) < 0 else _INTEGERS:
-        if low <= min(numbers) and max(numbers) < end:
-            return name
-    raise AssertionError("an enum value is an int32")
+    """Return the smallest ROS integer type that holds all values of an enum."""
+    return smallest_integer([value.number for value in enum.values])
 
 
 def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]) -> Iterator[ir.RosConstant]:

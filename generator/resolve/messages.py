@@ -19,7 +19,8 @@ from roverlink.generator.resolve.conversion_rules import (
 )
 from roverlink.generator.resolve.field_overrides import FieldSettings
 from roverlink.generator.resolve.fields import MessageBuilder
-from roverlink.generator.resolve.oneofs import NONE, smallest
+from roverlink.generator.resolve.numeric_ranges import smallest_integer
+from roverlink.generator.resolve.oneofs import NONE
 from roverlink.generator.resolve.row_overrides import Shape, shapes_of
 from roverlink.generator.table import EnumSettings, Row, Table
 from roverlink.suggestions import nearest
@@ -159,7 +160,9 @@ class RosMessages:
         """
         source = f"{message.full_name}.{field.name}"
         self.claim(ros, f"{source} of {ros}", field.span)
-        which = ir.RosField("which", ir.RosType(smallest(len(types))), "The message that it contains.", source)
+        which = ir.RosField(
+            "which", ir.RosType(smallest_integer([len(types)])), "The message that it contains.", source
+        )
         # 0 is NONE: a ROS message that nobody filled has zeros everywhere, and must not claim to hold a message.
         fields, constants = [which], [ir.RosConstant(NONE, which.type.name, 0, "", source)]
         members: list[ir.AnyMember] = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from fractions import Fraction
 
 from roverlink.generator.ir.interfaces import Scaling, Source
@@ -20,6 +21,16 @@ def range_of(type: str) -> tuple[int, int] | None:
         return None
     bits = int(type.removeprefix("u").removeprefix("int"))
     return (0, 2**bits - 1) if type.startswith("u") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+
+
+def smallest_integer(numbers: Collection[int]) -> str:
+    """Return the smallest ROS integer type of at most 32 bits that holds all numbers.
+
+    The type is signed only if a number is negative: ``uint8`` for 0 to 3, ``int8`` for -1 to 3.
+    """
+    low, high = min(numbers), max(numbers)
+    needed = max(high, -low - 1).bit_length() + (low < 0)
+    return f"{'' if low < 0 else 'u'}int{next(bits for bits in (8, 16, 32) if needed <= bits)}"
 
 
 def is_float(type: str) -> bool:

@@ -8,11 +8,12 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 
-from roverlink.generator.diagnostics import Diagnostic, Rule, rules_in
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span, rules_in
 from roverlink.generator.lint.context import Context
+from roverlink.generator.table import Numbered, RetiredRow, Table
 
 
 class LintRule(Rule, id=""):
@@ -22,6 +23,22 @@ class LintRule(Rule, id=""):
     @abstractmethod
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield the diagnostics of the rule. The engine calls this once for each context."""
+
+    @classmethod
+    def of_row(
+        cls,
+        table: Table,
+        row: Numbered | RetiredRow,
+        place: str | Span,
+        message: str,
+        help: str = "",
+        also: Sequence[tuple[Span, str]] = (),
+        rests_on: Sequence[Span] = (),
+    ) -> Diagnostic:
+        """Return a diagnostic about a member of the envelope; ``place`` is a place, or a key of the row."""
+        span = row.at(place) if isinstance(place, str) else place
+        envelope = table.envelope.message
+        return cls.at(span, message, help, also, type=envelope, number=row.number, rests_on=rests_on)
 
 
 @cache

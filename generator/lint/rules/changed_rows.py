@@ -30,7 +30,6 @@ class TopicChanged(LintRule, id="TAB107", severity=Severity.WARNING):
     @classmethod
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each topic with which a row of the same number and message was published."""
-        envelope = context.table.envelope.message
         topics = {topic.topic for row in context.table.rows for topic, *_ in topics_of(row)}
         for row in context.table.rows:
             before: dict[str, Span] = {}
@@ -43,7 +42,7 @@ class TopicChanged(LintRule, id="TAB107", severity=Severity.WARNING):
                 help = "restore the old topic, or change all nodes that use it"
                 also = [(span, f"{topic!r} was the topic here") for topic, span in before.items()]
                 rests_on = [row.at("number"), row.at("topic")]
-                yield cls.at(row.at("topic"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)
+                yield cls.of_row(context.table, row, "topic", message, help, also, rests_on=rests_on)
             for key, change in context.changed_settings(row).items():
                 topic = key.removeprefix(EXTRA_TOPIC)
                 # the key of the topic's QoS has a further word
@@ -51,9 +50,7 @@ class TopicChanged(LintRule, id="TAB107", severity=Severity.WARNING):
                     message = f"{row.name!r} has no extra topic {topic!r} any more; {change.published}"
                     help = "restore the extra topic, or change all nodes that use it"
                     rests_on, also = [row.at("number"), row.at("proto")], change.related()
-                    yield cls.at(
-                        row.at("topic"), message, help, also, type=envelope, number=row.number, rests_on=rests_on
-                    )
+                    yield cls.of_row(context.table, row, "topic", message, help, also, rests_on=rests_on)
 
 
 _HELP_DIRECTION = "or update every machine that uses the row, and lower TAB109 under `lint` of the row, with the reason"

@@ -35,7 +35,6 @@ class NumberClaimed(LintRule, id="ENV108", severity=Severity.WARNING):
     @classmethod
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each row or signature whose number a comment gives to another payload."""
-        envelope = context.table.envelope.message
         claims = list(context.envelope_claims())
         for row in context.table.numbered:
             for claim, span in claims:
@@ -44,7 +43,7 @@ class NumberClaimed(LintRule, id="ENV108", severity=Severity.WARNING):
                     message = f"{row.name!r} takes field {row.number}, which a comment declares for {claimed}"
                     help = f"give {row.name!r} the number {context.next_number()}, or delete the comment if it is wrong"
                     also = [(span, "in this comment")]
-                    yield cls.at(row.at("number"), message, help, also, type=envelope, number=row.number)
+                    yield cls.of_row(context.table, row, "number", message, help, also)
 
 
 def _is_same_payload(claim: ProtoField, row: Numbered) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import LintRule
+from roverlink.generator.protos.number_ranges import covers
 from roverlink.generator.protos.parser import resolve_type
 from roverlink.generator.protos.schema import ProtoMessage
 from roverlink.generator.table import LinkSettings, Row, Table
@@ -191,7 +192,7 @@ def _is_moved(row: Row | LinkSettings, member: _Member, table: Table) -> bool:
 def _compare_row(
     row: Row | LinkSettings, payloads: Mapping[int, _Member], table: Table, help_texts: _HelpTexts
 ) -> Iterator[Diagnostic]:
-    envelope, member = table.envelope.message, payloads.get(row.number)
+    member = payloads.get(row.number)
     rests_on = [row.at("number"), row.at("proto")]
     if member is None:
         message = f"the envelope has no member with number {row.number}, the number of the row {row.name!r}"
@@ -199,22 +200,16 @@ def _compare_row(
         for moved in (other for other in payloads.values() if _is_moved(row, other, table)):
             message = f"member {row.name!r} has the number {moved.number}, not {row.number}"
             also = [(moved.span, "the member is here")]
-        yield EnvelopeDisagrees.at(
-            row.at("number"), message, help_texts.missing, also, type=envelope, number=row.number, rests_on=rests_on
-        )
+        yield EnvelopeDisagrees.of_row(table, row, "number", message, help_texts.missing, also, rests_on=rests_on)
         return
     also = [(member.span, "the member is here")]
     if member.type != row.proto:
         message = f"member {row.number} of the envelope has the type {member.type!r}, but the row says {row.proto!r}"
-        yield EnvelopeDisagrees.at(
-            row.at("proto"), message, help_texts.differs, also, type=envelope, number=row.number, rests_on=rests_on
-        )
+        yield EnvelopeDisagrees.of_row(table, row, "proto", message, help_texts.differs, also, rests_on=rests_on)
     if member.name != row.name:
         message = f"member {row.number} of the envelope is called {member.name!r}, but the row says {row.name!r}"
         rests_on.append(row.at("name"))
-        yield EnvelopeDisagrees.at(
-            row.at("name"), message, help_texts.differs, also, type=envelope, number=row.number, rests_on=rests_on
-        )
+        yield EnvelopeDisagrees.of_row(table, row, "name", message, help_texts.differs, also, rests_on=rests_on)
 
 
 def _without_row(member: _Member, context: Context, help_texts: _HelpTexts) -> Iterator[Diagnostic]:
@@ -260,11 +255,8 @@ def _compare_signature(envelope: ProtoMessage, table: Table) -> Iterator[Diagnos
 def _unreserved(envelope: ProtoMessage, used: set[int], table: Table) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each retired row whose number or name the envelope's file does not reserve."""
     for row in table.retired:
-        of_number = any(first <= row.number <= last for first, last in envelope.reserved)
-        free = [f"the number {row.number}"] if not of_number else []
+        free = [] if covers(envelope.reserved, row.number) else [f"the number {row.number}"]
         free += [f"the name {row.name!r}"] if row.name not in envelope.reserved_names else []
         if free and row.number not in used:
             message = f"{row.name!r} is retired, but {table.envelope.file} does not reserve {' and '.join(free)}"
-            yield EnvelopeDisagrees.at(
-                row.at("number"), message, _GENERATE, type=table.envelope.message, number=row.number
-            )
+            yield EnvelopeDisagrees.of_row(table, row, "number", message, _GENERATE)

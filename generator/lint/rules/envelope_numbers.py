@@ -11,7 +11,7 @@ from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, le
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.lock import NAME, Entry, PastUse
-from roverlink.generator.table import IMPLEMENTATION_NUMBERS, Numbered, RetiredRow
+from roverlink.generator.table import IMPLEMENTATION_NUMBERS, Numbered, RetiredRow, Table
 
 
 class FieldNumberTaken(LintRule, id="ENV101"):
@@ -40,7 +40,7 @@ class FieldNumberTaken(LintRule, id="ENV101"):
         holders: dict[int, RetiredRow] = {}
 
         def at(row: Numbered | RetiredRow, message: str, help: str, also: tuple[Span, str]) -> Diagnostic:
-            return cls.at(row.at("number"), message, help, [also], type=table.envelope.message, number=row.number)
+            return cls.of_row(table, row, "number", message, help, [also])
 
         for retired in table.retired:
             first = holders.setdefault(retired.number, retired)
@@ -105,7 +105,6 @@ class FieldNumberReuse(LintRule, id="ENV102"):
         """Yield a diagnostic for each row, retired row and signature whose number was published for another message."""
         # The ledger and the baseline may list the same payload. The ledger comes first, so its entry is kept.
         published = {(entry.number, entry.proto): entry for entry in reversed(context.published)}
-        envelope = context.table.envelope.message
         for row in context.table.numbered:
             for entry in _others(row, published.values()):
                 keep = (
@@ -114,11 +113,11 @@ class FieldNumberReuse(LintRule, id="ENV102"):
                     else f"keep {entry.name!r}, or write `reserved {entry.number};`"
                 )
                 help = f"give {row.name!r} the number {context.next_number()}; {keep}"
-                yield from _judged(context, row, entry, _reuse(row, entry, help, envelope))
+                yield from _judged(context, row, entry, _reuse(row, entry, help, context.table))
         for retired in context.table.retired:
             for entry in _others(retired, published.values()):
                 help = f"write under `retired`: {{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
-                yield _reuse(retired, entry, help, envelope)
+                yield _reuse(retired, entry, help, context.table)
 
 
 def _others(row: Numbered | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry]:
@@ -150,13 +149,11 @@ def _judged(context: Context, row: Numbered, entry: Entry, finding: Diagnostic) 
         yield dataclasses.replace(finding, severity=Severity.WARNING, message=message)
 
 
-def _reuse(row: Numbered | RetiredRow, entry: Entry, help: str, envelope: str) -> Diagnostic:
+def _reuse(row: Numbered | RetiredRow, entry: Entry, help: str, table: Table) -> Diagnostic:
     message = f"field {row.number} was published for {entry.name!r} ({entry.proto}), but is given to {row.proto} here"
     also = [(entry.span, "published here")]
     rests_on = [row.at("number"), row.at("proto")]
-    return FieldNumberReuse.at(
-        row.at("number"), message, help, also, type=envelope, number=row.number, rests_on=rests_on
-    )
+    return FieldNumberReuse.of_row(table, row, "number", message, help, also, rests_on)
 
 
 class FieldNumberVanished(LintRule, id="ENV103"):
@@ -219,19 +216,11 @@ class FieldNumberOutOfRange(LintRule, id="ENV104"):
     @classmethod
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each row or signature with a number from 19000 to 19999."""
-        envelope = context.table.envelope.message
-        message = (
-            f"is reserved for protobuf itself ({IMPLEMENTATION_NUMBERS.start} to {IMPLEMENTATION_NUMBERS.stop - 1})"
-        )
+        first, last = IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1
         for row in context.table.numbered:
             if row.number in IMPLEMENTATION_NUMBERS:
-                yield cls.at(
-                    row.at("number"),
-                    f"field {row.number} {message}",
-                    f"choose a number below {IMPLEMENTATION_NUMBERS.start}",
-                    type=envelope,
-                    number=row.number,
-                )
+                message = f"field {row.number} is reserved for protobuf itself ({first} to {last})"
+                yield cls.of_row(context.table, row, "number", message, f"choose a number below {first}")
 
 
 class BurnedNumberTaken(LintRule, id="ENV110"):
@@ -262,7 +251,7 @@ class BurnedNumberTaken(LintRule, id="ENV110"):
             if burned and not (burned.now and burned.now.type == row.proto):
                 help = f"give {row.name!r} the number {context.next_number()}, which was never used"
                 message = f"field {row.number} was used for {burned.told} in the past, and must never be used again"
-                yield cls.at(row.at("number"), message, help, type=envelope, number=row.number)
+                yield cls.of_row(context.table, row, "number", message, help)
 
 
 class NumberSkipped(LintRule, id="TAB106", severity=Severity.HINT):
@@ -308,6 +297,4 @@ class NumberSkipped(LintRule, id="TAB106", severity=Severity.HINT):
                 message = f"field {number} skips numbers that were never used; the next number is {smallest}"
                 help = f"give {row.name!r} the number {smallest}, and restore {NAME} if it has {number} already"
                 rests_on = [row.at("number"), row.at("proto")]
-                yield cls.at(
-                    row.at("number"), message, help, type=table.envelope.message, number=number, rests_on=rests_on
-                )
+                yield cls.of_row(table, row, "number", message, help, rests_on=rests_on)

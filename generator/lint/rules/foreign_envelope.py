@@ -10,6 +10,7 @@ from roverlink.generator.ir import LINK_FIELDS
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.history_diagnostics import use_of
 from roverlink.generator.lint.rules import LintRule
+from roverlink.generator.protos.number_ranges import covers
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 from roverlink.generator.table import Table
 
@@ -141,7 +142,7 @@ def _removal(envelope: ProtoMessage, number: int, name: str, type: str) -> Diagn
 
 def _is_free(number: int, envelope: ProtoMessage) -> bool:
     used = any(field.number == number for field in envelope.fields)
-    return not used and not any(first <= number <= last for first, last in envelope.reserved)
+    return not used and not covers(envelope.reserved, number)
 
 
 def _reservation(number: int, name: str, envelope: ProtoMessage) -> str:
@@ -229,8 +230,8 @@ class LinkMessageMissing(LintRule, id="LNK101"):
             message = f"the oneof {table.envelope.oneof!r} of the envelope has no member `{member}`"
             help = f"add the member and link.proto in the envelope's repository, as `roverlink explain {cls.id}` shows"
             also = [(field.span, "the member is here") for field in found]
-            yield cls.at(link.at("number"), message, help, also, type=table.envelope.message, number=link.number)
+            yield cls.of_row(table, link, "number", message, help, also)
         elif declared is not None and declared.on_the_wire().fields != LINK_FIELDS:
             message = f"the message {link.proto} has other fields than the link message"
             help = f"give it the fields that `roverlink explain {cls.id}` shows"
-            yield cls.at(declared.span, message, help, type=table.envelope.message, number=link.number)
+            yield cls.of_row(table, link, declared.span, message, help)

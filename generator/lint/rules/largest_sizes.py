@@ -105,9 +105,8 @@ class EnvelopeTooLarge(LintRule, id="FIX102"):
                     message = f"envelopes with {row.name!r} have up to {size} bytes"
                     message = f"{message}; the peer {peer.name!r} accepts at most {peer.max_size}"
                     also = [(peer.at("max_size"), "the limit is here")]
-                    envelope = table.envelope.message
                     text = f"{message}; {largest}"
-                    yield cls.at(row.at("proto"), text, _HELP_SIZE, also, type=envelope, number=row.number)
+                    yield cls.of_row(table, row, "proto", text, _HELP_SIZE, also)
         if link := table.link:
             size = envelope_size(schema, bounds, table.envelope.message, link.number, largest_link_size())
             for peer in table.peers:
@@ -115,14 +114,7 @@ class EnvelopeTooLarge(LintRule, id="FIX102"):
                     message = f"the link message has up to {size} bytes; the peer {peer.name!r} accepts at most"
                     help = "raise `max_size` if the peer has the memory, or remove `link`"
                     also = [(peer.at("max_size"), "the limit is here")]
-                    yield cls.at(
-                        table.at("link"),
-                        f"{message} {peer.max_size}",
-                        help,
-                        also,
-                        type=table.envelope.message,
-                        number=link.number,
-                    )
+                    yield cls.of_row(table, link, table.at("link"), f"{message} {peer.max_size}", help, also)
 
 
 def _largest_fields(row: Row, schema: Schema, bounds: Bounds) -> str:

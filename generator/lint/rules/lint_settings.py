@@ -38,7 +38,7 @@ class LintSettingWithoutEffect(LintRule, id="TAB108", severity=Severity.WARNING)
             yield from (cls.at(*fault) for fault in _faults(lowered))
         for row in table.rows:
             for fault in (fault for lowered in row.lint for fault in _faults(lowered)):
-                yield cls.at(*fault, type=table.envelope.message, number=row.number)
+                yield cls.of_row(table, row, *fault)
 
 
 def _faults(lowered: Lowered) -> Iterator[tuple[Span, str, str]]:

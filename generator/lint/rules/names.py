@@ -47,7 +47,7 @@ class NameTaken(LintRule, id="TAB101"):
         retired: dict[str, RetiredRow] = {}
 
         def at(row: Numbered | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP_NAME) -> Diagnostic:
-            return cls.at(row.at("name"), message, help, [also], type=table.envelope.message, number=row.number)
+            return cls.of_row(table, row, "name", message, help, [also])
 
         for gone in table.retired:
             first = retired.setdefault(gone.name, gone)
@@ -97,7 +97,6 @@ class TopicTaken(LintRule, id="TAB102"):
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each row with a topic that an earlier row, or the row itself, already has."""
         seen: dict[str, tuple[str, Span]] = {}
-        envelope = context.table.envelope.message
         for row in context.table.rows:
             for topic, span in _topics(row):
                 # usually a node is in the root namespace, where `gps` and `/gps` are the same topic
@@ -105,7 +104,7 @@ class TopicTaken(LintRule, id="TAB102"):
                 if place is not span:
                     message = f"the topic {topic!r} already belongs to the row {first!r}"
                     help = "give each row its own topic"
-                    yield cls.at(span, message, help, [(place, "first used here")], type=envelope, number=row.number)
+                    yield cls.of_row(context.table, row, span, message, help, [(place, "first used here")])
 
 
 def _topics(row: Row) -> Iterator[tuple[str, Span]]:
@@ -320,7 +319,7 @@ class RosNameForbidden(LintRule, id="ROS101"):
                 example = nearest if ros_names.is_message_name(nearest) else "ImuInfo"
                 help = f"use letters and digits, and start with a capital, for example {example}"
                 message = f"{row.ros!r} is not allowed as the name of a ROS message"
-                yield cls.at(row.ros_span, message, help, type=table.envelope.message, number=row.number)
+                yield cls.of_row(table, row, row.ros_span, message, help)
             for topic, span in (
                 (row.topic, row.at("topic")),
                 *((standard.topic, standard.at("topic")) for standard in row.also),
@@ -329,7 +328,7 @@ class RosNameForbidden(LintRule, id="ROS101"):
                     parts = "no part may start with a digit"
                     help = f"use letters, digits and underscores, separated by single slashes; {parts}"
                     message = f"{topic!r} is not allowed as the name of a topic"
-                    yield cls.at(span, message, help, type=table.envelope.message, number=row.number)
+                    yield cls.of_row(table, row, span, message, help)
 
 
 def _reaches_ros(row: Row) -> bool:

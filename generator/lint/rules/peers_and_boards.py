@@ -43,7 +43,7 @@ class UnknownPeer(LintRule, id="TAB103"):
         peers = sorted(peer.name for peer in table.peers)
         for row in table.rows:
             for key, message, help, also in _faults(row, peers, table.whole):
-                yield cls.at(row.at(key), message, help, also, type=table.envelope.message, number=row.number)
+                yield cls.of_row(table, row, key, message, help, also)
 
 
 _Fault = tuple[str, str, str, list[tuple[Span, str]]]  # the row's key, the message, the help, related places
@@ -173,8 +173,7 @@ class DirectionContradictsPrefix(LintRule, id="TAB105"):
                     direction = f"{other.name}_to_ros" if row.inbound else f"ros_to_{other.name}"
                     help = f"write `direction: {direction}`, or add the prefix to `prefixes` of the peer {own.name!r}"
                     also = [(other.at(f"prefixes.{prefix}"), f"the peer {other.name!r} has the prefix {prefix!r}")]
-                    span, envelope = row.at("direction"), table.envelope.message
-                    yield cls.at(span, message, help, also, type=envelope, number=row.number)
+                    yield cls.of_row(table, row, "direction", message, help, also)
                     break
 
 
@@ -268,8 +267,7 @@ class BoardUndecided(LintRule, id="TAB115"):
             if board:
                 message = f"{row.name!r} goes to the board {board!r} of the peer {row.peer!r}, which has no address"
                 help = f"add {board!r} with its `host` to `boards` of the peer {row.peer!r}, or {help}"
-            span, envelope = row.at("board" if row.board else "proto"), table.envelope.message
-            yield cls.at(span, message, help, type=envelope, number=row.number)
+            yield cls.of_row(table, row, "board" if row.board else "proto", message, help)
 
 
 class UnknownBoard(LintRule, id="TAB116"):
@@ -305,7 +303,7 @@ class UnknownBoard(LintRule, id="TAB116"):
             if row.board and row.peer in peers and row.board not in known:
                 message = f"unknown board {row.board!r} of the peer {row.peer!r} (known: {', '.join(known) or 'none'})"
                 help = nearest(row.board, known, f"add the board under `boards` of the peer {row.peer!r}")
-                yield cls.at(row.at("board"), message, help, type=table.envelope.message, number=row.number)
+                yield cls.of_row(table, row, "board", message, help)
 
 
 class MulticastSettingWithoutEffect(LintRule, id="TAB117"):
