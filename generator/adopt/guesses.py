@@ -127,8 +127,8 @@ def _peer(of_component: list[str]) -> str:
 
 def _row(member: ProtoField, tree: Tree, component: _Component | None, machines: Mapping[str, str]) -> DraftRow:
     proto = tree.schema.messages[member.type_name]
-    said = f"{member.comment}\n{proto.comment}"
-    sender, receiver = _named(_FROM, said, machines), _named(_TO, said, machines)
+    comments = f"{member.comment}\n{proto.comment}"
+    sender, receiver = _named(_FROM, comments, machines), _named(_TO, comments, machines)
     peer = next((peer_name for peer_name in (sender, receiver) if peer_name not in ("", _OURS)), "")
     inbound = _inbound_by_comment(sender, receiver)
     doubts = [] if peer or component else [_NO_MACHINE]

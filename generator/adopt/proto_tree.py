@@ -174,8 +174,10 @@ def _faults(
 
     If protoc names none of the files, returns the files that import an excluded file.
     """
-    said = {finding.span.file: finding for finding in reversed(error.findings) if finding.rule == ProtoDoesNotCompile}
-    faults = {file: said[shown(shown_root, file)].message for file in kept if shown(shown_root, file) in said}
+    by_file = {
+        finding.span.file: finding for finding in reversed(error.findings) if finding.rule == ProtoDoesNotCompile
+    }
+    faults = {file: by_file[shown(shown_root, file)].message for file in kept if shown(shown_root, file) in by_file}
     if faults:
         return faults
     return {

@@ -100,11 +100,11 @@ def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]
     if not before.files or not after.files:
         return []  # no file compiled, and protoc's errors are already reported
     # With `--error-format json`, buf prints one JSON object per line.
-    said = _run(before, after)
+    output = _run(before, after)
     try:
-        found = [_finding(json.loads(line), before, after, shown_root) for line in said.splitlines()]
+        found = [_finding(json.loads(line), before, after, shown_root) for line in output.splitlines()]
     except (ValueError, LookupError, TypeError) as error:
-        raise _failure(f"its output is not a list of findings: {_first_line(said)}") from error
+        raise _failure(f"its output is not a list of findings: {_first_line(output)}") from error
     entries = {name for name, message in before.messages.items() if message.map_entry}
     return [finding for finding in found if finding.rule.id != "MESSAGE_NO_DELETE" or finding.type not in entries]
 
@@ -148,19 +148,19 @@ def _failure(why: str) -> DiagnosticsError:
     return DiagnosticsError([BufFailed.at(_OPTION, f"{executable()} did not compare the two states: {why}", help)])
 
 
-def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_root: str) -> Diagnostic:
-    """Return the diagnostic for one line of buf's output; ``said`` is the line as parsed JSON.
+def _finding(parsed: Mapping[str, object], before: Schema, after: Schema, shown_root: str) -> Diagnostic:
+    """Return the diagnostic for one line of buf's output; ``parsed`` is the line as parsed JSON.
 
     buf gives no place for a deleted file; the place is then the folder of the .proto files. Raises `ValueError`,
-    `LookupError` or `TypeError` if ``said`` has another form.
+    `LookupError` or `TypeError` if ``parsed`` has another form.
     """
-    id, message, path = str(said["type"]), str(said["message"]), str(said.get("path", ""))
+    id, message, path = str(parsed["type"]), str(parsed["message"]), str(parsed.get("path", ""))
     broken = rule(id)
     if broken is None:
         raise ValueError(id)
     span = Span(shown_root or ".")
     if path:
-        span = Span(shown(shown_root, path), int(str(said["start_line"])), int(str(said["start_column"])))
+        span = Span(shown(shown_root, path), int(str(parsed["start_line"])), int(str(parsed["start_column"])))
     number = _NUMBER.search(message)
     return broken.at(
         span,
@@ -199,10 +199,10 @@ def unstated(theirs: Iterable[Diagnostic], ours: Iterable[Diagnostic]) -> Iterat
 
     Two diagnostics are about the same fault if they have the same message or enum and the same number.
     """
-    told = {(finding.type, finding.number) for finding in ours if finding.rule.id.startswith(_OURS)}
+    reported = {(finding.type, finding.number) for finding in ours if finding.rule.id.startswith(_OURS)}
     for finding in theirs:
         of_range = (
-            finding.rule.id.startswith("RESERVED_") and (finding.type, None) in told
+            finding.rule.id.startswith("RESERVED_") and (finding.type, None) in reported
         )  # our diagnostic may cover several ranges
-        if finding.number is None or not (of_range or (finding.type, finding.number) in told):
+        if finding.number is None or not (of_range or (finding.type, finding.number) in reported):
             yield finding

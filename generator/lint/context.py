@@ -202,7 +202,7 @@ class Context:
         if self.past is not None:
             taken |= self.past.taken(envelope)
         for number, burned in self.ledger.burned_in(envelope).items():
-            taken[number] = f"was used for {burned.told}, and must never be used again"
+            taken[number] = f"was used for {burned.description}, and must never be used again"
         taken |= {entry.number: f"was published for {entry.name!r} ({entry.proto})" for entry in self.published}
         taken |= dict.fromkeys(table.numbers, f"is used in {table.file}")
         taken |= {row.number: f"is retired: it was {row.name!r} ({row.proto})" for row in table.retired}

@@ -23,8 +23,8 @@ def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic
     # Two rules may find the same fault, and so may comparisons with two earlier states. A dict removes repetitions and
     # keeps the order of the rules.
     found = dict.fromkeys(finding for rule in lint_rules().values() for finding in rule.check(context))
-    said = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
-    counted = (_as_the_table_says(finding, context) for finding in said)
+    remaining = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
+    counted = (_as_the_table_says(finding, context) for finding in remaining)
     return independent(finding for finding in counted if finding is not None)
 
 
@@ -38,9 +38,9 @@ def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator
     payloads = {
         finding.number for finding in found if finding.type == envelope and finding.rule.id.startswith(_OF_THE_ENVELOPE)
     }
-    told = {*payloads, None} if payloads else payloads  # None stands for a range of reserved numbers
+    reported = {*payloads, None} if payloads else payloads  # None stands for a range of reserved numbers
     for finding in found:
-        if finding.type != envelope or finding.number not in told or not finding.rule.id.startswith(_OF_CHANGES):
+        if finding.type != envelope or finding.number not in reported or not finding.rule.id.startswith(_OF_CHANGES):
             yield finding
 
 

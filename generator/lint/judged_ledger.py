@@ -122,7 +122,7 @@ def burned_values(rule: type[Rule], context: Context) -> Iterator[Diagnostic]:
 
 
 def _of_burned(rule: type[Rule], burned: Burned, now: ProtoField | ProtoEnumValue, free: int | None) -> Diagnostic:
-    was = f"number {burned.number} of {burned.owner!r} was used for {burned.told} in the past"
+    was = f"number {burned.number} of {burned.owner!r} was used for {burned.description} in the past"
     return rule.at(
         now.at("number"),
         f"{was}, and must never be used again",

@@ -67,7 +67,7 @@ class Burned:
     """Why the user accepted the past; empty if the user gave no reason."""
 
     @property
-    def told(self) -> str:
+    def description(self) -> str:
         """The meanings, and why they were accepted: ``'gps' (Gps) and 'wind' (Wind) (accepted: never built)``."""
         uses = dict.fromkeys(f"{use.name!r} ({use.type})" if use.type else repr(use.name) for use in self.uses)
         return " and ".join(uses) + (f" (accepted: {self.reason})" if self.reason else "")

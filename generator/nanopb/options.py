@@ -49,14 +49,14 @@ def parse_options(text: str) -> Values:
 
 
 def _readable(error: text_format.ParseError, options: Message) -> OptionsError:
-    said = _POSITION.sub("", str(error), count=1)
+    text = _POSITION.sub("", str(error), count=1)
     column = error.GetColumn() or 0
-    if match := _UNKNOWN.search(said):
+    if match := _UNKNOWN.search(text):
         name = match["name"]
         return OptionsError(
             f"nanopb has no option {name!r}", nearest(name, options.DESCRIPTOR.fields_by_name, ""), column
         )
-    return OptionsError(said, column=column)
+    return OptionsError(text, column=column)
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,8 +51,8 @@ def read_bounds(
         try:
             vocabulary()
         except ModuleNotFoundError:
-            told = "the sizes of messages depend on options of nanopb, but nanopb is not installed"
-            findings.append(NanopbNotInstalled.at(place, told, "install nanopb: pip install 'nanopb>=0.4.9,<0.5'"))
+            problem = "the sizes of messages depend on options of nanopb, but nanopb is not installed"
+            findings.append(NanopbNotInstalled.at(place, problem, "install nanopb: pip install 'nanopb>=0.4.9,<0.5'"))
             return None
     messages: dict[str, MessageBounds] = {}
     fields: dict[tuple[str, str], FieldBounds] = {}
@@ -68,9 +68,9 @@ def read_bounds(
         readers[extension.file].read_extension(extension)
     for file, reader in readers.items():
         for line in reader.unused():
-            told = f"no name in {file} matches {line.pattern!r}"
+            problem = f"no name in {file} matches {line.pattern!r}"
             help = "write the full name, with the package: pkg.Message.field"
-            findings.append(NanopbPatternWithoutMatch.at(line.span, told, help))
+            findings.append(NanopbPatternWithoutMatch.at(line.span, problem, help))
     return Bounds(messages, fields)
 
 

@@ -155,8 +155,8 @@ def _protoc(staged: Path, files: Sequence[str], options: Sequence[str], inside: 
     command = [sys.executable, "-I", "-S", "-c", _RUN, str(_PACKAGES), *includes, *options, *files]
     done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
     if done.returncode:
-        said = done.stderr.decode("utf-8", errors="replace")
-        raise DiagnosticsError(_protoc_findings(said, staged, shown_root))
+        output = done.stderr.decode("utf-8", errors="replace")
+        raise DiagnosticsError(_protoc_findings(output, staged, shown_root))
 
 
 # protoc has no output for machines except GCC's form `file:line:column: text` (--error_format=gcc, its default). A file

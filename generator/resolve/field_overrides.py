@@ -49,7 +49,7 @@ class FieldSettings:
         returns the reason why an override does not apply to a field, or an empty text.
         """
         settings: dict[Key, T] = {}
-        said: dict[Key, Row] = {}
+        first_rows: dict[Key, Row] = {}
         for row, paths in rows:
             for path, value in paths.items():
                 span = row.at(f"{group}.{path}")
@@ -64,7 +64,7 @@ class FieldSettings:
                     fault = f"`{group}` has no effect on {path!r}, which {why}"
                     self._report(SettingWithoutEffect.at(span, fault, f"remove {path!r} from `{group}`"))
                 elif settings.setdefault(key, value) != value:
-                    other = said[key]
+                    other = first_rows[key]
                     message = (
                         f"`{group}` of the field '{'.'.join(key)}' is {_shown(value)} here, "
                         f"but {_shown(settings[key])} in the row {other.name!r}, which contains the field too"
@@ -73,7 +73,7 @@ class FieldSettings:
                     self._report(
                         RowsDisagreeOnAMessage.at(span, message, help, [(other.span, f"the row {other.name!r}")])
                     )
-                said.setdefault(key, row)
+                first_rows.setdefault(key, row)
         return settings
 
     def _field(self, row: Row, group: str, path: str) -> tuple[Key, ProtoField] | None:

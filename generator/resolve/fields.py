@@ -160,8 +160,8 @@ class MessageBuilder:
         """Return True if the ROS message gets a field ``has_<field>``, which tells if the proto field is set."""
         if field.label != "optional" or field.oneof or field.type_name in (*well_known.TEXTS, well_known.EMPTY):
             return False
-        said = self._messages.settings.presence.get((message.full_name, field.name))
-        return said if said is not None else field.optional or field.type_name in well_known.WRAPPERS
+        setting = self._messages.settings.presence.get((message.full_name, field.name))
+        return setting if setting is not None else field.optional or field.type_name in well_known.WRAPPERS
 
     def _discriminator(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
         """Return the name of the ROS field that tells which member of a oneof is set, such as ``which_order``.

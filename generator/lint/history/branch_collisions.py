@@ -34,8 +34,8 @@ def default_branch(refs: Sequence[Ref]) -> str | None:
     # `git clone` writes refs/remotes/<remote>/HEAD: a symbolic ref to the default branch of the remote (git-remote(1),
     # set-head). A repository that was made with `git init` has none, and then the usual names decide.
     heads = {ref.name: ref.target for ref in refs if ref.name.startswith(_REMOTE) and ref.name.endswith("/HEAD")}
-    told = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
-    return next((name for name in (*told, *_DEFAULTS) if name in names), None)
+    of_remotes = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
+    return next((name for name in (*of_remotes, *_DEFAULTS) if name in names), None)
 
 
 def branch_name(ref: str) -> str:

@@ -69,8 +69,8 @@ class FieldNumberReuseInMessage(LintRule, id="WIR111"):
         """Yield a diagnostic for each field whose number belonged to a field with another meaning in the ledger."""
         reused = list(reused_fields(cls, context, {Meaning.OTHER, Meaning.WIRE}))
         yield from reused
-        told = {finding.span for finding in reused}
-        yield from (finding for finding in burned_fields(cls, context) if finding.span not in told)
+        reported = {finding.span for finding in reused}
+        yield from (finding for finding in burned_fields(cls, context) if finding.span not in reported)
 
 
 class EnumNumberReuse(LintRule, id="WIR112"):
@@ -97,8 +97,8 @@ class EnumNumberReuse(LintRule, id="WIR112"):
         """Yield a diagnostic for each enum value whose number belonged to another value in the ledger."""
         reused = list(reused_values(cls, context, {Meaning.OTHER, Meaning.WIRE}))
         yield from reused
-        told = {finding.span for finding in reused}
-        yield from (finding for finding in burned_values(cls, context) if finding.span not in told)
+        reported = {finding.span for finding in reused}
+        yield from (finding for finding in burned_values(cls, context) if finding.span not in reported)
 
 
 class MessageContentReplaced(LintRule, id="WIR113"):
@@ -233,12 +233,12 @@ def _judged_fields(rule: type[Rule], context: Context, meaning: Meaning) -> Iter
             judged = judge_pair(pair)
             if judged.meaning is meaning and not is_accepted(context, pair.owner, pair.old, pair.new):
                 place = type_place if pair.old.name == pair.new.name else name_place
-                yield changed_field(rule, numbers, pair, f"{_told(pair)}: {judged.reason}", place)
+                yield changed_field(rule, numbers, pair, f"{_change_text(pair)}: {judged.reason}", place)
 
     return each_once(context.changes, compare)
 
 
-def _told(pair: FieldPair) -> str:
+def _change_text(pair: FieldPair) -> str:
     old, new = (repr(field.name) for field in (pair.old, pair.new))
     if pair.old.name == pair.new.name:
         old, new = f"{old} ({pair.old.wire_type})", f"{new} ({pair.new.wire_type})"

@@ -250,7 +250,9 @@ class BurnedNumberTaken(LintRule, id="ENV110"):
             # The type says what a payload means, so the payload may have another name.
             if burned and not (burned.now and burned.now.type == row.proto):
                 help = f"give {row.name!r} the number {context.next_number()}, which was never used"
-                message = f"field {row.number} was used for {burned.told} in the past, and must never be used again"
+                message = (
+                    f"field {row.number} was used for {burned.description} in the past, and must never be used again"
+                )
                 yield cls.of_row(context.table, row, "number", message, help)
 
 

@@ -127,7 +127,7 @@ class NumberGivenOnTwoBranches(LintRule, id="HIS104"):
             return
         for found in past.history.collisions(envelope):
             owner, number = found.owner, found.number
-            message = f"number {number} of {owner!r} is {' and '.join(map(_said, found.allocations))}"
+            message = f"number {number} of {owner!r} is {' and '.join(map(_allocation_text, found.allocations))}"
             free = number_never_used(context, past.history, owner)
             other = f"the number {free}, which no branch uses" if free else "a number in another type"
             finding = cls.at(
@@ -149,7 +149,7 @@ def _use(context: Context, number: int, allocation: Allocation) -> Use:
     )
 
 
-def _said(allocation: Allocation) -> str:
+def _allocation_text(allocation: Allocation) -> str:
     called = f"{allocation.name!r} ({allocation.type})" if allocation.type else repr(allocation.name)
     return f"{called} {whereabouts(allocation.refs)}"
 

@@ -143,9 +143,8 @@ class Scalings:
         if out_of is None or into is None:
             return None
         if out_of.dimension != into.dimension:
-            message = (
-                f"{source.dotted!r} is in {_told(given[0], out_of)}, but {place.shown} is in {_told(wanted[0], into)}"
-            )
+            in_si = _with_si_unit(given[0], out_of), _with_si_unit(wanted[0], into)
+            message = f"{source.dotted!r} is in {in_si[0]}, but {place.shown} is in {in_si[1]}"
             known = "g means gram; write g0 for the acceleration of free fall" if given[0] in ("g", "mg") else ""
             self._report(
                 standard_rules.DimensionDoesNotFit.at(
@@ -167,6 +166,6 @@ def _is_usable(value: object, key: str) -> bool:
     return isinstance(value, (int, Fraction)) and (bool(value) or key == "offset")
 
 
-def _told(text: str, unit: units.Unit) -> str:
+def _with_si_unit(text: str, unit: units.Unit) -> str:
     """Return a unit as text for a diagnostic, followed by its SI base units if they differ: ``N (m kg s^-2)``."""
     return text if text == unit.in_si else f"{text} ({unit.in_si})"

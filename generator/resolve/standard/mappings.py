@@ -62,7 +62,9 @@ class StandardTopics:
         fields = Tree(filling, settings, self._report).fields()
         self._check_ignored(settings, sources)
         back = invert(fields)
-        lost = [path for path in sources.paths() if not _covers(back.told, path) and not _covers(settings.ignore, path)]
+        lost = [
+            path for path in sources.paths() if not _covers(back.found, path) and not _covers(settings.ignore, path)
+        ]
         if not row.inbound:
             self._check_inverse(row, settings, back.obstacle, lost)
         file = self._schema.messages[row.proto].file
