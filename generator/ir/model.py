@@ -518,4 +518,5 @@ class Bridge:
 
     def conversions(self) -> dict[str, Conversion]:
         """Return every conversion, by the name of its ROS message."""
-        return {c.ros: c for c in (*self.nested, *(route.conversion for route in self.routes if route.conversion))}
+        of_routes = [route.conversion for route in self.routes if route.conversion]
+        return {conversion.ros: conversion for conversion in (*self.nested, *of_routes)}

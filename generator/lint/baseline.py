@@ -202,11 +202,11 @@ def _of_state(error: Diagnostic) -> Diagnostic:
 
 def _rows(table: Table | None) -> list[Entry]:
     rows = table.rows if table else ()
-    return [Entry(r.number, r.name, r.proto, r.topic, False, False, r.at("number")) for r in rows]
+    return [Entry(row.number, row.name, row.proto, row.topic, False, False, row.at("number")) for row in rows]
 
 
 def _members(schema: Schema, layout: Layout) -> list[Entry]:
     """Return the payloads in the envelope of an earlier state: the members of the envelope's oneof."""
     envelope = schema.messages.get(layout.envelope_message)
     fields = [field for field in envelope.fields if field.oneof == layout.oneof] if envelope else []
-    return [Entry(f.number, f.name, f.wire_type, "", False, False, f.span) for f in fields]
+    return [Entry(field.number, field.name, field.wire_type, "", False, False, field.span) for field in fields]

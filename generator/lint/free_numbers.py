@@ -56,7 +56,7 @@ def next_enum_number(context: Context, full_name: str, taken: Iterable[int] = ()
         closed += enum.reserved
     known |= {value.number for value in context.ledger.values(full_name)} | {*context.ledger.burned_in(full_name)}
     for file in context.files.values():
-        known |= {c.number for enum in file.enums if enum.full_name == full_name for c in enum.claims}
+        known |= {claim.number for enum in file.enums if enum.full_name == full_name for claim in enum.claims}
     return _above(known, closed, LARGEST_ENUM_NUMBER)
 
 

@@ -73,7 +73,7 @@ class PinnedStates:
         if one == other:
             return "same"
         found = self.misreadings[min(one, other), max(one, other)]
-        certain = sum(each.certain for each in found)
+        certain = sum(misreading.certain for misreading in found)
         return f"misread {certain}" if certain else f"doubtful {len(found)}" if found else "compatible"
 
 

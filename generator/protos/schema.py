@@ -215,7 +215,7 @@ class ProtoEnum(Declared):
         """Return the parts of the declaration that change the encoding, as mapping.lock stores them."""
         return ir.WireEnum(
             self.full_name,
-            tuple(v.on_the_wire() for v in sorted(self.values, key=lambda v: (v.number, v.name))),
+            tuple(value.on_the_wire() for value in sorted(self.values, key=lambda value: (value.number, value.name))),
             tuple(sorted(self.reserved)),
             tuple(sorted(self.reserved_names)),
             commented(self),

@@ -194,7 +194,7 @@ def _numbers(declared: Declarations) -> dict[str, set[int]]:
 def _join(classes: list[int], one: int, other: int) -> None:
     """Give two usages the same class, together with all usages that are in their classes."""
     old, new = classes[other], classes[one]
-    classes[:] = [new if each == old else each for each in classes]
+    classes[:] = [new if index == old else index for index in classes]
 
 
 def _alike(uses: Sequence[TracedUsage], classes: Sequence[int], one: int) -> frozenset[Usage]:

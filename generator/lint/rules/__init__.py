@@ -44,6 +44,6 @@ class LintRule(Rule, id=""):
 @cache
 def lint_rules() -> Mapping[str, type[LintRule]]:
     """Return each rule of the lint, by its id."""
-    modules = [importlib.import_module(f"{__name__}.{found.name}") for found in pkgutil.iter_modules(__path__)]
+    modules = [importlib.import_module(f"{__name__}.{module.name}") for module in pkgutil.iter_modules(__path__)]
     found = [rule for module in modules for rule in rules_in(module).values() if issubclass(rule, LintRule)]
     return {rule.id: rule for rule in sorted(found, key=lambda rule: rule.id)}

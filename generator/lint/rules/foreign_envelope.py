@@ -224,9 +224,8 @@ class LinkMessageMissing(LintRule, id="LNK101"):
         member = f"{link.proto} {link.name} = {link.number};"
         found = [field for field in envelope.fields if link.number == field.number or link.name == field.name]
         declared = context.schema.messages.get(link.proto)
-        if [(f.number, f.name, f.wire_type, f.oneof) for f in found] != [
-            (link.number, link.name, link.proto, table.envelope.oneof)
-        ]:
+        facts = [(field.number, field.name, field.wire_type, field.oneof) for field in found]
+        if facts != [(link.number, link.name, link.proto, table.envelope.oneof)]:
             message = f"the oneof {table.envelope.oneof!r} of the envelope has no member `{member}`"
             help = f"add the member and link.proto in the envelope's repository, as `roverlink explain {cls.id}` shows"
             also = [(field.span, "the member is here") for field in found]

@@ -256,7 +256,7 @@ class EnumValueCollides(LintRule, id="NAM103"):
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each enum with a value that has the name of a message in the same scope."""
         files = {**context.excluded_files, **context.files}
-        messages = {found.full_name: (path, found) for path, file in files.items() for found in file.messages}
+        messages = {message.full_name: (path, message) for path, file in files.items() for message in file.messages}
         for path, file in files.items():
             for enum in file.enums:
                 yield from _colliding_values(path, enum, messages, context)

@@ -104,9 +104,9 @@ def _pins(consumers: Iterable[Consumer]) -> Iterator[tuple[Span, str]]:
     of_commit: dict[str, list[Consumer]] = {}
     for consumer in consumers:
         of_commit.setdefault(consumer.commit.id, []).append(consumer)
-    for found in of_commit.values():
-        are = "are" if len(_quoted(found)) > 1 else "is"
-        yield found[0].pin.span, f"{_listed(_quoted(found))} {are} pinned to {found[0].commit}"
+    for first, *others in of_commit.values():
+        names = _quoted([first, *others])
+        yield first.pin.span, f"{_listed(names)} {'are' if len(names) > 1 else 'is'} pinned to {first.commit}"
 
 
 def _help(old: _Side, new: _Side) -> str:

@@ -125,20 +125,20 @@ class NumberGivenOnTwoBranches(LintRule, id="HIS104"):
         past, envelope = context.past, context.table.envelope.message
         if past is None or not past.of_branches:
             return
-        for found in past.history.collisions(envelope):
-            owner, number = found.owner, found.number
-            message = f"number {number} of {owner!r} is {' and '.join(map(_allocation_text, found.allocations))}"
+        for collision in past.history.collisions(envelope):
+            owner, number = collision.owner, collision.number
+            message = f"number {number} of {owner!r} is {' and '.join(map(_allocation_text, collision.allocations))}"
             free = number_never_used(context, past.history, owner)
             other = f"the number {free}, which no branch uses" if free else "a number in another type"
             finding = cls.at(
                 place_of(context, owner, number),
-                message if found.certain else f"{message}: {found.reason}",
+                message if collision.certain else f"{message}: {collision.reason}",
                 f"keep the number for one of them, and give the other one {other}",
                 type=owner,
                 number=number,
-                uses=[_use(context, number, allocation) for allocation in found.allocations],
+                uses=[_use(context, number, allocation) for allocation in collision.allocations],
             )
-            yield finding if found.certain else dataclasses.replace(finding, severity=Severity.WARNING)
+            yield finding if collision.certain else dataclasses.replace(finding, severity=Severity.WARNING)
 
 
 def _use(context: Context, number: int, allocation: Allocation) -> Use:
