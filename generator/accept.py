@@ -119,7 +119,7 @@ def _today(context: Context, burned: Burned) -> Burned:
 def _not_compiled(found: Linted, chosen: Iterable[Number]) -> Iterable[Diagnostic]:
     """Yield the errors of protoc if they hide what a chosen number means today."""
     context = found.context
-    compiled = {*context.schema.messages, *context.schema.enums} if context.schema else set()
+    compiled = {*context.schema.messages, *context.schema.enums}
     declared = {message.full_name for file in context.files.values() for message in file.messages}
     declared |= {enum.full_name for file in context.files.values() for enum in file.enums}
     if any(owner in declared - compiled for owner, _ in chosen):

@@ -19,6 +19,7 @@ from roverlink.generator.nanopb import row_sizes, table_bounds
 from roverlink.generator.protos.files import DeclarationIndex, index_declarations, read_protos
 from roverlink.generator.protos.proto_rules import NoEnvelopeFile, NoProtoRoot
 from roverlink.generator.protos.protoc import Compilation, compile_protos
+from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.locate import locate, locate_anys
 from roverlink.generator.resolve.resolver import resolve, resolve_envelope
 from roverlink.generator.table import IMPLEMENTATION_NUMBERS, Table, reader
@@ -138,10 +139,10 @@ def _compiled(
     envelope = resolve_envelope(table, files, published)
     named = index is not None and all((envelope.file, envelope.message, envelope.oneof))
     compilation = _collecting(findings, lambda: _compile(table, project, envelope, listed)) if named else None
-    schema = compilation.schema if compilation else None
+    schema = compilation.schema if compilation else Schema()
     # if a row was left out because of a mistake, its number has not vanished from the envelope
     lacking = envelope.message if not table.whole or any(row.proto not in files for row in table.rows) else ""
-    changes = since_last_generate(published, schema, lacking) if schema else ()
+    changes = since_last_generate(published, schema, lacking) if compilation else ()
     findings += lint(Context(table, schema, published, changes=changes))
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:

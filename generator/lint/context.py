@@ -83,8 +83,8 @@ class Context:
     """All data that the rules may look at: the table, the current protos, the ledger, and earlier states."""
 
     table: Table
-    schema: Schema | None
-    """The schema of the .proto files that compile; None if no file compiles."""
+    schema: Schema
+    """The schema of the .proto files that compile; empty if no file compiles."""
     ledger: Ledger
     files: Mapping[str, File] = field(default_factory=dict)
     """The declarations in each .proto file by path, as far as the file can be read. Excluded files are left out."""

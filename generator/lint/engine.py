@@ -76,7 +76,5 @@ def _is_about(finding: Diagnostic, number: int, proto: str, context: Context) ->
     """
     if finding.type in ("", context.table.envelope.message):
         return finding.number == number
-    if context.schema is None:
-        return finding.type == proto
     messages, enums = context.schema.reachable(proto)
-    return finding.type in messages or finding.type in enums
+    return finding.type == proto or finding.type in messages or finding.type in enums

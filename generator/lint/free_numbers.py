@@ -135,8 +135,7 @@ def changed_field(
 
 
 def _schemas(context: Context) -> Iterator[Schema]:
-    if context.schema is not None:
-        yield context.schema
+    yield context.schema
     yield from (change.before for change in context.changes)
 
 

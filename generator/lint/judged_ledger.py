@@ -28,8 +28,6 @@ def reused_fields(rule: type[Rule], context: Context, meanings: Set[Meaning]) ->
     Only fields with one of the given judgements are reported. A field is left out if the ledger also contains it with
     its number, even with another name that means the same.
     """
-    if context.schema is None:
-        return
     change = SchemaChange(context.ledger.schema, context.schema, of_ledger=True)
     for name, gone in context.ledger.gone_fields.items():
         before, after = change.before.messages.get(name), change.after.messages.get(name)
@@ -81,8 +79,6 @@ def reused_values(rule: type[Rule], context: Context, meanings: Set[Meaning]) ->
     Only values with one of the given judgements are reported. A value is left out if the ledger also contains it with
     its number, even with another name that means the same.
     """
-    if context.schema is None:
-        return
     change = SchemaChange(context.ledger.schema, context.schema, of_ledger=True)
     for name, gone in context.ledger.gone_values.items():
         before, after = change.before.enums.get(name), change.after.enums.get(name)
@@ -105,7 +101,7 @@ def reused_values(rule: type[Rule], context: Context, meanings: Set[Meaning]) ->
 
 def burned_fields(rule: type[Rule], context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each field with a burned number that it must not have."""
-    for name, message in (context.schema.messages if context.schema else {}).items():
+    for name, message in context.schema.messages.items():
         for field in message.fields:
             if burned := context.ledger.must_not_be(name, field.number, meaning_of(field)):
                 yield _of_burned(rule, burned, field, next_field_number(context, name))
@@ -113,7 +109,7 @@ def burned_fields(rule: type[Rule], context: Context) -> Iterator[Diagnostic]:
 
 def burned_values(rule: type[Rule], context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each enum value with a burned number that it must not have."""
-    for name, enum in (context.schema.enums if context.schema else {}).items():
+    for name, enum in context.schema.enums.items():
         for number, values in values_by_number(enum).items():
             forbidden = [context.ledger.must_not_be(name, number, meaning_of(value)) for value in values]
             # With an alias, the number may have an earlier name beside the one that it may keep.

@@ -118,7 +118,7 @@ def not_linted(error: DiagnosticsError, folder: Path) -> Linted:
 
     The paths in the diagnostics are relative to ``folder``.
     """
-    nothing = Context(bare_tree.table_of_tree(bare_tree.EnvelopeName("", "")), None, lock.Ledger())
+    nothing = Context(bare_tree.table_of_tree(bare_tree.EnvelopeName("", "")), Schema(), lock.Ledger())
     return Linted(error.findings, folder, error.texts, lambda _: None, nothing)
 
 
@@ -133,7 +133,7 @@ def lint_project(table_path: Path, question: Question) -> Linted:
         table = reader.read(folder / table_path.name, findings, table_path.name)
         published = lock.read(folder / lock.NAME, findings)
         if not table.proto.root:  # `proto` is missing or misspelt: the project's folder is not what the user meant
-            raise DiagnosticsError([*findings, *lint(Context(table, None, published))])
+            raise DiagnosticsError([*findings, *lint(Context(table, Schema(), published))])
         return _lint(folder, project, table, published, question, findings)
 
 

@@ -85,7 +85,7 @@ class Ledger:
     """Content of mapping.lock. A number may have several entries, if it was published for several payloads."""
 
     entries: tuple[Entry, ...] = ()
-    schema: Schema = field(default_factory=lambda: Schema((), {}, {}))
+    schema: Schema = field(default_factory=Schema)
     """The messages and enums of all payloads at the last generate. Files, JSON names and options are not stored."""
     gone_fields: Mapping[str, tuple[ProtoField, ...]] = field(default_factory=dict)
     """Fields that were published and do not exist any more, by the message's full name."""

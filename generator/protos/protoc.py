@@ -135,7 +135,7 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
             left = kept if len(kept) < len(left) else []
         else:
             return replace(schema, uncompiled=tuple(file for file in files if file not in left)), findings
-    return Schema((), {}, {}, uncompiled=tuple(files)), findings
+    return Schema(uncompiled=tuple(files)), findings
 
 
 def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> FileDescriptorSet:

@@ -261,10 +261,10 @@ class Syntax:
 class Schema:
     """The messages, enums and extensions of some .proto files, and of all files that these import."""
 
-    files: tuple[str, ...]
+    files: tuple[str, ...] = ()
     """Paths of the files; each file stands after the files that it imports."""
-    messages: Mapping[str, ProtoMessage]
-    enums: Mapping[str, ProtoEnum]
+    messages: Mapping[str, ProtoMessage] = field(default_factory=dict)
+    enums: Mapping[str, ProtoEnum] = field(default_factory=dict)
     extensions: tuple[ProtoExtension, ...] = ()
     file_options: Mapping[str, bytes] = field(default_factory=dict)
     """The serialized `FileOptions` of each file, by path."""

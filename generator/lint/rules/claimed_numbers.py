@@ -85,7 +85,7 @@ class FieldNumberClaimed(LintRule, id="ENV109", severity=Severity.WARNING):
 
 
 def _claimed_fields(path: str, declared: ProtoMessage, context: Context) -> Iterator[Diagnostic]:
-    compiled = context.schema.messages.get(declared.full_name) if context.schema else None
+    compiled = context.schema.messages.get(declared.full_name)
     fields = compiled.fields if compiled and compiled.file == path else ()
     for field in fields:
         for claim in declared.claims:

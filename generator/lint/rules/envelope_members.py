@@ -96,7 +96,8 @@ class EnvelopeDisagrees(LintRule, id="ENV105"):
 
 def _check_of_another_owner(context: Context) -> Iterator[Diagnostic]:
     table, schema, name = context.table, context.schema, context.table.envelope.message
-    if schema is None or not name or not table.proto.root:  # without a table, the rows are made from the members
+    is_read = schema.files or context.files
+    if not is_read or not name or not table.proto.root:  # without a table, the rows are made from the members
         return
     envelope = schema.messages.get(name)
     if envelope is not None:

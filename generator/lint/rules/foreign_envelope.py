@@ -48,7 +48,7 @@ class PayloadOutsideOneof(LintRule, id="ENV106"):
         If the table owns the envelope, each field of another type outside of the oneof is reported, too.
         """
         settings = context.table.envelope
-        envelope = context.schema.messages.get(settings.message) if context.schema else None
+        envelope = context.schema.messages.get(settings.message)
         if envelope is None or settings.oneof not in envelope.oneofs:
             return
         ours = settings.owner == "mapping"
@@ -103,7 +103,7 @@ class NumberUnreserved(LintRule, id="ENV107"):
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each published number that the envelope neither uses nor reserves."""
         table = context.table
-        envelope = context.schema.messages.get(table.envelope.message) if context.schema else None
+        envelope = context.schema.messages.get(table.envelope.message)
         if envelope is None or table.envelope.owner != "proto":
             return
         # Several payloads may have been published with one number, but it is reserved once. The ledger's entry is kept.
@@ -218,8 +218,8 @@ class LinkMessageMissing(LintRule, id="LNK101"):
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic if the envelope lacks the link message, or if the link message has other fields."""
         table, link = context.table, context.table.link
-        envelope = context.schema.messages.get(table.envelope.message) if context.schema else None
-        if context.schema is None or envelope is None or link is None or table.envelope.owner != "proto":
+        envelope = context.schema.messages.get(table.envelope.message)
+        if envelope is None or link is None or table.envelope.owner != "proto":
             return
         member = f"{link.proto} {link.name} = {link.number};"
         found = [field for field in envelope.fields if link.number == field.number or link.name == field.name]

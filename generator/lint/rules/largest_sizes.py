@@ -41,7 +41,7 @@ class FieldUnbounded(LintRule, id="FIX101"):
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each payload with an unlimited field, if a sender or receiver has a `max_size`."""
         schema, bounds = context.schema, context.bounds
-        if schema is None or bounds is None:
+        if bounds is None:
             return
         for proto, (row, peer) in _limited(context).items():
             found = largest_size(schema, bounds, proto) if proto in schema.messages else 0
@@ -91,7 +91,7 @@ class EnvelopeTooLarge(LintRule, id="FIX102"):
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each row whose largest envelope exceeds the `max_size` of its sender or receiver."""
         table, schema, bounds = context.table, context.schema, context.bounds
-        if schema is None or bounds is None:
+        if bounds is None:
             return
         peers = table.peers_by_name()
         for row in table.rows:
@@ -153,8 +153,6 @@ class NumberAbove15(LintRule, id="FIX104", severity=Severity.HINT):
         table, schema = context.table, context.schema
         limited = {peer.name for peer in table.peers if peer.max_size is not None}
         sent = [row.proto for row in table.rows if row.inbound and row.peer in limited]
-        if schema is None or not sent:
-            return
         for name in sorted(schema.reachable(*sent)[0]):
             yield from _long_numbers(schema.messages[name])
 

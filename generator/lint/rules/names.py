@@ -204,7 +204,7 @@ def _not_prefixed(row: Row, prefixes: list[str], context: Context) -> Iterator[D
 
 
 def _check_folder(row: Row, prefixes: list[str], context: Context) -> Iterator[Diagnostic]:
-    declared = context.schema.messages.get(row.proto) if context.schema else None
+    declared = context.schema.messages.get(row.proto)
     folders = [snake_case(prefix) for prefix in prefixes]
     if declared is not None and PurePosixPath(declared.file).parent.name not in folders:
         message = (
@@ -221,7 +221,7 @@ def _declaration(row: Row, context: Context) -> tuple[Span, list[tuple[Span, str
 
     This is the declaration of the message, with the row as related place. If the declaration is unknown, it is the row.
     """
-    declared = context.schema.messages.get(row.proto) if context.schema else None
+    declared = context.schema.messages.get(row.proto)
     if declared is None:
         return row.at("proto"), []
     return declared.at("name"), [(row.at("proto"), "a row uses the message here")]

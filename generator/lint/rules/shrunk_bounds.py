@@ -58,7 +58,7 @@ class BoundShrank(LintRule, id="FIX103"):
     @classmethod
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each field that has a smaller size limit than in the earlier state."""
-        if context.schema is None or context.bounds is None:
+        if context.bounds is None:
             return
         for change in context.changes:
             if change.bounds_before is None:

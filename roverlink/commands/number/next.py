@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     if found.context.past is None:
         print("not a git repository, so the history was not checked", file=sys.stderr)
     envelope, schema = found.context.table.envelope, found.context.schema
-    if schema and envelope.message in schema.messages and not envelope.oneof:
+    if envelope.message in schema.messages and not envelope.oneof:
         print(f"{envelope.message!r} has no oneof, so all its fields count as payloads", file=sys.stderr)
     print_skipped(found.context)
     number = found.context.next_number()
