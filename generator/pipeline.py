@@ -13,6 +13,7 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, has_er
 from roverlink.generator.emit import emitter, envelope_file
 from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.ir import ros_names
+from roverlink.generator.ir.protobuf_facts import IMPLEMENTATION_NUMBERS
 from roverlink.generator.lint.context import Context, since_last_generate
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.nanopb import row_sizes, table_bounds
@@ -22,7 +23,7 @@ from roverlink.generator.protos.protoc import Compilation, compile_protos
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.locate import locate, locate_anys
 from roverlink.generator.resolve.resolver import resolve, resolve_envelope
-from roverlink.generator.table import IMPLEMENTATION_NUMBERS, Table, reader
+from roverlink.generator.table import Table, reader
 from roverlink.generator.table.edit import with_retired, with_row
 from roverlink.generator.table.yaml_items import read_text
 

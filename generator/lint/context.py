@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field, replace
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span, shown
+from roverlink.generator.ir.protobuf_facts import IMPLEMENTATION_NUMBERS, LARGEST_FIELD_NUMBER
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.history import History, whereabouts
 from roverlink.generator.lint.pinned_states import PinnedStates
@@ -13,7 +14,7 @@ from roverlink.generator.lock import Entry, Ledger, RowSettings, Setting, settin
 from roverlink.generator.nanopb import Bounds
 from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
-from roverlink.generator.table import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER, Row, Table
+from roverlink.generator.table import Row, Table
 
 
 def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "") -> tuple[SchemaChange, ...]:
@@ -156,7 +157,7 @@ class Context:
         than protobuf allows.
         """
         above = self.free_number(self.largest_number() + 1)
-        return above if above <= LARGEST_NUMBER else self.free_number(1)
+        return above if above <= LARGEST_FIELD_NUMBER else self.free_number(1)
 
     def free_number(self, number: int, besides: Set[int] = frozenset()) -> int:
         """Return the smallest free number of the envelope that is not less than ``number``.

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
+from roverlink.generator.ir.protobuf_facts import IMPLEMENTATION_NUMBERS, LARGEST_FIELD_NUMBER
 from roverlink.generator.lint.comparison import EnumPair, FieldPair, MessagePair, SchemaChange
 from roverlink.generator.lint.comparison.judged_changes import judge_pair
 from roverlink.generator.lint.comparison.judgement import Meaning
@@ -17,9 +18,8 @@ from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import declaration
 from roverlink.generator.lint.fixits.put_back_or_reserve import back, reserve, was
 from roverlink.generator.protos.number_ranges import Range, covers, missing
-from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
+from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER
 from roverlink.generator.protos.schema import ProtoField, Schema
-from roverlink.generator.table import IMPLEMENTATION_NUMBERS
 
 _IMPLEMENTATION = (IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1)
 

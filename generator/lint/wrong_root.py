@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.generator.ir.protobuf_facts import OWN_FILES
 from roverlink.generator.lint.input_rules import WrongProtoRoot
 from roverlink.generator.protos.parser import File
 
-_OF_PROTOBUF = "google/protobuf/"
 _MOST_NAMED = 3  # a repository can have more roots than one line has room for
 
 
@@ -36,7 +36,7 @@ def wrong_root(root: Path, files: Mapping[str, File], shown_root: str, span: Spa
         _Import(name, imported)
         for name, file in files.items()
         for imported in file.imported
-        if not imported.startswith(_OF_PROTOBUF)
+        if not imported.startswith(OWN_FILES)
     ]
     missing = [imported for imported in imports if not _exists(root, imported.imported, files)]
     if len(missing) * 2 <= len(imports):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
+from roverlink.generator.ir.protobuf_facts import LARGEST_FIELD_NUMBER
+from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER
 
 Range = tuple[int, int]
 

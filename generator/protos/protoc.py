@@ -17,7 +17,7 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
-from roverlink.generator.ir.pb2_paths import module_path
+from roverlink.generator.ir.protobuf_facts import OWN_FILES, module_path
 from roverlink.generator.protos.descriptors import schema_of
 from roverlink.generator.protos.files import declarations
 from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile, UnimportableProtoPath
@@ -31,7 +31,6 @@ from grpc_tools import _protoc_compiler
 sys.exit(_protoc_compiler.run_main([os.fsencode(argument) for argument in sys.argv]))
 """
 _PACKAGES = Path(grpc_tools.__file__).parents[1]
-_OF_PROTOBUF = "google/protobuf/"
 _WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
 
 
@@ -57,7 +56,7 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
         options = [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
         # protoc generates modules for the files in its arguments only, not for their imports.
         found = _stage(root, files, overlay, staged)
-        wanted = list(dict.fromkeys([*files, *(name for name in found if not name.startswith(_OF_PROTOBUF))]))
+        wanted = list(dict.fromkeys([*files, *(name for name in found if not name.startswith(OWN_FILES))]))
         if findings := [*_unimportable(wanted, shown_root)]:
             raise DiagnosticsError(findings)
         _protoc(staged, wanted, options, out, shown_root)

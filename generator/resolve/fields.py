@@ -7,6 +7,7 @@ import itertools
 
 from roverlink.generator import ir
 from roverlink.generator.ir import ros_names
+from roverlink.generator.ir.protobuf_facts import OWN_FILES
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, commented
 from roverlink.generator.resolve import enums, oneofs, well_known
 from roverlink.generator.resolve.conversion_rules import (
@@ -46,7 +47,7 @@ class MessageBuilder:
             ros,
             tuple(self._fields.values()),
             tuple(enums.constants_of(declared, self._oneof_constants, ros, self._message.span, self._report)),
-            "" if self._message.file.startswith("google/protobuf/") else commented(self._message),
+            "" if self._message.file.startswith(OWN_FILES) else commented(self._message),
             self._message.full_name,
         )
 

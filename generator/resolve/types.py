@@ -11,6 +11,7 @@ from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import ros_names
 from roverlink.generator.ir.model import ConversionKind
+from roverlink.generator.ir.protobuf_facts import OWN_FILES
 from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Schema, commented
 from roverlink.generator.resolve import enums, well_known
 from roverlink.generator.resolve.field_overrides import FieldSettings
@@ -186,7 +187,7 @@ def _comment(message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) ->
 
     The result is empty for a field of google.protobuf's messages: these comments explain protobuf's libraries.
     """
-    return "" if message.file.startswith("google/protobuf/") and len(path) == 1 else commented(field)
+    return "" if message.file.startswith(OWN_FILES) and len(path) == 1 else commented(field)
 
 
 def _camel(path: tuple[str, ...]) -> str:

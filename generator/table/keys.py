@@ -21,6 +21,7 @@ from roverlink.datagram_size import LARGEST_DATAGRAM
 from roverlink.generator.diagnostics import Span
 from roverlink.generator.ir import LINK_MEMBER, LINK_MESSAGE
 from roverlink.generator.ir.model import End, Qos
+from roverlink.generator.ir.protobuf_facts import LARGEST_FIELD_NUMBER
 from roverlink.generator.ir.ros_names import snake_case
 from roverlink.generator.table.parts import NAME, NOT_EMPTY, Form, Part
 from roverlink.generator.table.value_types import (
@@ -40,9 +41,6 @@ from roverlink.generator.table.value_types import (
 )
 
 FORMAT_VERSION = 1
-LARGEST_NUMBER = 536_870_911  # 2**29 - 1, protobuf's largest field number
-IMPLEMENTATION_NUMBERS = range(19_000, 20_000)
-"""Field numbers that protobuf reserves for its implementation; protoc refuses them."""
 USUAL_TARGETS = ("python", "ros2", "markdown")
 LEARN = "learn"
 """Host that stands for the source of a peer's last valid datagram."""
@@ -124,7 +122,7 @@ PythonPackage = Annotated[str, Text("import name", _DOTTED, "my_rover.generated"
 Folder = Annotated[str, Text("folder")]
 Topic = Annotated[str, Text("topic")]
 RosName = Annotated[str, Text("message name")]
-FieldNumber = Annotated[int, Integer(1, LARGEST_NUMBER)]
+FieldNumber = Annotated[int, Integer(1, LARGEST_FIELD_NUMBER)]
 Depth = Annotated[int, Integer(1, 1_000_000)]
 Rate = Annotated[int, Integer(1, 1_000_000)]
 Size = Annotated[int, Integer(1, LARGEST_DATAGRAM)]

@@ -22,10 +22,10 @@ from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 # The guide also calls a message compatible with bytes that contain its encoding. It is reported here: the other side
 # gets bytes that its code does not decode.
 _VARINTS = frozenset({"int32", "int64", "uint32", "uint64", "bool"})
-_ENUM_LIKE = frozenset({"enum", "int32", "int64", "uint32", "uint64"})
+ENUM_LIKE = frozenset({"enum", "int32", "int64", "uint32", "uint64"})
 _SAME_BYTES = (
     _VARINTS,
-    _ENUM_LIKE,
+    ENUM_LIKE,
     frozenset({"sint32", "sint64"}),
     frozenset({"fixed32", "sfixed32"}),
     frozenset({"fixed64", "sfixed64"}),

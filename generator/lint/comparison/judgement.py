@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from roverlink.generator.lint.comparison.cardinality import broken_by_cardinality, only_required, shown
-from roverlink.generator.lint.comparison.field_type_changes import broken_by_kind
+from roverlink.generator.lint.comparison.field_type_changes import ENUM_LIKE, broken_by_kind
 from roverlink.generator.lint.names.name_units import Measure, disagree, factor, measure
 from roverlink.generator.lint.names.name_words import words
 from roverlink.generator.lint.names.similar_names import Likeness, compare_names, is_telling
@@ -26,8 +26,7 @@ from roverlink.generator.protos.parser import SCALARS, map_types
 ENUM_VALUE = "enum value"
 NAMED = "message or enum"
 
-_ENUM_LIKE = frozenset({"enum", "int32", "int64", "uint32", "uint64"})
-_OF_NAMED = frozenset({NAMED, "message", "group"}) | _ENUM_LIKE
+_OF_NAMED = frozenset({NAMED, "message", "group"}) | ENUM_LIKE
 _WITHOUT_UNIT = frozenset({"string", "bytes", "bool", "enum", ENUM_VALUE})
 _FEWEST = 3  # with fewer fields, each one may have changed on its own
 _PROOF = 2

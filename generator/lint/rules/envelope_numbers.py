@@ -6,12 +6,13 @@ import dataclasses
 from collections.abc import Iterable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
+from roverlink.generator.ir.protobuf_facts import IMPLEMENTATION_NUMBERS
 from roverlink.generator.lint.comparison.judged_changes import judge_payload
 from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, least
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.lock import NAME, Entry, PastUse
-from roverlink.generator.table import IMPLEMENTATION_NUMBERS, Numbered, RetiredRow, Table
+from roverlink.generator.table import Numbered, RetiredRow, Table
 
 
 class FieldNumberTaken(LintRule, id="ENV101"):
