@@ -24,8 +24,8 @@ from roverlink.generator.lint.project import Linted
 from roverlink.generator.lock import Burned
 from roverlink.generator.lock.ledger_rules import LEDGER_RULES
 from roverlink.generator.pipeline import recompile
-from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
-from roverlink.generator.table.edit_rules import ACCEPT_WITHOUT_HISTORY, NO_SUCH_FINDING
+from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
+from roverlink.generator.table.edit_rules import AcceptWithoutHistory, NoFindingToAccept
 
 _HISTORY_RULES = ("HIS101", "HIS103", "HIS105")
 
@@ -46,11 +46,11 @@ def accept(
     context, past = found.context, found.context.past
     if past is None or not past.of_numbers:
         help = "add --history to the command"
-        raise DiagnosticsError([ACCEPT_WITHOUT_HISTORY.at(Span("--accept"), "--accept needs --history", help)])
+        raise DiagnosticsError([AcceptWithoutHistory.at(Span("--accept"), "--accept needs --history", help)])
     # Writing a ledger that was read only in part would lose the rest of it.
     if damaged := [finding for finding in found.findings if finding.rule in LEDGER_RULES]:
         raise DiagnosticsError(damaged)
-    shown = {(one.type, one.number) for one in found.findings if one.rule.id in _HISTORY_RULES}
+    shown = {(finding.type, finding.number) for finding in found.findings if finding.rule.id in _HISTORY_RULES}
     reported = {(type.name, number) for type, number, _ in _reuses(context) if (type.name, number) in shown}
     chosen = _chosen(context, past, wanted, reported) if wanted else reported
     published = context.ledger.with_burned(_burned(context, past, chosen, reason))
@@ -69,16 +69,16 @@ def _chosen(context: Context, past: Past, wanted: Iterable[Number], reported: It
     if any(not owner for owner, _ in chosen):
         message = "a number without a message is a number of the envelope, and the envelope is not named"
         help = "name the envelope with --message, or write the message before the number: --accept rover.ImuInfo:3"
-        raise DiagnosticsError([NO_SUCH_FINDING.at(Span("--accept"), message, help)])
-    known = {*reported, *((one.owner, one.number) for one in context.ledger.burned)}
+        raise DiagnosticsError([NoFindingToAccept.at(Span("--accept"), message, help)])
+    known = {*reported, *((entry.owner, entry.number) for entry in context.ledger.burned)}
     if missing := sorted(chosen - known):
-        ready = ", ".join(number_to_accept(context, *one) for one in sorted(reported))
+        ready = ", ".join(number_to_accept(context, *number) for number in sorted(reported))
         help = f"--accept takes the reported numbers: {ready}" if ready else "leave out --accept: nothing is reported"
         if past.history.shallow:
             help = f"this is a shallow clone, which lacks earlier commits: get them with {DEEPEN}; {help}"
         raise DiagnosticsError(
             [
-                NO_SUCH_FINDING.at(Span("--accept"), f"--history reports nothing about number {n} of {owner!r}", help)
+                NoFindingToAccept.at(Span("--accept"), f"--history reports nothing about number {n} of {owner!r}", help)
                 for owner, n in missing
             ]
         )
@@ -103,7 +103,7 @@ def _reuses(context: Context) -> Iterator[tuple[TracedType, int, list[Reuse]]]:
     for type, number, reuses in reuses_by_number(context, frozenset(Kind) - {Kind.RENAMED}):
         # What a branch does with the number is not accepted together with the past, but only if it is all that is
         # reported.
-        here = [reuse for reuse in reuses if not reuse.elsewhere] or [one for one in reuses if not one.unmerged]
+        here = [reuse for reuse in reuses if not reuse.elsewhere] or [reuse for reuse in reuses if not reuse.unmerged]
         if here:
             yield type, number, here
 
@@ -119,8 +119,12 @@ def _today(context: Context, burned: Burned) -> Burned:
 def _not_compiled(found: Linted, chosen: Iterable[Number]) -> Iterable[Diagnostic]:
     """Yield the errors of protoc if they hide what a chosen number means today."""
     context = found.context
-    compiled = {*context.schema.messages, *context.schema.enums} if context.schema else set()
-    declared = {one.full_name for file in context.files.values() for one in file.messages}
-    declared |= {one.full_name for file in context.files.values() for one in file.enums}
+    compiled = {*context.schema.messages, *context.schema.enums}
+    declared = {message.full_name for file in context.files.values() for message in file.messages}
+    declared |= {enum.full_name for file in context.files.values() for enum in file.enums}
     if any(owner in declared - compiled for owner, _ in chosen):
-        yield from (one for one in found.findings if one.rule is DOES_NOT_COMPILE and one.severity is Severity.ERROR)
+        yield from (
+            finding
+            for finding in found.findings
+            if finding.rule is ProtoDoesNotCompile and finding.severity is Severity.ERROR
+        )

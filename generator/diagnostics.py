@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import difflib
+import inspect
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from types import ModuleType
+from typing import ClassVar
 
 from roverlink.generator.git import Commit, shortened
 
 _WIDEST = 72  # columns of the text about a use, where nothing else limits it
-_MOST_NEAREST = 3  # names that are suggested for one unknown name
 _LONGEST_AUTHOR = 20  # characters of an author's name, so that the subject has room beside it
 
 
@@ -58,11 +60,11 @@ def shown(folder: str, path: str) -> str:
     return f"{folder}{path}" if folder.endswith(":") else f"{folder}/{path}"
 
 
-@dataclass(frozen=True, slots=True)
 class Rule:
-    """A kind of diagnostic, with an id such as ``ENV101``.
+    """A kind of diagnostic, with an id such as ``ENV101``. Each rule is a subclass; its docstring is its documentation.
 
-    The id of a removed rule is never given to a new rule.
+    The id of a removed rule is never given to a new rule. The class's name also is the rule's name: ``NameTaken`` is
+    ``name-taken``.
 
     The first line of the documentation says what the rule finds. The next lines say why that is a fault. The sections
     ``Bad::`` and ``Good::`` follow, each with one example. An example is a part of a project: rows or sections of
@@ -70,18 +72,21 @@ class Rule:
     fault, the example is the output of a command.
     """
 
-    id: str
-    name: str
-    documentation: str
-    severity: Severity = Severity.ERROR
+    id: ClassVar[str]
+    name: ClassVar[str]
+    severity: ClassVar[Severity]
+    documentation: ClassVar[str]
+    summary: ClassVar[str]
+    """The first line of the documentation."""
 
-    @property
-    def summary(self) -> str:
-        """The first line of the rule's documentation."""
-        return self.documentation.strip().splitlines()[0]
+    def __init_subclass__(cls, id: str, severity: Severity = Severity.ERROR) -> None:
+        cls.id, cls.severity, cls.documentation = id, severity, inspect.getdoc(cls) or ""
+        cls.name = re.sub(r"(?<=.)([A-Z]|\d+)", r"-\1", cls.__name__).lower()
+        cls.summary = cls.documentation.partition("\n")[0]
 
+    @classmethod
     def at(
-        self,
+        cls,
         span: Span,
         message: str,
         help: str = "",
@@ -100,7 +105,13 @@ class Rule:
         of them has an error itself, the diagnostic is dropped (see `independent`).
         """
         rests = tuple(rests_on)
-        return Diagnostic(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses), rests)
+        return Diagnostic(cls, span, message, help, tuple(also), type, number, cls.severity, tuple(uses), rests)
+
+
+def rules_in(module: ModuleType) -> dict[str, type[Rule]]:
+    """Return the rules that a module declares, by their ids."""
+    classes = [item for item in vars(module).values() if isinstance(item, type) and item.__module__ == module.__name__]
+    return {rule.id: rule for rule in classes if issubclass(rule, Rule) and rule is not Rule}
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +172,7 @@ def _event(word: str, commit: Commit, widest: int) -> list[str]:
 class Diagnostic:
     """A fault at a place in a file, with the rule that found it."""
 
-    rule: Rule
+    rule: type[Rule]
     span: Span
     message: str
     help: str = ""
@@ -209,8 +220,10 @@ def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     findings = list(findings)
     # A mistake at one place often makes another place look wrong. Only the first is worth the user's time: with it, the
     # others go away, or show what they really are.
-    wrong = {one.span for one in findings if one.severity.rank <= Severity.ERROR.rank and not one.rests_on}
-    return [one for one in findings if wrong.isdisjoint(one.rests_on)]
+    wrong = {
+        finding.span for finding in findings if finding.severity.rank <= Severity.ERROR.rank and not finding.rests_on
+    }
+    return [finding for finding in findings if wrong.isdisjoint(finding.rests_on)]
 
 
 def in_order(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
@@ -221,22 +234,3 @@ def in_order(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
 def has_errors(findings: Iterable[Diagnostic]) -> bool:
     """Return True if the severity of at least one diagnostic is error or fatal."""
     return any(finding.severity.rank <= Severity.ERROR.rank for finding in findings)
-
-
-def nearest(word: str, known: Iterable[str], otherwise: str = "") -> str:
-    """Return ``did you mean ...?`` with the most similar known word, or ``otherwise`` if no word is similar."""
-    found = difflib.get_close_matches(word, list(known), 1, 0.6)
-    return f"did you mean {found[0]!r}?" if found else otherwise
-
-
-def nearest_names(name: str, known: Iterable[str]) -> list[str]:
-    """Return up to three known full names whose last parts are the most similar to the last part of ``name``."""
-    by_last_part: dict[str, list[str]] = {}
-    for full_name in sorted(known):
-        by_last_part.setdefault(_last_part(full_name), []).append(full_name)
-    found = difflib.get_close_matches(_last_part(name), by_last_part, _MOST_NEAREST)
-    return [full_name for last_part in found for full_name in by_last_part[last_part]][:_MOST_NEAREST]
-
-
-def _last_part(name: str) -> str:
-    return name.rpartition(".")[2].casefold()

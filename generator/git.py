@@ -91,8 +91,8 @@ class Repository:
         """Return the commit that a ref names. Raises `GitError` if the ref names none."""
         # NUL, which no subject can contain, separates the fields. `%at` is the author's time: a rebase changes the
         # committer's.
-        said = self._run("show", "--no-patch", "--format=%H%x00%at%x00%an%x00%s", self.resolve(ref)).rstrip("\n")
-        return commit_of(*said.split("\0"))
+        output = self._run("show", "--no-patch", "--format=%H%x00%at%x00%an%x00%s", self.resolve(ref)).rstrip("\n")
+        return commit_of(*output.split("\0"))
 
     def reachable(self, commit: str) -> frozenset[str]:
         """Return the ids of a commit and of all its ancestors, as far as the clone contains them."""
@@ -161,7 +161,7 @@ class Repository:
         """
         try:
             # A .gitattributes of a stranger must not select a program of the user's configuration (gitattributes(5)).
-            said = self._run("blame", "--no-textconv", "--porcelain", *([commit] if commit else []), "--", path)
+            output = self._run("blame", "--no-textconv", "--porcelain", *([commit] if commit else []), "--", path)
         except GitError:
             return []
         # Each line of the file has a head, which begins with the commit's id; then, where the commit is named for the
@@ -170,7 +170,7 @@ class Repository:
         found: list[Commit | None] = []
         known: dict[str, Commit | None] = {}
         id, facts = "", dict[str, str]()
-        for line in said.split("\n"):
+        for line in output.split("\n"):
             if line.startswith("\t"):
                 if id not in known:
                     committed = id.strip("0") and "summary" in facts

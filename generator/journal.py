@@ -220,7 +220,7 @@ def _read(path: Path) -> _Journal:
         raise _not_ours(f"{path.name!r} is not a journal") from error
     texts = [*journal.folders, *(step.path for step in steps)]
     digests = [digest for step in steps for digest in (step.old, step.new) if digest is not None]
-    if not all(isinstance(one, str) and "\0" not in one for one in [*texts, *digests]):
+    if not all(isinstance(text, str) and "\0" not in text for text in [*texts, *digests]):
         raise _not_ours(f"{path.name!r} is not a journal")
     return journal
 
@@ -305,7 +305,11 @@ def _remove_empty_folders(place: Path, stop: Path) -> None:
     for folder in place.parents:
         if not folder.is_dir():  # removed before the interruption
             continue
-        if not folder.is_relative_to(stop) or folder == stop or any(one.name != _COMPILED for one in folder.iterdir()):
+        if (
+            not folder.is_relative_to(stop)
+            or folder == stop
+            or any(path.name != _COMPILED for path in folder.iterdir())
+        ):
             return
         for child in folder.iterdir():
             for compiled in child.iterdir():

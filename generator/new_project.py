@@ -14,7 +14,7 @@ from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.emit.render import render
 from roverlink.generator.emit.writer import Change
-from roverlink.generator.init_rules import IN_THE_WAY, PROTOS_WITHOUT_TABLE
+from roverlink.generator.init_rules import FileInTheWay, ProtosWithoutTable
 from roverlink.generator.pipeline import compile_table
 
 _TABLE, _PROTOS = "mapping.yaml", "proto"
@@ -75,7 +75,7 @@ def _content(folder: Path, path: str) -> bytes:
         return source_files.read(folder, path)
     except OSError as error:
         message = f"the file cannot be read: {error.strerror}"
-        raise DiagnosticsError([IN_THE_WAY.at(Span(path), message, "move it to another place")]) from error
+        raise DiagnosticsError([FileInTheWay.at(Span(path), message, "move it to another place")]) from error
 
 
 def _put(target: Path, data: bytes) -> None:
@@ -89,9 +89,7 @@ def _foreign_protos(folder: Path) -> Iterable[Diagnostic]:
         name = path.relative_to(folder).as_posix()
         if name not in _TEMPLATES:
             help = f"`roverlink init --from {_PROTOS}` drafts a table for the files in the folder"
-            yield PROTOS_WITHOUT_TABLE.at(
-                Span(name), "the file exists, and a new project would have no row for it", help
-            )
+            yield ProtosWithoutTable.at(Span(name), "the file exists, and a new project would have no row for it", help)
 
 
 def refuse_overwriting(changes: Iterable[Change]) -> None:
@@ -100,7 +98,7 @@ def refuse_overwriting(changes: Iterable[Change]) -> None:
     if theirs:
         raise DiagnosticsError(
             [
-                IN_THE_WAY.at(Span(path), "the file exists and was not generated", "move it to another place")
+                FileInTheWay.at(Span(path), "the file exists and was not generated", "move it to another place")
                 for path in theirs
             ]
         )

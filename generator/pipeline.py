@@ -10,18 +10,20 @@ from typing import TypeVar
 
 from roverlink.generator import ir, lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order
-from roverlink.generator.emit import emitter, envelope_file, link_file
+from roverlink.generator.emit import emitter, envelope_file
 from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.ir import ros_names
+from roverlink.generator.ir.protobuf_facts import IMPLEMENTATION_NUMBERS
 from roverlink.generator.lint.context import Context, since_last_generate
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.nanopb import row_sizes, table_bounds
 from roverlink.generator.protos.files import DeclarationIndex, index_declarations, read_protos
-from roverlink.generator.protos.proto_rules import NO_ENVELOPE, NO_PROTO_ROOT
+from roverlink.generator.protos.proto_rules import NoEnvelopeFile, NoProtoRoot
 from roverlink.generator.protos.protoc import Compilation, compile_protos
+from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.locate import locate, locate_anys
 from roverlink.generator.resolve.resolver import resolve, resolve_envelope
-from roverlink.generator.table import IMPLEMENTATION_NUMBERS, Table, reader
+from roverlink.generator.table import Table, reader
 from roverlink.generator.table.edit import with_retired, with_row
 from roverlink.generator.table.yaml_items import read_text
 
@@ -138,15 +140,14 @@ def _compiled(
     envelope = resolve_envelope(table, files, published)
     named = index is not None and all((envelope.file, envelope.message, envelope.oneof))
     compilation = _collecting(findings, lambda: _compile(table, project, envelope, listed)) if named else None
-    schema = compilation.schema if compilation else None
+    schema = compilation.schema if compilation else Schema()
     # if a row was left out because of a mistake, its number has not vanished from the envelope
     lacking = envelope.message if not table.whole or any(row.proto not in files for row in table.rows) else ""
-    changes = since_last_generate(published, schema, lacking) if schema else ()
+    changes = since_last_generate(published, schema, lacking) if compilation else ()
     findings += lint(Context(table, schema, published, changes=changes))
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
-        given = table_bounds(table, compilation.schema, project / table.proto.root, findings)
-        bounds = [one.bound for one in given]
+        bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
         sizes = row_sizes(table, compilation.schema, bounds)
         bridge = resolve(table, compilation, envelope, bounds, sizes, findings)
     if has_errors(findings) or bridge is None:
@@ -177,7 +178,7 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
         message = f"the proto root {table.proto.root!r} is not a folder"
         raise DiagnosticsError(
             [
-                NO_PROTO_ROOT.at(
+                NoProtoRoot.at(
                     table.proto.at("root"),
                     message,
                     "create the folder, or correct `root`, which is relative to the table",
@@ -187,7 +188,7 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     if source_files.leads_out(project, root):
         message = f"the proto root {table.proto.root!r} is outside the git repository"
         help = "move the .proto files into the repository, or add their repository as a submodule"
-        raise DiagnosticsError([NO_PROTO_ROOT.at(table.proto.at("root"), message, help)])
+        raise DiagnosticsError([NoProtoRoot.at(table.proto.at("root"), message, help)])
     findings: list[Diagnostic] = []
     files = read_protos(root, table.proto.root, findings)
     if findings:
@@ -207,12 +208,12 @@ def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping
     if envelope.ours:
         overlay[envelope.file] = envelope_file.text(_unambiguous(envelope), table.file)
         if table.link is not None:
-            overlay[table.envelope.link_file] = link_file.text(table.file)
+            overlay[table.envelope.link_file] = envelope_file.link_text(table.file)
     if not envelope.ours and not (root / envelope.file).is_file():
         message = f"the file {envelope.file!r} does not exist below the proto root {table.proto.root!r}"
         raise DiagnosticsError(
             [
-                NO_ENVELOPE.at(
+                NoEnvelopeFile.at(
                     table.envelope.at("file"),
                     message,
                     "correct `file`; or write `owner: mapping`, so that `roverlink generate` writes the file",
@@ -240,7 +241,10 @@ def _unambiguous(envelope: ir.Envelope) -> ir.Envelope:
         and _is_new(ros_names.distinct(member.name), classes)
     ]
     signature = envelope.signature
-    if signature in {*numbers, *IMPLEMENTATION_NUMBERS} or "signature" in {*names, *(one.name for one in members)}:
+    if signature in {*numbers, *IMPLEMENTATION_NUMBERS} or "signature" in {
+        *names,
+        *(member.name for member in members),
+    }:
         signature = None
     return dataclasses.replace(envelope, members=tuple(members), retired=tuple(retired), signature=signature)
 

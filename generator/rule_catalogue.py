@@ -7,11 +7,11 @@ from functools import cache
 from types import ModuleType
 
 from roverlink.generator import init_rules
-from roverlink.generator.diagnostics import Rule
+from roverlink.generator.diagnostics import Rule, rules_in
 from roverlink.generator.emit import output_rules
 from roverlink.generator.emit.targets.cpp import unsupported_names
 from roverlink.generator.lint import buf, input_rules
-from roverlink.generator.lint.rules import modules
+from roverlink.generator.lint.rules import lint_rules
 from roverlink.generator.lock import ledger_rules
 from roverlink.generator.nanopb import option_rules
 from roverlink.generator.protos import proto_rules
@@ -37,16 +37,14 @@ DECLARED_IN: Mapping[str, ModuleType] = {
 }
 """Modules that declare the rules outside of `lint/rules/`, by the letters that start their ids: `MAP` for `MAP101`.
 
-Each rule of the lint has its own module in `lint/rules/`: ENV in `envelope`, TAB, NAM and ROS in `table`, WIR in `wire`
-or `reuse`, HIS and PIN102 in `reuse`, FIX in `size`. ENV109 is in `reuse`, because it compares a message with all
-others.
+The modules in `lint/rules/` declare the rules of the lint.
 """
 
 
 @cache
-def rules() -> Mapping[str, Rule]:
+def rules() -> Mapping[str, type[Rule]]:
     """Return every rule that can raise a diagnostic, by the rule's id, such as ``ENV101``."""
-    modules_of_phases = dict.fromkeys(DECLARED_IN.values())
-    found = [value for module in modules_of_phases for value in vars(module).values() if isinstance(value, Rule)]
-    found += [module.RULE for module in modules().values()]
-    return {rule.id: rule for rule in sorted(found, key=lambda rule: rule.id)}
+    found: dict[str, type[Rule]] = dict(lint_rules())
+    for module in DECLARED_IN.values():
+        found |= rules_in(module)
+    return dict(sorted(found.items()))

@@ -136,7 +136,7 @@ def repository_top(folder: str) -> str | None:
     """Return the top folder of the git repository that contains a folder; None if it is in no repository."""
     # A submodule and a linked worktree have a file `.git` (gitrepository-layout(5)).
     above = (folder, *map(str, Path(folder).parents))
-    return next((one for one in above if os.path.lexists(os.path.join(one, ".git"))), None)
+    return next((folder for folder in above if os.path.lexists(os.path.join(folder, ".git"))), None)
 
 
 def leads_out(project: Path, folder: Path) -> bool:

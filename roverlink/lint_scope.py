@@ -16,7 +16,7 @@ from roverlink.generator.diagnostics import Severity
 from roverlink.generator.git import Repository
 from roverlink.generator.lint.bare_tree import EnvelopeName
 from roverlink.generator.lint.project import Linted, Question, lint_project, lint_tree
-from roverlink.generator.lint.rules import modules
+from roverlink.generator.lint.rules import lint_rules
 from roverlink.reports.reported import Reported
 from roverlink.runtime.core.errors import SetupError
 
@@ -94,9 +94,8 @@ def sources(found: Linted) -> Sources:
 
 def reported(found: Linted) -> Reported:
     """Return the findings of a check for the output formats."""
-    rules = {module.RULE.id: module.RULE for module in modules().values()}
     pinned = found.context.past.pinned if found.context.past else None
-    return Reported("roverlink lint", found.findings, sources(found), rules, pinned)
+    return Reported("roverlink lint", found.findings, sources(found), lint_rules(), pinned)
 
 
 def print_limits(found: Linted, owner: str) -> int:

@@ -130,7 +130,7 @@ class Project:
         If the size has no limit, the sizes are None, and the reason is given.
         """
         schema, bounds = self.context.schema, self.context.bounds
-        if schema is None or bounds is None or row.proto not in schema.messages:
+        if bounds is None or row.proto not in schema.messages:
             return {"payload": None, "envelope": None, "unbounded": "not known"}
         payload = largest_size(schema, bounds, row.proto)
         if isinstance(payload, Unbounded):
@@ -155,7 +155,7 @@ class Project:
         """Return the field of a proto message at a path of names, such as ``("pose", "x")``; None if there is none."""
         found: ProtoField | None = None
         for name in path:
-            declared = self.context.schema.messages.get(message) if self.context.schema else None
+            declared = self.context.schema.messages.get(message)
             found = next((one for one in declared.fields if one.name == name), None) if declared else None
             message = found.type_name if found else ""
         return found

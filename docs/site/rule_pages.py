@@ -64,19 +64,19 @@ def pages() -> dict[str, str]:
 _INTRODUCTION = "Every diagnostic that a command prints has the id of one of these rules."
 
 
-def _row(rule: Rule) -> str:
+def _row(rule: type[Rule]) -> str:
     link = f"[{rule.id}]({rule.id[:3]}.md#{rule.id.lower()})"
     return f"| {link} {rule.name} | {rule.severity.value} | {rule.summary} |"
 
 
-def _page(prefix: str, group: list[Rule]) -> Iterator[str]:
+def _page(prefix: str, group: list[type[Rule]]) -> Iterator[str]:
     yield from (f"# {prefix}: {_SUBJECTS[prefix]}", "")
     for rule in group:
         yield from (f"## {rule.id} {rule.name} {{: #{rule.id.lower()} }}", "", f"Severity: {rule.severity.value}", "")
         yield from _body(rule)
 
 
-def _body(rule: Rule) -> Iterator[str]:
+def _body(rule: type[Rule]) -> Iterator[str]:
     """Return a rule's documentation as Markdown: its examples, which are indented, become fenced blocks."""
     text, _, examples = rule.documentation.strip().partition("\nBad::\n")
     bad, _, good = examples.partition("\nGood::\n")

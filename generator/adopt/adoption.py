@@ -19,7 +19,7 @@ from roverlink.generator.adopt.table_text import text_of
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, in_order, shown
 from roverlink.generator.emit import envelope_file
 from roverlink.generator.emit.writer import Change
-from roverlink.generator.init_rules import NOTHING_TO_TAKE_OVER
+from roverlink.generator.init_rules import NothingToTakeOver
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lock import Ledger
@@ -72,13 +72,13 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
     if source_files.leads_out(project, root):
         message = "the folder is outside the git repository"
         help = "move the .proto files into the repository, or add their repository as a submodule"
-        raise DiagnosticsError([NOTHING_TO_TAKE_OVER.at(Span(str(wanted.root)), message, help)])
+        raise DiagnosticsError([NothingToTakeOver.at(Span(str(wanted.root)), message, help)])
     shown_root = Path(os.path.relpath(root, project)).as_posix()
     tree = read_tree(root, shown_root, wanted.file, wanted.message, wanted.oneof)
     peers, rows = guess_rows(tree)
     past = read_past(root, tree, rows, report)
     owned, why = owner(
-        tree, [one.number for one in past.retired], [one.name for one in past.retired], _foreign(project, root)
+        tree, [row.number for row in past.retired], [row.name for row in past.retired], _foreign(project, root)
     )
     draft = Draft(
         root=shown_root,
@@ -107,7 +107,7 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
     compiled, changes = compile_text(table_path, text, published)
     changes += moved
     envelope = shown(shown_root, tree.envelope.file)  # the table has all its content, so it may be replaced
-    changes = [dataclasses.replace(one, foreign=False) if one.path == envelope else one for one in changes]
+    changes = [dataclasses.replace(change, foreign=False) if change.path == envelope else change for change in changes]
     refuse_overwriting(changes)
     findings += lint(dataclasses.replace(context, table=reader.parse(text, table_path.name, [])))
     found = tuple(in_order([*findings, *compiled.warnings]))
@@ -121,7 +121,7 @@ def _context(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnosti
     present content of the file. Nothing is written here. ``findings`` collects the mistakes in nanopb's options.
     """
     table = reader.parse(text_of(draft), table_file, [])
-    schema, files = tree.schema, {file: one for file, one in tree.files.items() if file not in tree.exclude}
+    schema, files = tree.schema, {file: parsed for file, parsed in tree.files.items() if file not in tree.exclude}
     if draft.owner == "mapping":
         places = {row.proto: schema.messages[row.proto].file for row in table.rows}
         text = envelope_file.text(resolve_envelope(table, places, Ledger()), table.file)
@@ -162,5 +162,5 @@ def _foreign(project: Path, root: Path) -> str:
         return "its folder is outside this project"
     # A submodule or a nested clone: generate would change files that another repository tracks. A submodule has a file
     # `.git`, a clone a folder (gitrepository-layout(5)).
-    inner = next((one for one in (root, *root.parents) if one != project and (one / ".git").exists()), None)
+    inner = next((folder for folder in (root, *root.parents) if folder != project and (folder / ".git").exists()), None)
     return "its folder is another git repository" if inner and inner.is_relative_to(project) else ""

@@ -13,7 +13,7 @@ from roverlink.generator.adopt.table_text import text_of
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
 from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoField, Schema
-from roverlink.generator.resolve.conversion_rules import FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN
+from roverlink.generator.resolve.conversion_rules import FieldNameForbidden, FieldNameTaken
 from roverlink.generator.resolve.messages import RosMessages
 from roverlink.generator.table import reader
 
@@ -29,7 +29,7 @@ def fit(draft: Draft, schema: Schema, table: str) -> None:
     parsed = reader.parse(text_of(draft), table, [])
     messages = RosMessages(parsed, schema, findings)
     for row in parsed.rows:
-        messages.route(row)
+        messages.conversion(row)
     declared = _declarations(schema)
     for finding in findings:
         if finding.severity.rank <= Severity.ERROR.rank and finding.span in declared:
@@ -67,7 +67,7 @@ def _declarations(schema: Schema) -> Mapping[Span, tuple[str, ProtoField | None]
     for message in schema.messages.values():
         found[message.span] = message.full_name, None
         found |= {field.span: (message.full_name, field) for field in message.fields}
-    return {span: one for span, one in found.items() if span.line}
+    return {span: setting for span, setting in found.items() if span.line}
 
 
 def _fit(rows: list[DraftRow], type: str, field: ProtoField | None, finding: Diagnostic, schema: Schema) -> None:
@@ -80,17 +80,17 @@ def _fit(rows: list[DraftRow], type: str, field: ProtoField | None, finding: Dia
     for row in rows:
         own = schema.messages[row.proto].fields
         if row.proto == type and field is not None:
-            if finding.rule in (FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN):
+            if finding.rule in (FieldNameForbidden, FieldNameTaken):
                 row.fields[field.name] = _free_name(field, own)
             else:
                 row.ignore[field.name] = finding.message
         elif type not in payloads:
-            inside = (one.name for one in own if type in _inside(one.type_name, schema, payloads))
+            inside = (field.name for field in own if type in _inside(field.type_name, schema, payloads))
             row.ignore.update((name, finding.message) for name in inside if name not in row.ignore)
 
 
 def _free_name(field: ProtoField, fields: Collection[ProtoField]) -> str:
-    taken = {ros_names.field_name(one.name) for one in fields}
+    taken = {ros_names.field_name(field.name) for field in fields}
     name = f"{ros_names.field_name(field.name)}_field"
     return name if name not in taken else f"field_{field.number}"
 

@@ -56,18 +56,18 @@ def guess_rows(tree: Tree) -> tuple[list[DraftPeer], list[DraftRow]]:
     members = tree.members
     components = _components(tree, members)
     machines = dict(_MACHINES)
-    for one in components.values():
-        if one.prefix:
-            machines[" ".join(words(one.prefix))] = one.peer
+    for component in components.values():
+        if component.prefix:
+            machines[" ".join(words(component.prefix))] = component.peer
     rows = [_row(member, tree, components.get(member.type_name), machines) for member in members]
     names = sorted({row.peer for row in rows})
     if len(names) == 1:  # with a single peer there is no doubt about the machine
         for row in rows:
             row.doubt = row.doubt.removeprefix(_NO_MACHINE).removeprefix(" and ")
     prefixes: dict[str, set[str]] = {name: set() for name in names}
-    for one in components.values():
-        if one.prefix and one.peer in prefixes:
-            prefixes[one.peer].add(one.prefix)
+    for component in components.values():
+        if component.prefix and component.peer in prefixes:
+            prefixes[component.peer].add(component.prefix)
     return [DraftPeer(name, tuple(sorted(prefixes[name]))) for name in names], rows
 
 
@@ -127,9 +127,9 @@ def _peer(of_component: list[str]) -> str:
 
 def _row(member: ProtoField, tree: Tree, component: _Component | None, machines: Mapping[str, str]) -> DraftRow:
     proto = tree.schema.messages[member.type_name]
-    said = f"{member.comment}\n{proto.comment}"
-    sender, receiver = _named(_FROM, said, machines), _named(_TO, said, machines)
-    peer = next((one for one in (sender, receiver) if one not in ("", _OURS)), "")
+    comments = f"{member.comment}\n{proto.comment}"
+    sender, receiver = _named(_FROM, comments, machines), _named(_TO, comments, machines)
+    peer = next((peer_name for peer_name in (sender, receiver) if peer_name not in ("", _OURS)), "")
     inbound = _inbound_by_comment(sender, receiver)
     doubts = [] if peer or component else [_NO_MACHINE]
     peer = peer or (component.peer if component else _HARDWARE)

@@ -10,7 +10,7 @@ from itertools import groupby
 
 from roverlink.generator.adopt.draft import Draft, DraftRow
 from roverlink.generator.diagnostics import Diagnostic, Severity
-from roverlink.generator.lint.rules import modules
+from roverlink.generator.lint.rules import lint_rules
 from roverlink.generator.protos.schema import Schema
 
 _MUST_HOLD = frozenset({"ENV101", "ENV104", "ROS101", "TAB101", "TAB102", "TAB103", "TAB104"})
@@ -25,9 +25,11 @@ def lower(draft: Draft, findings: Iterable[Diagnostic], schema: Schema) -> None:
     table. Some rules keep their severity, because the generated code would be wrong.
     """
     grave = [finding for finding in findings if finding.severity.rank <= Severity.WARNING.rank]
-    may_count_less = modules().keys() - _MUST_HOLD
-    ids = sorted((finding for finding in grave if finding.rule.id in may_count_less), key=lambda one: one.rule.id)
-    for rule, found in groupby(ids, key=lambda one: one.rule.id):
+    may_count_less = lint_rules().keys() - _MUST_HOLD
+    ids = sorted(
+        (finding for finding in grave if finding.rule.id in may_count_less), key=lambda finding: finding.rule.id
+    )
+    for rule, found in groupby(ids, key=lambda finding: finding.rule.id):
         listed = list(found)
         about = [_rows_about(finding, draft, schema) for finding in listed]
         rows = {row.number: row for of_one in about for row in of_one}

@@ -13,11 +13,11 @@ from pathlib import Path
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from roverlink.generator.emit.render import carries_header
-from roverlink.generator.init_rules import NO_SUCH_ENVELOPE, NOTHING_TO_TAKE_OVER
+from roverlink.generator.init_rules import NoSuchEnvelope, NothingToTakeOver
 from roverlink.generator.protos.files import read_protos
 from roverlink.generator.protos.parser import SCALARS, File
 from roverlink.generator.protos.parser.tokens import Kind, Lexer, Token
-from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
+from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
 from roverlink.generator.protos.protoc import compile_protos
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
@@ -59,7 +59,7 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
     findings: list[Diagnostic] = []
     files = read_protos(root, shown_root, findings) if root.is_dir() else {}
     if findings or not files:
-        none = NOTHING_TO_TAKE_OVER.at(
+        none = NothingToTakeOver.at(
             Span(shown_root), "the folder contains no .proto file", "give the folder of your .proto files with --from"
         )
         raise DiagnosticsError(findings or [none])
@@ -96,13 +96,13 @@ def _size_of_oneof(message: ProtoMessage) -> int:
 
 def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root: str) -> Diagnostic:
     if file and file not in files:
-        return NO_SUCH_ENVELOPE.at(
+        return NoSuchEnvelope.at(
             Span(shown_root), f"the folder contains no file {file!r}", f"known files: {', '.join(sorted(files))}"
         )
-    known = sorted({one.full_name for name in files for one in files[name].messages if one.oneofs})
+    known = sorted({message.full_name for name in files for message in files[name].messages if message.oneofs})
     fault = f"no message {message!r} is declared" if message else "no message with a oneof is declared"
     help = f"messages with a oneof: {', '.join(known)}" if known else "the envelope is a message with a oneof"
-    return NO_SUCH_ENVELOPE.at(Span(shown(shown_root, file) if file else shown_root), fault, help)
+    return NoSuchEnvelope.at(Span(shown(shown_root, file) if file else shown_root), fault, help)
 
 
 def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
@@ -116,7 +116,7 @@ def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
         named = f"no oneof {wanted!r}" if wanted else "no oneof"
         message = f"the message {envelope.full_name!r} has {named} that contains messages"
         help = "name the envelope with --message, and its oneof with --oneof"
-        raise DiagnosticsError([NO_SUCH_ENVELOPE.at(envelope.span or Span(shown_root), message, help)])
+        raise DiagnosticsError([NoSuchEnvelope.at(envelope.span or Span(shown_root), message, help)])
     return found
 
 
@@ -155,12 +155,12 @@ def _closure(file: str, files: Mapping[str, File]) -> list[str]:
     """
     found: list[str] = []
 
-    def add(one: str) -> None:
-        if one in files and one not in found and one not in waiting:
-            waiting.add(one)
-            for needed in files[one].imports:
+    def add(path: str) -> None:
+        if path in files and path not in found and path not in waiting:
+            waiting.add(path)
+            for needed in files[path].imports:
                 add(needed.path)
-            found.append(one)
+            found.append(path)
 
     waiting: set[str] = set()
     add(file)
@@ -174,15 +174,17 @@ def _faults(
 
     If protoc names none of the files, returns the files that import an excluded file.
     """
-    said = {finding.span.file: finding for finding in reversed(error.findings) if finding.rule == DOES_NOT_COMPILE}
-    faults = {file: said[shown(shown_root, file)].message for file in kept if shown(shown_root, file) in said}
+    by_file = {
+        finding.span.file: finding for finding in reversed(error.findings) if finding.rule == ProtoDoesNotCompile
+    }
+    faults = {file: by_file[shown(shown_root, file)].message for file in kept if shown(shown_root, file) in by_file}
     if faults:
         return faults
     return {
-        file: f"imports {one.path}, which is excluded"
+        file: f"imports {imported.path}, which is excluded"
         for file in kept
-        for one in files[file].imports
-        if one.path in exclude
+        for imported in files[file].imports
+        if imported.path in exclude
     }
 
 
@@ -202,12 +204,16 @@ def owner(tree: Tree, reserved: Iterable[int], reserved_names: Iterable[str], fo
     # `reserved 5 to max` would be half a billion numbers.
     numbers = {number for first, last in envelope.reserved for number in range(first, min(last, first + 10_000) + 1)}
     beside = [field.name for field in envelope.fields if field.oneof != tree.oneof]
-    declared = [one for one in file.messages if one.full_name == envelope.full_name]
+    declared = [message for message in file.messages if message.full_name == envelope.full_name]
     text = source_files.read(tree.root, tree.envelope.file).decode("utf-8", errors="replace")
     lexer = Lexer(text)
     lexer.run()
     commented = not carries_header(text) and any(token.comments for token in lexer.tokens)
-    options = [envelope.options, tree.schema.file_options.get(envelope.file), *(one.options for one in envelope.fields)]
+    options = [
+        envelope.options,
+        tree.schema.file_options.get(envelope.file),
+        *(field.options for field in envelope.fields),
+    ]
     # Each of these would be lost, because the envelope's file is written from rows, and rows have none of it.
     reasons = {
         foreign: bool(foreign),
@@ -218,7 +224,7 @@ def owner(tree: Tree, reserved: Iterable[int], reserved_names: Iterable[str], fo
         "it reserves numbers that the table does not know": bool(
             numbers - set(reserved) or set(envelope.reserved_names) - set(reserved_names)
         ),
-        "a comment in it claims a number": any(one.claims for one in declared),
+        "a comment in it claims a number": any(message.claims for message in declared),
         "it has options": any(options),
         "it can be extended": envelope.extendable,
         "it is not written in proto3": file.syntax != "proto3",

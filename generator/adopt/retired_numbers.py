@@ -46,7 +46,7 @@ def read_past(root: Path, tree: Tree, rows: list[DraftRow], report: Callable[[in
         # A number that another branch uses today is not retired; `roverlink number next` takes it into account.
         if number not in today and not any(usage.live_at for usage in of_number):
             retired.append(_retired(number, of_number, taken))
-    reused = {one.number for one in history.reuses(tree.envelope.full_name) if one.certain}
+    reused = {reuse.number for reuse in history.reuses(tree.envelope.full_name) if reuse.certain}
     return AdoptedPast(retired, history.commits, sorted(reused & today))
 
 

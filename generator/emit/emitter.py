@@ -7,12 +7,13 @@ from importlib.metadata import EntryPoint
 from pathlib import Path, PurePosixPath
 
 from roverlink.generator import ir, lock
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest, shown
-from roverlink.generator.emit import envelope_file, link_file, mapping_json_schema, targets, user_templates
-from roverlink.generator.emit.output_rules import FORBIDDEN_PATH, TARGET_FAILED, UNKNOWN_TARGET
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
+from roverlink.generator.emit import envelope_file, mapping_json_schema, targets, user_templates
+from roverlink.generator.emit.output_rules import ForbiddenPath, TargetFailed, UnknownTarget
 from roverlink.generator.emit.python_format import format_python
 from roverlink.generator.emit.render import Files, carries_header
 from roverlink.generator.table import Table
+from roverlink.suggestions import nearest
 
 FOLDER = "generated"
 """First folder in the paths that targets return: ``generated/registry.py``. `placed` replaces it by the real folder."""
@@ -39,7 +40,7 @@ def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path)
         collected.add(Span(bridge.table), [(path, envelope_file.text(bridge.envelope, bridge.table))])
         if bridge.link is not None:
             path = shown(table.proto.root, bridge.link.file)
-            collected.add(table.at("link"), [(path, link_file.text(bridge.table))])
+            collected.add(table.at("link"), [(path, envelope_file.link_text(bridge.table))])
     for name in table.targets:
         span = table.at(f"targets.{name}")
         collected.add(span, _placed(_of_target(name, bridge, span), bridge))
@@ -76,7 +77,7 @@ class _Collected:
                     also = [(self._asked[path], "the first target or folder that writes the file")]
                     message = f"two targets or template folders write the same file, {path!r}"
                     help = "remove one of the two from the table, or rename a template"
-                    self._findings.append(FORBIDDEN_PATH.at(span, message, help, also))
+                    self._findings.append(ForbiddenPath.at(span, message, help, also))
                 self._files[path] = text
                 self._asked[path] = span
         except DiagnosticsError as error:
@@ -97,7 +98,7 @@ def _of_target(name: str, bridge: ir.Bridge, span: Span) -> Files:
     else:
         known = targets.names()
         help = nearest(name, known, f"known targets: {', '.join(known)}")
-        raise DiagnosticsError([UNKNOWN_TARGET.at(span, f"unknown target {name!r}", help)])
+        raise DiagnosticsError([UnknownTarget.at(span, f"unknown target {name!r}", help)])
 
 
 def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
@@ -109,7 +110,7 @@ def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
         package = found.dist.name if found.dist else found.value
         message = f"the target {found.name!r} of the package {package!r} failed: {type(error).__name__}: {error}"
         help = "report this to the authors of the package, or remove the target from `targets`"
-        raise DiagnosticsError([TARGET_FAILED.at(span, message, help)]) from error
+        raise DiagnosticsError([TargetFailed.at(span, message, help)]) from error
 
 
 def _formatted(files: Files) -> Files:
@@ -135,5 +136,5 @@ def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tupl
         pure = PurePosixPath(path)
         if pure.parts[:1] != (FOLDER,) or len(pure.parts) < 2 or ".." in pure.parts or "\\" in path:
             message = f"cannot write {path!r}: the path is not below {FOLDER}/"
-            raise DiagnosticsError([FORBIDDEN_PATH.at(span, message, "correct the target or the template")])
+            raise DiagnosticsError([ForbiddenPath.at(span, message, "correct the target or the template")])
         yield str(pure), text

@@ -1,4 +1,4 @@
-"""Text of the envelope's .proto file. roverlink writes this file if the table says ``owner: mapping``."""
+"""Texts of the .proto files of the envelope and the link message, for tables with ``owner: mapping``."""
 
 from __future__ import annotations
 
@@ -26,3 +26,9 @@ def text(envelope: ir.Envelope, table: str) -> str:
         burned=envelope.burned,
         signature=envelope.signature,
     )
+
+
+def link_text(table: str) -> str:
+    """Return the text of the link message's .proto file; ``table`` is the name of the table, for the comment."""
+    package, _, message = ir.LINK_MESSAGE.rpartition(".")
+    return render("link.proto.j2", header=header(table, "//"), package=package, message=message, fields=ir.LINK_FIELDS)

@@ -66,7 +66,7 @@ def _hash(name: str, messages: _Messages, package: str) -> str:
     text = json.dumps(
         {
             "type_description": _description(name, messages, package),
-            "referenced_type_descriptions": [_description(one, messages, package) for one in sorted(inside)],
+            "referenced_type_descriptions": [_description(nested, messages, package) for nested in sorted(inside)],
         }
     )
     return f"{_PREFIX}{hashlib.sha256(text.encode()).hexdigest()}"
@@ -78,7 +78,7 @@ def _description(name: str, messages: _Messages, package: str) -> dict[str, Any]
     REP 2016 prescribes the order of the keys.
     """
     fields = messages[name] or (_EMPTY,)
-    return {"type_name": name, "fields": [{"name": one.name, "type": _type(one.type, package)} for one in fields]}
+    return {"type_name": name, "fields": [{"name": field.name, "type": _type(field.type, package)} for field in fields]}
 
 
 def _type(type: ir.RosType, package: str) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import Any
 
 from roverlink.generator import ir, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
-from roverlink.generator.emit.output_rules import FOREIGN_TEMPLATE, NO_TEMPLATES, TEMPLATE_FAILED
+from roverlink.generator.emit.output_rules import ForeignTemplate, NoTemplates, TemplateFailed
 from roverlink.generator.emit.render import Files
 from roverlink.generator.emit.template_process import SUFFIX, Limits, Request, is_inside
 
@@ -56,7 +56,7 @@ def _root(project: Path, folder: str, span: Span) -> Path:
     if not folder.startswith("..") and not root.is_relative_to(project.resolve()):
         raise DiagnosticsError(
             [
-                FOREIGN_TEMPLATE.at(
+                ForeignTemplate.at(
                     span,
                     f"the folder {folder!r} is a symbolic link that leads out of the project",
                     "replace the link by a copy of the folder",
@@ -71,13 +71,13 @@ def _templates(root: Path, folder: str, span: Span) -> tuple[str, ...]:
 
     def refuse(path: str, fault: str) -> None:
         span = Span(f"{folder}/{source_files.printable(path)}")
-        faults.append(FOREIGN_TEMPLATE.at(span, fault, "replace a link by a copy of the file"))
+        faults.append(ForeignTemplate.at(span, fault, "replace a link by a copy of the file"))
 
     found = [path for path in source_files.walk(root, refuse) if path.endswith(SUFFIX)] if root.is_dir() else []
     if not found and not faults:
         why = f"contains no file that ends with {SUFFIX}" if root.is_dir() else "is not a folder"
         raise DiagnosticsError(
-            [NO_TEMPLATES.at(span, f"{folder!r} {why}", "check the path; it is relative to the folder of the table")]
+            [NoTemplates.at(span, f"{folder!r} {why}", "check the path; it is relative to the folder of the table")]
         )
     for path in found:
         if source_files.printable(path) != path:
@@ -107,12 +107,12 @@ def _rendered(request: Request, folder: str) -> Iterator[tuple[str, str]]:
             yield content[0], content[1]
         elif kind == "failed":
             file, line, message = content
-            raise DiagnosticsError([TEMPLATE_FAILED.at(Span(f"{folder}/{file}", line), message)])
+            raise DiagnosticsError([TemplateFailed.at(Span(f"{folder}/{file}", line), message)])
         else:
             return
     limits = request.limits
     message = f"cannot render the template within {limits.seconds} s and {limits.memory >> 20} MiB of memory"
-    raise DiagnosticsError([TEMPLATE_FAILED.at(Span(f"{folder}/{template}"), message)])
+    raise DiagnosticsError([TemplateFailed.at(Span(f"{folder}/{template}"), message)])
 
 
 def _answers(request: Request) -> list[list[Any]]:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from roverlink.generator import journal, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
-from roverlink.generator.emit.output_rules import CANNOT_WRITE, FOREIGN_FILE, OUTSIDE_THE_PROJECT
+from roverlink.generator.emit.output_rules import CannotWrite, ForeignFile, OutsideTheProject
 from roverlink.generator.emit.render import carries_header
 
 _TABLE = "mapping.yaml"
@@ -98,7 +98,7 @@ def refuse_foreign(changes: Iterable[Change]) -> None:
     theirs = [change.path for change in changes if change.foreign]
     if theirs:
         message = "the file exists and was not generated"
-        raise DiagnosticsError([FOREIGN_FILE.at(Span(path), message, help) for path in theirs])
+        raise DiagnosticsError([ForeignFile.at(Span(path), message, help) for path in theirs])
 
 
 def _must_be_inside(project: Path, paths: Iterable[str]) -> None:
@@ -114,7 +114,7 @@ def _outside(path: str) -> Diagnostic:
     else:
         message = f"cannot write {path!r}: a symbolic link in its path leads outside the project, or into .git"
         help = "replace the link by a folder or a file"
-    return OUTSIDE_THE_PROJECT.at(Span(path), message, help)
+    return OutsideTheProject.at(Span(path), message, help)
 
 
 def _change(project: Path, path: str, after: str, own: Collection[str]) -> Change:
@@ -136,7 +136,7 @@ def _reporting(path: str, action: str) -> Iterator[None]:
 def _unable(path: str, action: str, error: OSError) -> DiagnosticsError:
     message = f"cannot {action} the file: {error.strerror}"
     help = "check the permissions of the file and its folder, and that no folder has the name of the file"
-    return DiagnosticsError([CANNOT_WRITE.at(Span(path), message, help)])
+    return DiagnosticsError([CannotWrite.at(Span(path), message, help)])
 
 
 def _text(project: Path, path: str) -> str | None:
@@ -154,7 +154,7 @@ def _generated(project: Path, top: str, suffix: str) -> Iterable[str]:
     left out.
     """
     for folder, folders_in, names in os.walk(project / top):
-        folders_in[:] = [one for one in folders_in if not _is_other_project(Path(folder, one))]
+        folders_in[:] = [folder_name for folder_name in folders_in if not _is_other_project(Path(folder, folder_name))]
         for path in (Path(folder, name) for name in names if name.endswith(suffix) and not name.endswith(".pyc")):
             if not path.is_symlink() and path.is_file() and _is_ours(path):
                 yield path.relative_to(project).as_posix()

@@ -350,14 +350,17 @@ class WireSize:
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """Compiled row of mapping.yaml, with its messages and conversions. Targets generate one handler for each route."""
+    """Compiled row of mapping.yaml, with its messages and conversions. Targets generate one handler for each route.
+
+    A row has three forms, because three readers need different things of it. `generator.table.Row` is what the user
+    wrote, with the place of each key, for diagnostics. This class adds what the .proto files say, for targets and
+    templates. `runtime.core.handler.Route` is what a generated handler tells the bridge, which has no generator.
+    """
 
     number: int
     name: str
     topic: str
     direction: str
-    inbound: bool
-    """True if the payload comes from a peer and goes to the topic."""
     qos: Qos
     forward: tuple[str, ...]
     proto: str
@@ -381,6 +384,11 @@ class Route:
     """Board of the peer that sends or receives the payload: a prefix of a peer that has several; else empty."""
     schema_hash: int = 0
     """Hash of the payload's wire schema, 32 bits."""
+
+    @property
+    def inbound(self) -> bool:
+        """True if the payload comes from a peer and goes to the topic."""
+        return self.direction.endswith("_to_ros")
 
     @property
     def peer(self) -> str:
@@ -510,4 +518,5 @@ class Bridge:
 
     def conversions(self) -> dict[str, Conversion]:
         """Return every conversion, by the name of its ROS message."""
-        return {c.ros: c for c in (*self.nested, *(route.conversion for route in self.routes if route.conversion))}
+        of_routes = [route.conversion for route in self.routes if route.conversion]
+        return {conversion.ros: conversion for conversion in (*self.nested, *of_routes)}

@@ -18,7 +18,7 @@ import re
 # Patterns of rosidl_adapter (VALID_FIELD_NAME_PATTERN, ...) and of rcl's rules for topics.
 _MESSAGE = re.compile(r"[A-Z][A-Za-z0-9]*")
 _PACKAGE = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
-_FIELD = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
+_FIELD = _PACKAGE
 _CONSTANT = re.compile(r"(?!.*__)(?!.*_$)[A-Z][A-Z0-9_]*")
 _TOPIC = re.compile(r"(/|~/)?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 

@@ -29,7 +29,7 @@ def not_accepted(context: Context, type: TracedType, reuses: Iterable[Reuse]) ->
 def accepted(context: Context, type: TracedType, number: int) -> list[Burned]:
     """Return what the user has accepted about a number of a message or enum, under each name that this type had."""
     burned = (context.ledger.burned_in(name).get(number) for name in type.names)
-    return [one for one in burned if one]
+    return [entry for entry in burned if entry]
 
 
 def _is_known(history: History, type: TracedType, reuse: Reuse, known: set[PastUse]) -> bool:
@@ -74,7 +74,7 @@ def is_accepted(context: Context, owner: str, old: _Declared, *new: _Declared) -
 
     Both are declarations in the message or enum ``owner``. Aliases of an enum give several new ones.
     """
-    return any(context.ledger.settles(owner, one.number, meaning_of(old), meaning_of(one)) for one in new)
+    return any(context.ledger.settles(owner, fact.number, meaning_of(old), meaning_of(fact)) for fact in new)
 
 
 def number_to_accept(context: Context, owner: str, number: int) -> str:

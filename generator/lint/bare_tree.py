@@ -12,10 +12,11 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest_names
-from roverlink.generator.lint.input_rules import NO_ENVELOPE_MESSAGE
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
+from roverlink.generator.lint.input_rules import NoEnvelopeMessage
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSettings, RosSettings, Row, Table
+from roverlink.suggestions import nearest_names
 
 _MOST_NAMED = 3  # messages that are suggested if no name is similar to the one that the user gave
 
@@ -113,7 +114,9 @@ def _no_envelope(
     name, file = settings.message, settings.file
     in_file = [message for message in schema.messages.values() if message.span.file == file]
     likely = _with_oneofs(in_file or schema.messages.values())
-    similar = sorted(nearest_names(name, {*schema.messages, *past}), key=lambda one: one not in likely)
+    similar = sorted(
+        nearest_names(name, {*schema.messages, *past}), key=lambda similar_name: similar_name not in likely
+    )
     known = _named(name, schema.messages) or similar or likely[:_MOST_NAMED]
     help = f"use --message {' or --message '.join(known)}" if known else "use --message with the name of the envelope"
     if elsewhere is not None and elsewhere.file in schema.uncompiled:
@@ -126,12 +129,12 @@ def _no_envelope(
         message = "the envelope's message is not named"
     else:
         message = f"no message {name!r} is declared"
-    return NO_ENVELOPE_MESSAGE.at(settings.span, message, help)
+    return NoEnvelopeMessage.at(settings.span, message, help)
 
 
 def _with_oneofs(messages: Iterable[ProtoMessage]) -> list[str]:
     """Return the full names of the messages with a oneof, those with the most members in oneofs first."""
-    members = Counter({one.full_name: sum(bool(field.oneof) for field in one.fields) for one in messages})
+    members = Counter({message.full_name: sum(bool(field.oneof) for field in message.fields) for message in messages})
     return [name for name, count in members.most_common() if count]
 
 

@@ -19,7 +19,7 @@ from google.protobuf.message import DecodeError
 from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
 from roverlink.generator.git import Commit, GitError, Repository, commit_of_line
-from roverlink.generator.lint.input_rules import CLONE, DEEPEN, NO_SUCH_STATE, UNREADABLE_STATE
+from roverlink.generator.lint.input_rules import CLONE, DEEPEN, NoSuchState, UnreadableState
 from roverlink.generator.lock import Entry, RowSettings
 from roverlink.generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
 from roverlink.generator.protos.descriptors import schema_of
@@ -83,9 +83,9 @@ def _descriptor_set(path: Path, spec: str, layout: Layout) -> Baseline:
         why = f": {error.strerror}" if isinstance(error, OSError) else ""
         message = f"the file is not a descriptor set{why}"
         help = "write a descriptor set with `protoc --descriptor_set_out` or `buf build`"
-        raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), message, help)]) from error
+        raise DiagnosticsError([UnreadableState.at(Span(spec), message, help)]) from error
     if not compiled.file:
-        raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), "the descriptor set contains no .proto file")])
+        raise DiagnosticsError([UnreadableState.at(Span(spec), "the descriptor set contains no .proto file")])
     schema = schema_of(compiled, spec)
     return Baseline(spec, schema, tuple(_members(schema, layout)), (), None, lambda _: None)
 
@@ -101,7 +101,7 @@ def commit_of_ref(repository: Repository, ref: str, option: str) -> str:
         message, help = f"{ref!r} is not a folder, a file, or a git ref", _other_refs(repository, ref)
         if str(error):  # git says nothing if only the ref is unknown
             message, help = f"{ref!r} is not a folder or a file, and no git ref can be read: {error}", CLONE
-        raise DiagnosticsError([NO_SUCH_STATE.at(Span(option), message, help)]) from error
+        raise DiagnosticsError([NoSuchState.at(Span(option), message, help)]) from error
 
 
 @contextlib.contextmanager
@@ -123,9 +123,9 @@ def checked_out(repository: Repository, commit: str, ref: str, findings: list[Di
                     target.parent.mkdir(parents=True, exist_ok=True)
                     target.write_bytes(data)
                     continue
-                findings.append(UNREADABLE_STATE.at(Span(shown(repository.in_commit(ref), file)), fault))
+                findings.append(UnreadableState.at(Span(shown(repository.in_commit(ref), file)), fault))
         except (GitError, OSError) as error:
-            raise DiagnosticsError([UNREADABLE_STATE.at(Span(ref), f"the state cannot be read: {error}")]) from error
+            raise DiagnosticsError([UnreadableState.at(Span(ref), f"the state cannot be read: {error}")]) from error
         yield Path(folder)
 
 
@@ -178,7 +178,7 @@ def _baseline_in(
     files = read_protos(folder / root, shown_root, findings)
     if not files:
         raise DiagnosticsError(
-            [*findings, UNREADABLE_STATE.at(Span(shown_root), "the earlier state contains no .proto file")]
+            [*findings, UnreadableState.at(Span(shown_root), "the earlier state contains no .proto file")]
         )
     excluded = table.proto.exclude if table else layout.exclude
     schema, errors = compile_tree(folder / root, [file for file in files if file not in excluded], shown_root)
@@ -197,16 +197,16 @@ def _of_state(error: Diagnostic) -> Diagnostic:
     The user cannot edit an earlier state, so the help suggests a comparison with another state.
     """
     help = "compare with another state, or with a descriptor set"
-    return UNREADABLE_STATE.at(error.span, f"the earlier state does not compile: {error.message}", help)
+    return UnreadableState.at(error.span, f"the earlier state does not compile: {error.message}", help)
 
 
 def _rows(table: Table | None) -> list[Entry]:
     rows = table.rows if table else ()
-    return [Entry(r.number, r.name, r.proto, r.topic, False, False, r.at("number")) for r in rows]
+    return [Entry(row.number, row.name, row.proto, row.topic, False, False, row.at("number")) for row in rows]
 
 
 def _members(schema: Schema, layout: Layout) -> list[Entry]:
     """Return the payloads in the envelope of an earlier state: the members of the envelope's oneof."""
     envelope = schema.messages.get(layout.envelope_message)
     fields = [field for field in envelope.fields if field.oneof == layout.oneof] if envelope else []
-    return [Entry(f.number, f.name, f.wire_type, "", False, False, f.span) for f in fields]
+    return [Entry(field.number, field.name, field.wire_type, "", False, False, field.span) for field in fields]

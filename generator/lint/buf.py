@@ -16,48 +16,44 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span, shown
 from roverlink.generator.protos.schema import ProtoEnum, ProtoMessage, Schema
 
-NOT_INSTALLED = Rule(
-    "BUF101",
-    "buf-not-installed",
+
+class BufNotInstalled(Rule, id="BUF101", severity=Severity.FATAL):
     """`lint --with-buf` needs buf, which is not installed.
 
-The lint looks for buf beside the running Python interpreter, then on the PATH. Without buf nothing is linted, because
-the result could be mistaken for a complete one.
+    The lint looks for buf beside the running Python interpreter, then on the PATH. Without buf nothing is linted,
+    because the result could be mistaken for a complete one.
 
-Bad::
+    Bad::
 
-    $ roverlink lint --against origin/main --with-buf     # buf is not installed
+        $ roverlink lint --against origin/main --with-buf     # buf is not installed
 
-Good::
+    Good::
 
-    $ pip install buf-bin
-    $ roverlink lint --against origin/main --with-buf
-""",
-    Severity.FATAL,
-)
+        $ pip install buf-bin
+        $ roverlink lint --against origin/main --with-buf
+    """
 
-FAILED = Rule(
-    "BUF102",
-    "buf-failed",
+
+class BufFailed(Rule, id="BUF102", severity=Severity.FATAL):
     """buf cannot be run, or failed to compare the two states.
 
-buf rejects some files that protoc accepts, such as message sets. The lint's own results are still shown.
+    buf rejects some files that protoc accepts, such as message sets. The lint's own results are still shown.
 
-Bad::
+    Bad::
 
-    $ roverlink lint --against origin/main --with-buf     # old.proto declares a message set
+        $ roverlink lint --against origin/main --with-buf     # old.proto declares a message set
 
-Good::
+    Good::
 
-    $ roverlink lint --against origin/main     # without --with-buf
-""",
-    Severity.FATAL,
-)
+        $ roverlink lint --against origin/main     # without --with-buf
+    """
+
 
 _OPTION = Span("--with-buf")
 _VIOLATIONS = 100  # the exit code of a comparison that found something
@@ -67,9 +63,16 @@ _TYPE = re.compile(r'\b(?:message|enum) "([\w.]+)"', re.IGNORECASE)
 _NUMBER = re.compile(r'(?:missing values: \[|")(-?\d+)')
 
 
-def rule(id: str) -> Rule | None:
+@cache
+def rule(id: str) -> type[Rule] | None:
     """Return the `Rule` for a rule of buf, such as ``FIELD_NO_DELETE``; None if ``id`` has another form."""
-    return Rule(id, "buf-breaking", f"buf documents {id}.", Severity.WARNING) if _RULE.fullmatch(id) else None
+    if not _RULE.fullmatch(id):
+        return None
+
+    class BufBreaking(Rule, id=id, severity=Severity.WARNING):
+        __doc__ = f"buf documents {id}."
+
+    return BufBreaking
 
 
 def executable() -> str | None:
@@ -84,7 +87,7 @@ def require() -> None:
     """Raise `DiagnosticsError` if buf is not installed."""
     if executable() is None:
         message = "buf is not installed beside this Python interpreter or on the PATH; nothing was linted"
-        raise DiagnosticsError([NOT_INSTALLED.at(_OPTION, message, f"{sys.executable} -m pip install buf-bin")])
+        raise DiagnosticsError([BufNotInstalled.at(_OPTION, message, f"{sys.executable} -m pip install buf-bin")])
 
 
 def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]:
@@ -97,13 +100,13 @@ def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]
     if not before.files or not after.files:
         return []  # no file compiled, and protoc's errors are already reported
     # With `--error-format json`, buf prints one JSON object per line.
-    said = _run(before, after)
+    output = _run(before, after)
     try:
-        found = [_finding(json.loads(line), before, after, shown_root) for line in said.splitlines()]
+        found = [_finding(json.loads(line), before, after, shown_root) for line in output.splitlines()]
     except (ValueError, LookupError, TypeError) as error:
-        raise _failure(f"its output is not a list of findings: {_first_line(said)}") from error
+        raise _failure(f"its output is not a list of findings: {_first_line(output)}") from error
     entries = {name for name, message in before.messages.items() if message.map_entry}
-    return [one for one in found if one.rule.id != "MESSAGE_NO_DELETE" or one.type not in entries]
+    return [finding for finding in found if finding.rule.id != "MESSAGE_NO_DELETE" or finding.type not in entries]
 
 
 def _run(before: Schema, after: Schema) -> str:
@@ -142,22 +145,22 @@ def _first_line(text: str) -> str:
 
 def _failure(why: str) -> DiagnosticsError:
     help = f"if this buf is old or broken: {sys.executable} -m pip install --upgrade buf-bin"
-    return DiagnosticsError([FAILED.at(_OPTION, f"{executable()} did not compare the two states: {why}", help)])
+    return DiagnosticsError([BufFailed.at(_OPTION, f"{executable()} did not compare the two states: {why}", help)])
 
 
-def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_root: str) -> Diagnostic:
-    """Return the diagnostic for one line of buf's output; ``said`` is the line as parsed JSON.
+def _finding(parsed: Mapping[str, object], before: Schema, after: Schema, shown_root: str) -> Diagnostic:
+    """Return the diagnostic for one line of buf's output; ``parsed`` is the line as parsed JSON.
 
     buf gives no place for a deleted file; the place is then the folder of the .proto files. Raises `ValueError`,
-    `LookupError` or `TypeError` if ``said`` has another form.
+    `LookupError` or `TypeError` if ``parsed`` has another form.
     """
-    id, message, path = str(said["type"]), str(said["message"]), str(said.get("path", ""))
+    id, message, path = str(parsed["type"]), str(parsed["message"]), str(parsed.get("path", ""))
     broken = rule(id)
     if broken is None:
         raise ValueError(id)
     span = Span(shown_root or ".")
     if path:
-        span = Span(shown(shown_root, path), int(str(said["start_line"])), int(str(said["start_column"])))
+        span = Span(shown(shown_root, path), int(str(parsed["start_line"])), int(str(parsed["start_column"])))
     number = _NUMBER.search(message)
     return broken.at(
         span,
@@ -181,9 +184,13 @@ def _full_name(message: str, path: str, span: Span, before: Schema, after: Schem
         types: dict[str, ProtoMessage | ProtoEnum] = {**schema.messages, **schema.enums}
         if name[1] in types:
             return name[1]
-        found = [one for one in types.values() if one.file == path and one.full_name.endswith(f".{name[1]}")]
+        found = [
+            declared
+            for declared in types.values()
+            if declared.file == path and declared.full_name.endswith(f".{name[1]}")
+        ]
         if found:
-            return max(found, key=lambda one: (one.span <= span, one.span)).full_name
+            return max(found, key=lambda declared: (declared.span <= span, declared.span)).full_name
     return ""
 
 
@@ -192,10 +199,10 @@ def unstated(theirs: Iterable[Diagnostic], ours: Iterable[Diagnostic]) -> Iterat
 
     Two diagnostics are about the same fault if they have the same message or enum and the same number.
     """
-    told = {(one.type, one.number) for one in ours if one.rule.id.startswith(_OURS)}
-    for one in theirs:
+    reported = {(finding.type, finding.number) for finding in ours if finding.rule.id.startswith(_OURS)}
+    for finding in theirs:
         of_range = (
-            one.rule.id.startswith("RESERVED_") and (one.type, None) in told
+            finding.rule.id.startswith("RESERVED_") and (finding.type, None) in reported
         )  # our diagnostic may cover several ranges
-        if one.number is None or not (of_range or (one.type, one.number) in told):
-            yield one
+        if finding.number is None or not (of_range or (finding.type, finding.number) in reported):
+            yield finding

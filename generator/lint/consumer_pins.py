@@ -14,7 +14,7 @@ from pathlib import Path
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.git import SUBMODULE, GitError, Repository
-from roverlink.generator.lint.input_rules import UNREADABLE_PINS
+from roverlink.generator.lint.input_rules import UnreadablePins
 
 _CMAKE = ("CMakeLists.txt", ".cmake")
 _SET = re.compile(r"\bset\s*\(\s*(?P<name>\w+)\s+\"?(?P<value>[^\s\")]+)", re.IGNORECASE)
@@ -52,7 +52,7 @@ def read_pins(sources: Iterable[Path], findings: list[Diagnostic]) -> tuple[Pin,
         if not found and len(findings) == read:
             message = "the file or folder contains no pinned commit"
             help = "name a repository with a submodule or a FetchContent with GIT_TAG, or a file of lines `name commit`"
-            findings.append(UNREADABLE_PINS.at(Span(str(source)), message, help))
+            findings.append(UnreadablePins.at(Span(str(source)), message, help))
         pins += found
     return tuple(pins)
 
@@ -65,7 +65,7 @@ def _pins_of(source: Path, findings: list[Diagnostic]) -> Iterator[Pin]:
     yield from _submodules(source, name)
 
     def unread(path: str, fault: str) -> None:
-        findings.append(UNREADABLE_PINS.at(Span(str(source / path)), fault))
+        findings.append(UnreadablePins.at(Span(str(source / path)), fault))
 
     paths = [source / path for path in source_files.walk(source, unread) if path.endswith(_CMAKE)]
     yield from _cmake_pins({path: _text(path, findings) for path in paths}, source, name)
@@ -83,7 +83,7 @@ def _pins_in_file(path: Path, findings: list[Diagnostic]) -> Iterator[Pin]:
                 yield Pin(match["name"], match["commit"], Span(str(path), number, 1), str(path), listed=True)
             else:
                 findings.append(
-                    UNREADABLE_PINS.at(
+                    UnreadablePins.at(
                         Span(str(path), number, 1),
                         f"the line {line.strip()!r} is not a name and a commit, such as `rover 4f1c2ab`",
                     )
@@ -95,10 +95,10 @@ def _text(path: Path, findings: list[Diagnostic]) -> str:
         text = source_files.read(path.parent, path.name).decode("utf-8", errors="replace")
     except OSError as error:
         help = "correct the path; --pins takes folders of projects, and files of lines `name commit`"
-        findings.append(UNREADABLE_PINS.at(Span(str(path)), f"cannot be read: {error.strerror}", help))
+        findings.append(UnreadablePins.at(Span(str(path)), f"cannot be read: {error.strerror}", help))
         return ""
     if "\0" in text:
-        findings.append(UNREADABLE_PINS.at(Span(str(path)), "the file is binary, and not a list of pins"))
+        findings.append(UnreadablePins.at(Span(str(path)), "the file is binary, and not a list of pins"))
         return ""
     return text
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field, replace
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span, shown
+from roverlink.generator.ir.protobuf_facts import IMPLEMENTATION_NUMBERS, LARGEST_FIELD_NUMBER
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.history import History, whereabouts
 from roverlink.generator.lint.pinned_states import PinnedStates
@@ -13,7 +14,7 @@ from roverlink.generator.lock import Entry, Ledger, RowSettings, Setting, settin
 from roverlink.generator.nanopb import Bounds
 from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
-from roverlink.generator.table import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER, Row, Table
+from roverlink.generator.table import Row, Table
 
 
 def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "") -> tuple[SchemaChange, ...]:
@@ -83,8 +84,8 @@ class Context:
     """All data that the rules may look at: the table, the current protos, the ledger, and earlier states."""
 
     table: Table
-    schema: Schema | None
-    """The schema of the .proto files that compile; None if no file compiles."""
+    schema: Schema
+    """The schema of the .proto files that compile; empty if no file compiles."""
     ledger: Ledger
     files: Mapping[str, File] = field(default_factory=dict)
     """The declarations in each .proto file by path, as far as the file can be read. Excluded files are left out."""
@@ -128,7 +129,7 @@ class Context:
         return changed
 
     def diagnostic_of_change(
-        self, rule: Rule, row: Row, change: ChangedSetting, message: str, help: str, span: Span, rests_on: Span
+        self, rule: type[Rule], row: Row, change: ChangedSetting, message: str, help: str, span: Span, rests_on: Span
     ) -> Diagnostic:
         """Return the diagnostic of a rule about a changed setting of a row, with the places of the published settings.
 
@@ -156,7 +157,7 @@ class Context:
         than protobuf allows.
         """
         above = self.free_number(self.largest_number() + 1)
-        return above if above <= LARGEST_NUMBER else self.free_number(1)
+        return above if above <= LARGEST_FIELD_NUMBER else self.free_number(1)
 
     def free_number(self, number: int, besides: Set[int] = frozenset()) -> int:
         """Return the smallest free number of the envelope that is not less than ``number``.
@@ -202,7 +203,7 @@ class Context:
         if self.past is not None:
             taken |= self.past.taken(envelope)
         for number, burned in self.ledger.burned_in(envelope).items():
-            taken[number] = f"was used for {burned.told}, and must never be used again"
+            taken[number] = f"was used for {burned.description}, and must never be used again"
         taken |= {entry.number: f"was published for {entry.name!r} ({entry.proto})" for entry in self.published}
         taken |= dict.fromkeys(table.numbers, f"is used in {table.file}")
         taken |= {row.number: f"is retired: it was {row.name!r} ({row.proto})" for row in table.retired}

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from roverlink.generator.diagnostics import Diagnostic, Severity, independent
 from roverlink.generator.lint.buf import unstated
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.rules import modules
+from roverlink.generator.lint.rules import lint_rules
 from roverlink.generator.table import Lowered
 
 _OF_THE_ENVELOPE = "ENV"
@@ -22,9 +22,9 @@ def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic
     """
     # Two rules may find the same fault, and so may comparisons with two earlier states. A dict removes repetitions and
     # keeps the order of the rules.
-    found = dict.fromkeys(finding for module in modules().values() for finding in module.check(context))
-    said = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
-    counted = (_as_the_table_says(finding, context) for finding in said)
+    found = dict.fromkeys(finding for rule in lint_rules().values() for finding in rule.check(context))
+    remaining = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
+    counted = (_as_the_table_says(finding, context) for finding in remaining)
     return independent(finding for finding in counted if finding is not None)
 
 
@@ -35,11 +35,13 @@ def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator
     for the same number are dropped. ``envelope`` is the full name of the envelope's message.
     """
     found = list(found)
-    payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
-    told = {*payloads, None} if payloads else payloads  # None stands for a range of reserved numbers
-    for one in found:
-        if one.type != envelope or one.number not in told or not one.rule.id.startswith(_OF_CHANGES):
-            yield one
+    payloads = {
+        finding.number for finding in found if finding.type == envelope and finding.rule.id.startswith(_OF_THE_ENVELOPE)
+    }
+    reported = {*payloads, None} if payloads else payloads  # None stands for a range of reserved numbers
+    for finding in found:
+        if finding.type != envelope or finding.number not in reported or not finding.rule.id.startswith(_OF_CHANGES):
+            yield finding
 
 
 def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | None:
@@ -53,7 +55,7 @@ def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | No
     for lowered in _lowerings(finding, context):
         if lowered.severity == "off":
             return None
-        severity = max([severity, Severity(lowered.severity)], key=lambda one: one.rank)
+        severity = max([severity, Severity(lowered.severity)], key=lambda level: level.rank)
     return dataclasses.replace(finding, severity=severity)
 
 
@@ -74,7 +76,5 @@ def _is_about(finding: Diagnostic, number: int, proto: str, context: Context) ->
     """
     if finding.type in ("", context.table.envelope.message):
         return finding.number == number
-    if context.schema is None:
-        return finding.type == proto
     messages, enums = context.schema.reachable(proto)
-    return finding.type in messages or finding.type in enums
+    return finding.type == proto or finding.type in messages or finding.type in enums

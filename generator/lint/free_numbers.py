@@ -8,16 +8,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
+from roverlink.generator.ir.protobuf_facts import IMPLEMENTATION_NUMBERS, LARGEST_FIELD_NUMBER
 from roverlink.generator.lint.comparison import EnumPair, FieldPair, MessagePair, SchemaChange
-from roverlink.generator.lint.comparison.misplaced_fields import misplaced_fields
-from roverlink.generator.lint.comparison.pairing import written
+from roverlink.generator.lint.comparison.judged_changes import judge_pair
+from roverlink.generator.lint.comparison.judgement import Meaning
+from roverlink.generator.lint.comparison.oneof_changes import broken_by_oneof
+from roverlink.generator.lint.comparison.pairing import fields_of_messages, written
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import declaration
 from roverlink.generator.lint.fixits.put_back_or_reserve import back, reserve, was
-from roverlink.generator.protos.number_ranges import Range
-from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
+from roverlink.generator.protos.number_ranges import Range, covers, missing
+from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER
 from roverlink.generator.protos.schema import ProtoField, Schema
-from roverlink.generator.table import IMPLEMENTATION_NUMBERS
 
 _IMPLEMENTATION = (IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1)
 
@@ -54,7 +56,7 @@ def next_enum_number(context: Context, full_name: str, taken: Iterable[int] = ()
         closed += enum.reserved
     known |= {value.number for value in context.ledger.values(full_name)} | {*context.ledger.burned_in(full_name)}
     for file in context.files.values():
-        known |= {c.number for enum in file.enums if enum.full_name == full_name for c in enum.claims}
+        known |= {claim.number for enum in file.enums if enum.full_name == full_name for claim in enum.claims}
     return _above(known, closed, LARGEST_ENUM_NUMBER)
 
 
@@ -116,7 +118,7 @@ def back_or_renumber(numbers: NewNumbers, pair: FieldPair, undo: str = "") -> st
 
 
 def changed_field(
-    rule: Rule, numbers: NewNumbers, pair: FieldPair, message: str, place: Callable[[ProtoField], Span]
+    rule: type[Rule], numbers: NewNumbers, pair: FieldPair, message: str, place: Callable[[ProtoField], Span]
 ) -> Diagnostic:
     """Return the diagnostic for a change that makes old values of a field unreadable.
 
@@ -133,8 +135,7 @@ def changed_field(
 
 
 def _schemas(context: Context) -> Iterator[Schema]:
-    if context.schema is not None:
-        yield context.schema
+    yield context.schema
     yield from (change.before for change in context.changes)
 
 
@@ -149,3 +150,30 @@ def _above(known: Iterable[int], closed: Iterable[Range], largest: int) -> int |
         if first <= number <= last:
             number = last + 1
     return number if number <= largest else None
+
+
+def misplaced_fields(pair: MessagePair) -> Iterator[ProtoField]:
+    """Yield the new fields whose number belonged to another field before, or was reserved before."""
+    # A number that was reserved once had another meaning, which only old boards still know.
+    freed = [part for was in pair.old.reserved for part in missing(was, pair.new.reserved)]
+    pairs = {field_pair.new.number: field_pair for field_pair in fields_of_messages(pair)}
+    for field in sorted(pair.new.fields, key=lambda field: field.number):
+        one = pairs.get(field.number)
+        of_another = one is not None and (_is_another(one) or any(map(_is_another, _inside_of_map(one))))
+        if of_another or covers(freed, field.number):
+            yield field
+
+
+def _is_another(pair: FieldPair) -> bool:
+    return judge_pair(pair).meaning not in (Meaning.SAME, Meaning.RENAMED) or broken_by_oneof(pair)
+
+
+def _inside_of_map(pair: FieldPair) -> Iterator[FieldPair]:
+    """Yield the key and the value of a map field, each as it was before the change and as it is now.
+
+    Yield nothing for other fields.
+    """
+    change = pair.change
+    old, new = change.before.messages.get(pair.old.type_name), change.after.messages.get(pair.new.type_name)
+    if old and new and new.map_entry and old.full_name == new.full_name:
+        yield from fields_of_messages(MessagePair(change, old, new))

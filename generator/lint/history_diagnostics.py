@@ -21,9 +21,10 @@ from roverlink.generator.lint.free_numbers import next_enum_number, next_field_n
 from roverlink.generator.lint.history import Content, History, Kind, Relation, Reuse, TracedType, Usage, whereabouts
 from roverlink.generator.lint.history.judged_facts import is_named
 from roverlink.generator.lock import PastUse
+from roverlink.generator.protos.number_ranges import covers
 from roverlink.generator.protos.schema import Fact, ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
 
-_MOST_TOLD = 3
+_MOST_CHANGES = 3
 
 
 def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[TracedType, int, list[Reuse]]]:
@@ -42,7 +43,7 @@ def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[Trace
                 yield type, number, reuses
 
 
-def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
+def reported(rule: type[Rule], context: Context, type: TracedType, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
     """Return the diagnostic about one number that had several meanings in history.
 
     It is a hint if the baseline's history has all these meanings already, or if only an unmerged branch gave the number
@@ -50,9 +51,10 @@ def reported(rule: Rule, context: Context, type: TracedType, number: int, reuses
     """
     assert context.past is not None, "the rules of history check this first"  # noqa: S101  # for mypy
     owner, order = type.name, context.past.history.numbers_of(type.id)[number]
+    changes = _last_changes_text(_last_changes(order, reuses))
     finding = rule.at(
         place_of(context, owner, number),
-        f"number {number} of {owner!r} {_told_last(_last_changes(order, reuses))}{_today(context, owner, number)}",
+        f"number {number} of {owner!r} {changes}{_today(context, owner, number)}",
         _help(context, context.past, owner, number, reuses),
         type=owner,
         number=number,
@@ -171,11 +173,11 @@ def _last_changes(order: Sequence[Usage], reuses: Sequence[Reuse]) -> list[Reuse
     return [*(reuse for _, reuse in sorted(last.items(), key=itemgetter(0))), *within]
 
 
-def _told_last(changes: Sequence[Reuse]) -> str:
+def _last_changes_text(changes: Sequence[Reuse]) -> str:
     """Return how a number got its meanings, as a predicate: only the latest of many changes."""
-    told = "; it ".join(map(_told, changes[-_MOST_TOLD:]))
-    more = len(changes) - _MOST_TOLD
-    return f"{told} (and {more} changes of meaning before)" if more > 0 else told
+    text = "; it ".join(map(_change_text, changes[-_MOST_CHANGES:]))
+    more = len(changes) - _MOST_CHANGES
+    return f"{text} (and {more} changes of meaning before)" if more > 0 else text
 
 
 def _began(reuse: Reuse) -> set[str]:
@@ -187,28 +189,28 @@ def _began(reuse: Reuse) -> set[str]:
     }
 
 
-def _told(reuse: Reuse) -> str:
+def _change_text(reuse: Reuse) -> str:
     """Return how a number got another meaning, with the reason why it is another one, as a predicate.
 
     An example is ``was given to 'wind' (Wind) after 'gps' (Gps) was removed: 'Wind' has 0 of the 2 fields of 'Gps'``.
     """
     earlier, later = _called(reuse.earlier), _called(reuse.later)
     if reuse.earlier is reuse.later:
-        told = f"kept the name {earlier}, but the content of {reuse.later.type!r} was replaced"
+        text = f"kept the name {earlier}, but the content of {reuse.later.type!r} was replaced"
     elif reuse.kind is Kind.RENAMED:
-        told = f"was renamed from {earlier} to {later}"
+        text = f"was renamed from {earlier} to {later}"
     elif reuse.earlier.name == reuse.later.name and reuse.relation is Relation.SUCCESSION:
-        told = f"was `{reuse.earlier.fact.text}` and became `{reuse.later.fact.text}`"
+        text = f"was `{reuse.earlier.fact.text}` and became `{reuse.later.fact.text}`"
     elif reuse.relation is Relation.SUCCESSION:
-        told = f"was given to {later} after {earlier} was removed"
+        text = f"was given to {later} after {earlier} was removed"
     elif reuse.relation is Relation.TOGETHER:
-        told = f"was given to {earlier} and {later} by one commit"
+        text = f"was given to {earlier} and {later} by one commit"
     elif reuse.earlier.live_at and reuse.later.live_at:
         places = [whereabouts(usage.live_at) for usage in (reuse.earlier, reuse.later)]
-        told = f"is {earlier} {places[0]} and {later} {places[1]}"
+        text = f"is {earlier} {places[0]} and {later} {places[1]}"
     else:
-        told = f"was given to {earlier} and {later} on different branches"
-    return f"{told}: {reuse.reason}" if reuse.reason else told
+        text = f"was given to {earlier} and {later} on different branches"
+    return f"{text}: {reuse.reason}" if reuse.reason else text
 
 
 def place_of(context: Context, owner: str, number: int) -> Span:
@@ -250,10 +252,6 @@ def _compiles(context: Context, declared: ProtoMessage | ProtoEnum) -> bool:
     return context.checkout is None or declared.file not in context.checkout.uncompiled
 
 
-def _is_reserved(declared: ProtoMessage | ProtoEnum, number: int) -> bool:
-    return any(first <= number <= last for first, last in declared.reserved)
-
-
 def _today(context: Context, owner: str, number: int) -> str:
     """Return a clause about the number today if no declaration shows it."""
     declared = _declared(context, owner)
@@ -261,7 +259,7 @@ def _today(context: Context, owner: str, number: int) -> str:
         return f"; today {owner!r} does not exist"
     if number in _parts(context, declared) or not _compiles(context, declared):
         return ""
-    return "; today it is reserved" if _is_reserved(declared, number) else "; today it is free, and not reserved"
+    return "; today it is reserved" if covers(declared.reserved, number) else "; today it is free, and not reserved"
 
 
 def number_never_used(context: Context, history: History, owner: str) -> int | None:
@@ -277,11 +275,11 @@ def number_never_used(context: Context, history: History, owner: str) -> int | N
 def _help(context: Context, past: Past, owner: str, number: int, reuses: Sequence[Reuse]) -> str:
     accept = f"if this was only a rename or is harmless, `{command_to_accept(context, owner, number)}` accepts it"
     if burned := context.ledger.burned_in(owner).get(number):
-        accept = f"accepted so far: {burned.told}; {accept}"
+        accept = f"accepted so far: {burned.description}; {accept}"
     declared = _declared(context, owner)
     if declared and not _compiles(context, declared):
         return "correct the errors in this file, and run the lint again"
-    if declared is None or _is_reserved(declared, number):
+    if declared is None or covers(declared.reserved, number):
         return accept
     if part := _parts(context, declared).get(number):
         free = number_never_used(context, past.history, owner)

@@ -7,178 +7,151 @@ from __future__ import annotations
 
 from roverlink.generator.diagnostics import Rule, Severity
 
-_FETCH_ALL = "git fetch --unshallow origin '+refs/heads/*:refs/remotes/origin/*'"
-DEEPEN = f"`{_FETCH_ALL}` (on GitHub: fetch-depth: 0)"
+DEEPEN = "`git fetch --unshallow origin '+refs/heads/*:refs/remotes/origin/*'` (on GitHub: fetch-depth: 0)"
 """Help for a shallow clone, which has one branch and a part of its commits."""
 CLONE = "install git, and run the command in a clone of the repository"
 """Help if git cannot be run, or if the folder is in no repository."""
 
-NO_SUCH_STATE = Rule(
-    "STA101",
-    "no-such-state",
+
+class NoSuchState(Rule, id="STA101", severity=Severity.FATAL):
     """`--against` names something that is not a folder, a file or a git ref.
 
-`--against` names the earlier state of the project with which the lint compares. Without this state, the lint cannot
-check any change.
+    `--against` names the earlier state of the project with which the lint compares. Without this state, the lint cannot
+    check any change.
 
-Bad::
+    Bad::
 
-    $ roverlink lint --against mian
+        $ roverlink lint --against mian
 
-Good::
+    Good::
 
-    $ roverlink lint --against main
-""",
-    Severity.FATAL,
-)
+        $ roverlink lint --against main
+    """
 
-UNREADABLE_STATE = Rule(
-    "STA102",
-    "unreadable-state",
+
+class UnreadableState(Rule, id="STA102", severity=Severity.FATAL):
     """The earlier state, or a file of it, cannot be read or does not compile.
 
-The lint cannot check changes of messages that it cannot read in the earlier state.
+    The lint cannot check changes of messages that it cannot read in the earlier state.
 
-Bad::
+    Bad::
 
-    old.binpb: fatal[STA102] the file is not a descriptor set
+        old.binpb: fatal[STA102] the file is not a descriptor set
 
-Good::
+    Good::
 
-    $ protoc --include_imports -o old.binpb -I proto proto/imu.proto
-""",
-    Severity.FATAL,
-)
+        $ protoc --include_imports -o old.binpb -I proto proto/imu.proto
+    """
 
-NO_PROTOS = Rule(
-    "STA103",
-    "no-protos",
+
+class NoProtos(Rule, id="STA103", severity=Severity.FATAL):
     """The folder that the lint has to check is no folder, is outside the git repository, or has no `.proto` file.
 
-A lint run that read no file must not succeed.
+    A lint run that read no file must not succeed.
 
-Bad::
+    Bad::
 
-    $ roverlink lint protos
-    protos: fatal[STA103] the folder contains no .proto file
+        $ roverlink lint protos
+        protos: fatal[STA103] the folder contains no .proto file
 
-Good::
+    Good::
 
-    $ roverlink lint proto
-""",
-    Severity.FATAL,
-)
+        $ roverlink lint proto
+    """
 
-NO_ENVELOPE_MESSAGE = Rule(
-    "STA104",
-    "no-envelope-message",
+
+class NoEnvelopeMessage(Rule, id="STA104", severity=Severity.FATAL):
     """The envelope's message is not named, or no file declares it, in a folder without a mapping.yaml.
 
-The numbers of the payloads are field numbers of the envelope, so the lint has to know this message.
+    The numbers of the payloads are field numbers of the envelope, so the lint has to know this message.
 
-Bad::
+    Bad::
 
-    $ roverlink number next proto
+        $ roverlink number next proto
 
-Good::
+    Good::
 
-    $ roverlink number next proto --message PBEnvelope
-""",
-    Severity.FATAL,
-)
+        $ roverlink number next proto --message PBEnvelope
+    """
 
-UNREADABLE_HISTORY = Rule(
-    "STA105",
-    "unreadable-history",
+
+class UnreadableHistory(Rule, id="STA105", severity=Severity.FATAL):
     """git's history cannot be read.
 
-The folder is in no git repository, or git is not installed.
+    The folder is in no git repository, or git is not installed.
 
-Bad::
+    Bad::
 
-    $ cd ~/download/rover-main && roverlink lint --history
+        $ cd ~/download/rover-main && roverlink lint --history
 
-Good::
+    Good::
 
-    $ git clone https://example.com/rover && cd rover && roverlink lint --history
-""",
-    Severity.FATAL,
-)
+        $ git clone https://example.com/rover && cd rover && roverlink lint --history
+    """
 
-LIMITED_HISTORY = Rule(
-    "STA106",
-    "limited-history",
-    f"""A part of git's history is missing, or an old state of a file cannot be read.
 
-A number that was used only in the missing part looks unused. Many CI systems clone without history by default.
+class LimitedHistory(Rule, id="STA106", severity=Severity.WARNING):
+    """A part of git's history is missing, or an old state of a file cannot be read.
 
-Bad::
+    A number that was used only in the missing part looks unused. Many CI systems clone without history by default.
 
-    $ git clone --depth 1 https://example.com/rover
+    Bad::
 
-Good::
+        $ git clone --depth 1 https://example.com/rover
 
-    $ {_FETCH_ALL}
-""",
-    Severity.WARNING,
-)
+    Good::
 
-WRONG_ROOT = Rule(
-    "STA107",
-    "wrong-proto-root",
+        $ git fetch --unshallow origin '+refs/heads/*:refs/remotes/origin/*'
+    """
+
+
+class WrongProtoRoot(Rule, id="STA107", severity=Severity.FATAL):
     """The imports of the `.proto` files start at another folder than the given proto root.
 
-protoc looks for every import below the proto root. From a wrong one, it cannot compile the files that import others.
+    protoc looks for every import below the proto root. From a wrong one, it cannot compile the files that import
+    others.
 
-Bad::
+    Bad::
 
-    $ roverlink lint .
-    .: fatal[STA107] 2 of 2 imports, such as 'common/header.proto' in 'proto/imu.proto', are not found from here;
-    they start at 'proto'
+        $ roverlink lint .
+        .: fatal[STA107] 2 of 2 imports, such as 'common/header.proto' in 'proto/imu.proto', are not found from here;
+        they start at 'proto'
 
-Good::
+    Good::
 
-    $ roverlink lint proto
-""",
-    Severity.FATAL,
-)
+        $ roverlink lint proto
+    """
 
-LOST_PAST = Rule(
-    "STA108",
-    "past-not-followed",
+
+class PastNotFollowed(Rule, id="STA108", severity=Severity.HINT):
     """The earlier history of a `.proto` file is not read, because the file was not moved in one commit.
 
-The lint follows a file from elsewhere in the repository to the proto root if one commit deletes the one and adds the
-other. If one commit copies the file and another one deletes the original, the file may as well be a copy of another
-project's file. Its earlier numbers are then not known. Nor are those of files that were put in the place of a
-submodule, because their history is in another repository.
+    The lint follows a file from elsewhere in the repository to the proto root if one commit deletes the one and adds
+    the other. If one commit copies the file and another one deletes the original, the file may as well be a copy of
+    another project's file. Its earlier numbers are then not known. Nor are those of files that were put in the place of
+    a submodule, because their history is in another repository.
 
-Bad::
+    Bad::
 
-    $ git log --stat   # "Copy api/imu.proto to proto/", and later "Delete api/"
+        $ git log --stat   # "Copy api/imu.proto to proto/", and later "Delete api/"
 
-Good::
+    Good::
 
-    $ git mv api/imu.proto proto/imu.proto && git commit
-""",
-    Severity.HINT,
-)
+        $ git mv api/imu.proto proto/imu.proto && git commit
+    """
 
-UNREADABLE_PINS = Rule(
-    "PIN101",
-    "unreadable-pins",
+
+class UnreadablePins(Rule, id="PIN101", severity=Severity.FATAL):
     """A source of pins cannot be read, contains no pin, or names a commit that the repository does not have.
 
-A pin names the commit of the .proto files that another project uses. If this commit is unknown, the project may use
-numbers with other meanings, and the lint cannot see it.
+    A pin names the commit of the .proto files that another project uses. If this commit is unknown, the project may use
+    numbers with other meanings, and the lint cannot see it.
 
-Bad::
+    Bad::
 
-    $ roverlink lint --pins pins.txt   # `rover 0000000`
+        $ roverlink lint --pins pins.txt   # `rover 0000000`
 
-Good::
+    Good::
 
-    $ roverlink lint --pins pins.txt   # `rover 4f1c2ab`
-""",
-    Severity.FATAL,
-)
+        $ roverlink lint --pins pins.txt   # `rover 4f1c2ab`
+    """

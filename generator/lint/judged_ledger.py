@@ -22,14 +22,12 @@ _T = TypeVar("_T")
 _KEPT = frozenset({Meaning.SAME, Meaning.RENAMED})
 
 
-def reused_fields(rule: Rule, context: Context, meanings: Set[Meaning]) -> Iterator[Diagnostic]:
+def reused_fields(rule: type[Rule], context: Context, meanings: Set[Meaning]) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each field whose number belonged to a deleted field in the ledger.
 
     Only fields with one of the given judgements are reported. A field is left out if the ledger also contains it with
     its number, even with another name that means the same.
     """
-    if context.schema is None:
-        return
     change = SchemaChange(context.ledger.schema, context.schema, of_ledger=True)
     for name, gone in context.ledger.gone_fields.items():
         before, after = change.before.messages.get(name), change.after.messages.get(name)
@@ -37,22 +35,24 @@ def reused_fields(rule: Rule, context: Context, meanings: Set[Meaning]) -> Itera
             continue
         messages, offered = MessagePair(change, before, after), set[int]()
         for field in after.fields:
-            known = [one for one in context.ledger.fields(name) if one.number == field.number]
-            known = [one for one in known if not is_accepted(context, name, one, field)]
-            pairs = [FieldPair(change, name, one, field, messages, (before.file, after.file)) for one in known]
+            known = [past for past in context.ledger.fields(name) if past.number == field.number]
+            known = [past for past in known if not is_accepted(context, name, past, field)]
+            pairs = [FieldPair(change, name, past, field, messages, (before.file, after.file)) for past in known]
             judged = [(pair, judge_pair(pair)) for pair in pairs]
-            if reused := [(pair, one) for pair, one in _reused(judged) if pair.old in gone]:
+            if reused := [(pair, judgement) for pair, judgement in _reused(judged) if pair.old in gone]:
                 free = next_field_number(context, name, offered)
                 offered |= {free} if free else set()
-                yield from (_field(rule, pair, one, free) for pair, one in reused if one.meaning in meanings)
+                yield from (
+                    _field(rule, pair, judgement, free) for pair, judgement in reused if judgement.meaning in meanings
+                )
 
 
 def _reused(judged: list[tuple[_T, Judgement]]) -> list[tuple[_T, Judgement]]:
     """Return the judged declarations of a number; an empty list if the number has kept the meaning of one of them."""
-    return [] if any(one.meaning in _KEPT for _, one in judged) else judged
+    return [] if any(judgement.meaning in _KEPT for _, judgement in judged) else judged
 
 
-def _field(rule: Rule, pair: FieldPair, judged: Judgement, free: int | None) -> Diagnostic:
+def _field(rule: type[Rule], pair: FieldPair, judged: Judgement, free: int | None) -> Diagnostic:
     old, new = pair.old, pair.new
     was = f"{old.name!r} ({old.wire_type})"
     message = f"number {new.number} of {pair.owner!r} was {was} in the past, and is now {new.name!r}"
@@ -73,14 +73,12 @@ def _field_help(pair: FieldPair, free: int) -> str:
     return f"write `{moved} {freed}`: the number {free} is free"
 
 
-def reused_values(rule: Rule, context: Context, meanings: Set[Meaning]) -> Iterator[Diagnostic]:
+def reused_values(rule: type[Rule], context: Context, meanings: Set[Meaning]) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each enum value whose number belonged to a deleted value in the ledger.
 
     Only values with one of the given judgements are reported. A value is left out if the ledger also contains it with
     its number, even with another name that means the same.
     """
-    if context.schema is None:
-        return
     change = SchemaChange(context.ledger.schema, context.schema, of_ledger=True)
     for name, gone in context.ledger.gone_values.items():
         before, after = change.before.enums.get(name), change.after.enums.get(name)
@@ -88,28 +86,30 @@ def reused_values(rule: Rule, context: Context, meanings: Set[Meaning]) -> Itera
             continue
         pair, offered = EnumPair(change, before, after), set[int]()
         for number, values in values_by_number(after).items():
-            known = [one for one in context.ledger.values(name) if one.number == number]
-            known = [one for one in known if not is_accepted(context, name, one, *values)]
-            judged = [(one, _judge(pair, one, values)) for one in known]
-            if reused := [(old, one) for old, one in _reused(judged) if old in gone]:
+            known = [past for past in context.ledger.values(name) if past.number == number]
+            known = [past for past in known if not is_accepted(context, name, past, *values)]
+            judged = [(past, _judge(pair, past, values)) for past in known]
+            if reused := [(old, judgement) for old, judgement in _reused(judged) if old in gone]:
                 free = next_enum_number(context, name, offered)
                 offered |= {free} if free else set()
                 yield from (
-                    _value(rule, pair, values, old, one, free) for old, one in reused if one.meaning in meanings
+                    _value(rule, pair, values, old, judgement, free)
+                    for old, judgement in reused
+                    if judgement.meaning in meanings
                 )
 
 
-def burned_fields(rule: Rule, context: Context) -> Iterator[Diagnostic]:
+def burned_fields(rule: type[Rule], context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each field with a burned number that it must not have."""
-    for name, message in (context.schema.messages if context.schema else {}).items():
+    for name, message in context.schema.messages.items():
         for field in message.fields:
             if burned := context.ledger.must_not_be(name, field.number, meaning_of(field)):
                 yield _of_burned(rule, burned, field, next_field_number(context, name))
 
 
-def burned_values(rule: Rule, context: Context) -> Iterator[Diagnostic]:
+def burned_values(rule: type[Rule], context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic of the rule for each enum value with a burned number that it must not have."""
-    for name, enum in (context.schema.enums if context.schema else {}).items():
+    for name, enum in context.schema.enums.items():
         for number, values in values_by_number(enum).items():
             forbidden = [context.ledger.must_not_be(name, number, meaning_of(value)) for value in values]
             # With an alias, the number may have an earlier name beside the one that it may keep.
@@ -117,8 +117,8 @@ def burned_values(rule: Rule, context: Context) -> Iterator[Diagnostic]:
                 yield _of_burned(rule, forbidden[0], values[0], next_enum_number(context, name))
 
 
-def _of_burned(rule: Rule, burned: Burned, now: ProtoField | ProtoEnumValue, free: int | None) -> Diagnostic:
-    was = f"number {burned.number} of {burned.owner!r} was used for {burned.told} in the past"
+def _of_burned(rule: type[Rule], burned: Burned, now: ProtoField | ProtoEnumValue, free: int | None) -> Diagnostic:
+    was = f"number {burned.number} of {burned.owner!r} was used for {burned.description} in the past"
     return rule.at(
         now.at("number"),
         f"{was}, and must never be used again",
@@ -135,7 +135,7 @@ def _judge(pair: EnumPair, old: ProtoEnumValue, values: list[ProtoEnumValue]) ->
 
 
 def _value(
-    rule: Rule,
+    rule: type[Rule],
     pair: EnumPair,
     values: list[ProtoEnumValue],
     old: ProtoEnumValue,

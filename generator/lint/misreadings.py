@@ -68,7 +68,7 @@ def misreadings(change: SchemaChange, old: str, new: str) -> tuple[Misreading, .
     names = _names_in_package(change, old, new)
     walk = _Walk(replace(change, before=_renamed(change.before, names)) if names else change)
     walk.compare(names.get(old, old), new)
-    return tuple(sorted(walk.found.values(), key=lambda one: (one.owner, one.number or 0)))
+    return tuple(sorted(walk.found.values(), key=lambda misreading: (misreading.owner, misreading.number or 0)))
 
 
 def _names_in_package(change: SchemaChange, old: str, new: str) -> dict[str, str]:
@@ -90,18 +90,18 @@ def _renamed(schema: Schema, names: dict[str, str]) -> Schema:
         return replace(field, type_name=names.get(field.type_name, field.type_name))
 
     messages = [
-        replace(one, full_name=names.get(name, name), fields=tuple(map(linked, one.fields)))
-        for name, one in schema.messages.items()
+        replace(message, full_name=names.get(name, name), fields=tuple(map(linked, message.fields)))
+        for name, message in schema.messages.items()
     ]
-    enums = [replace(one, full_name=names.get(name, name)) for name, one in schema.enums.items()]
+    enums = [replace(enum, full_name=names.get(name, name)) for name, enum in schema.enums.items()]
     extensions = [
-        replace(one, extendee=names.get(one.extendee, one.extendee), field=linked(one.field))
-        for one in schema.extensions
+        replace(extension, extendee=names.get(extension.extendee, extension.extendee), field=linked(extension.field))
+        for extension in schema.extensions
     ]
     return replace(
         schema,
-        messages={one.full_name: one for one in messages},
-        enums={one.full_name: one for one in enums},
+        messages={message.full_name: message for message in messages},
+        enums={enum.full_name: enum for enum in enums},
         extensions=tuple(extensions),
     )
 
@@ -183,7 +183,9 @@ class _Walk:
 
     def _judged_by_name(self, pair: FieldPair) -> Judgement:
         """Judge a field whose type is unknown, because a file does not compile."""
-        old, new = (Part(one.number, one.name, NAMED if one.type_name else one.type) for one in (pair.old, pair.new))
+        old, new = (
+            Part(fact.number, fact.name, NAMED if fact.type_name else fact.type) for fact in (pair.old, pair.new)
+        )
         types = TypePair(TypeState(pair.old.type_name), TypeState(pair.new.type_name), beside=False)
         return judge_field(old, new, types if pair.old.type_name and pair.new.type_name else None, moved=False)
 
@@ -214,15 +216,19 @@ class _Walk:
         for fields in required_changes(pair):
             states = zip(fields, (pair.old, pair.new), (self.change.before, self.change.after), strict=True)
             old, new = (
-                self._side(one, schema, message.full_name, message.file) if one else Side("not declared", message.span)
-                for one, message, schema in states
+                (
+                    self._side(state, schema, message.full_name, message.file)
+                    if state
+                    else Side("not declared", message.span)
+                )
+                for state, message, schema in states
             )
-            number = next(one.number for one in fields if one)
+            number = next(field.number for field in fields if field)
             reason = "a receiver with the required field rejects messages without it"
             self._add(pair.new.full_name, number, old, new, Judgement(Meaning.WIRE, reason))
         if pair.old.facets != pair.new.facets:
             old, new = (
-                Side("a message set" if one.facets else "no message set", one.span) for one in (pair.old, pair.new)
+                Side("a message set" if fact.facets else "no message set", fact.span) for fact in (pair.old, pair.new)
             )
             self._add(pair.new.full_name, None, old, new, Judgement(Meaning.WIRE, "no program reads both formats"))
 
@@ -232,5 +238,7 @@ class _Walk:
             if judged.meaning not in (Meaning.SAME, Meaning.RENAMED):
                 names = [value.name for value in pair.old.values if value.number == number]
                 old = Side(f"`{declared_values(names, number)}`", value_place(pair.old, number))
-                new = Side(f"`{declared_values([one.name for one in values], number)}`", value_place(pair.new, number))
+                new = Side(
+                    f"`{declared_values([value.name for value in values], number)}`", value_place(pair.new, number)
+                )
                 self._add(pair.new.full_name, number, old, new, judged)

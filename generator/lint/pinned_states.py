@@ -16,7 +16,7 @@ from roverlink.generator.git import Commit, GitError, Repository, name_of_reposi
 from roverlink.generator.lint.baseline import checked_out
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.consumer_pins import Pin
-from roverlink.generator.lint.input_rules import LIMITED_HISTORY, UNREADABLE_PINS
+from roverlink.generator.lint.input_rules import LimitedHistory, UnreadablePins
 from roverlink.generator.lint.misreadings import Misreading, misreadings
 from roverlink.generator.protos.files import declarations, proto_files, read_proto
 from roverlink.generator.protos.protoc import compile_tree
@@ -53,7 +53,7 @@ class ProtoState:
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the checkout and of the consumers that have this state."""
-        return (*filter(None, [self.checkout]), *dict.fromkeys(one.name for one in self.consumers))
+        return (*filter(None, [self.checkout]), *dict.fromkeys(consumer.name for consumer in self.consumers))
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,21 +73,21 @@ class PinnedStates:
         if one == other:
             return "same"
         found = self.misreadings[min(one, other), max(one, other)]
-        certain = sum(each.certain for each in found)
+        certain = sum(misreading.certain for misreading in found)
         return f"misread {certain}" if certain else f"doubtful {len(found)}" if found else "compatible"
 
 
 def compare_states(states: Sequence[ProtoState]) -> PinnedStates:
     """Join equal states, and compare each with each other; the states are sorted, the oldest first."""
     joined: dict[Hashable, ProtoState] = {}
-    for one in states:
-        key = _on_the_wire(one)
+    for state in states:
+        key = _on_the_wire(state)
         known = joined.get(key)
         if known:
             # A file of the checkout can be edited, so diagnostics show its places.
-            shown = one if one.checkout else known
-            one = dataclasses.replace(shown, consumers=(*known.consumers, *one.consumers))
-        joined[key] = one
+            shown = state if state.checkout else known
+            state = dataclasses.replace(shown, consumers=(*known.consumers, *state.consumers))
+        joined[key] = state
     found = tuple(joined.values())
     return PinnedStates(
         found,
@@ -105,7 +105,9 @@ def _on_the_wire(state: ProtoState) -> Hashable:
     schema = state.schema
     messages, enums = schema.reachable(state.envelope)
     fields = [(name, field) for name in messages for field in schema.messages[name].fields]
-    fields += [(one.extendee, one.field) for one in schema.extensions if one.extendee in messages]
+    fields += [
+        (extension.extendee, extension.field) for extension in schema.extensions if extension.extendee in messages
+    ]
     return (
         state.envelope,
         frozenset((name, field.fact, *sorted(field.facets.items())) for name, field in fields),
@@ -148,7 +150,7 @@ class StateReader:
             except LookupError as error:
                 if pin.listed or name_of_repository(pin.address) in ours:
                     message = f"the project {pin.consumer!r} is pinned to {pin.commit!r}, which {error.args[0]}"
-                    faults.append(UNREADABLE_PINS.at(pin.span, message, _FETCH))
+                    faults.append(UnreadablePins.at(pin.span, message, _FETCH))
         findings += faults or _without_any(pins, {consumer.pin.source for consumer, _ in read})
         findings += _broken_states(read)
         return read
@@ -179,8 +181,8 @@ class StateReader:
             files = [file for file in proto_files(folder, shown_root, unread) if file not in self._exclude]
             schema, _ = compile_tree(folder, files, shown_root)
             texts = {file: read_proto(folder, file, shown_root, unread) for file in schema.uncompiled}
-        for one in unread:
-            why = f"has a file that cannot be read, {one.span.file!r}: {one.message}"
+        for finding in unread:
+            why = f"has a file that cannot be read, {finding.span.file!r}: {finding.message}"
             raise LookupError(why)  # the repository's fault, not a caller's
         return with_uncompiled(schema, {file: declarations(text or "") for file, text in texts.items()}, shown_root)
 
@@ -193,7 +195,7 @@ def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Diagnostic]:
     for source in dict.fromkeys(pin.source for pin in pins if pin.source not in known):
         others = ", ".join(f"{pin.consumer} ({pin.commit})" for pin in pins if pin.source == source)
         message = f"none of the pins here is a commit of this repository: {others}"
-        yield UNREADABLE_PINS.at(Span(source), message, _FETCH)
+        yield UnreadablePins.at(Span(source), message, _FETCH)
 
 
 def _broken_states(read: Sequence[tuple[Consumer, ProtoState]]) -> Iterator[Diagnostic]:
@@ -204,5 +206,5 @@ def _broken_states(read: Sequence[tuple[Consumer, ProtoState]]) -> Iterator[Diag
         files |= {state.schema.enums[name].file for name in enums}
         if broken := sorted(files.intersection(state.schema.uncompiled)):
             message = f"{broken[0]!r} does not compile at {consumer.commit}, and was read as far as possible"
-            finding = LIMITED_HISTORY.at(consumer.pin.span, message, "defaults and other options in it are unknown")
+            finding = LimitedHistory.at(consumer.pin.span, message, "defaults and other options in it are unknown")
             yield dataclasses.replace(finding, severity=Severity.HINT)

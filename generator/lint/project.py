@@ -28,16 +28,16 @@ from roverlink.generator.lint.history.uncommitted import CheckedOut
 from roverlink.generator.lint.input_rules import (
     CLONE,
     DEEPEN,
-    LIMITED_HISTORY,
-    LOST_PAST,
-    NO_PROTOS,
-    UNREADABLE_HISTORY,
+    LimitedHistory,
+    NoProtos,
+    PastNotFollowed,
+    UnreadableHistory,
 )
 from roverlink.generator.lint.pinned_states import PinnedStates, ProtoState, StateReader, compare_states
 from roverlink.generator.lint.wrong_root import wrong_root
 from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
 from roverlink.generator.protos.files import index_declarations, read_protos
-from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
+from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
 from roverlink.generator.protos.protoc import compile_tree
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.protos.uncompiled import with_uncompiled
@@ -105,11 +105,11 @@ class Linted:
         files |= context.past.history.files(owner) if context.past else set()
         root = context.table.proto.root
         concerned = {root or ".", *(shown(root, path) for path in files)}
-        partly = (LIMITED_HISTORY, LOST_PAST, DOES_NOT_COMPILE)
+        partly = (LimitedHistory, PastNotFollowed, ProtoDoesNotCompile)
         return [
-            one
-            for one in self.findings
-            if one.severity is Severity.FATAL or (one.rule in partly and one.span.file in concerned)
+            finding
+            for finding in self.findings
+            if finding.severity is Severity.FATAL or (finding.rule in partly and finding.span.file in concerned)
         ]
 
 
@@ -118,7 +118,7 @@ def not_linted(error: DiagnosticsError, folder: Path) -> Linted:
 
     The paths in the diagnostics are relative to ``folder``.
     """
-    nothing = Context(bare_tree.table_of_tree(bare_tree.EnvelopeName("", "")), None, lock.Ledger())
+    nothing = Context(bare_tree.table_of_tree(bare_tree.EnvelopeName("", "")), Schema(), lock.Ledger())
     return Linted(error.findings, folder, error.texts, lambda _: None, nothing)
 
 
@@ -133,7 +133,7 @@ def lint_project(table_path: Path, question: Question) -> Linted:
         table = reader.read(folder / table_path.name, findings, table_path.name)
         published = lock.read(folder / lock.NAME, findings)
         if not table.proto.root:  # `proto` is missing or misspelt: the project's folder is not what the user meant
-            raise DiagnosticsError([*findings, *lint(Context(table, None, published))])
+            raise DiagnosticsError([*findings, *lint(Context(table, Schema(), published))])
         return _lint(folder, project, table, published, question, findings)
 
 
@@ -192,7 +192,7 @@ def _lint(
     if table.proto.root and source_files.leads_out(folder, root):
         message = f"the folder {table.proto.root!r} is outside the git repository"
         help = "move the .proto files into the repository, or add their repository as a submodule"
-        raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message, help)])
+        raise DiagnosticsError([*findings, NoProtos.at(table.proto.at("root"), message, help)])
     in_git, found_before = project / table.proto.root, len(findings)
     declared = read_protos(root, shown_root, findings)
     shown_to_user = shown_root or os.path.relpath(in_git)
@@ -203,7 +203,7 @@ def _lint(
     if not declared and not unread and not (past and past.history.messages):
         message = "the folder contains no .proto file"
         help = "give the folder that contains your .proto files"
-        raise DiagnosticsError([*findings, NO_PROTOS.at(Span(shown_root or "."), message, help)])
+        raise DiagnosticsError([*findings, NoProtos.at(Span(shown_root or "."), message, help)])
     kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
     left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
     schema, errors = compile_tree(root, list(kept), shown_root)
@@ -252,7 +252,7 @@ def _must_be_folder(root: Path, shown_root: str, table: Table, findings: list[Di
     if root.is_file():
         message = f"{shown_root!r} is a file, not a folder"
         help = f"give the folder from which its imports are found, such as {os.path.dirname(shown_root) or '.'!r}"
-    raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message, help)])
+    raise DiagnosticsError([*findings, NoProtos.at(table.proto.at("root"), message, help)])
 
 
 def _texts(folder: Path, findings: tuple[Diagnostic, ...]) -> dict[str, str]:
@@ -271,20 +271,20 @@ def _past(root: Path, shown_root: str, question: Question, findings: list[Diagno
         history = read_history(root, question.report, question.newest)
     except GitError as error:
         message = f"the history cannot be read: {error}"
-        raise DiagnosticsError([*findings, UNREADABLE_HISTORY.at(Span(shown_root or "."), message, CLONE)]) from error
+        raise DiagnosticsError([*findings, UnreadableHistory.at(Span(shown_root or "."), message, CLONE)]) from error
     if history.shallow:
         message = (
             f"this is a shallow clone: its history goes back only {history.depth} commit{'s' * (history.depth != 1)}"
         )
-        findings.append(LIMITED_HISTORY.at(Span(shown_root or "."), message, f"get the rest with {DEEPEN}"))
+        findings.append(LimitedHistory.at(Span(shown_root or "."), message, f"get the rest with {DEEPEN}"))
     for path in history.unread:
         findings.append(
-            LIMITED_HISTORY.at(
+            LimitedHistory.at(
                 Span(shown(shown_root, path)),
                 "some earlier versions of this file are binary, too large, or missing, and were not checked",
             )
         )
-    for commit, lost in groupby(history.lost, key=lambda one: one.commit):
+    for commit, lost in groupby(history.lost, key=lambda loss: loss.commit):
         first, *others = lost
         and_others = f", nor that of {len(others)} other files" if others else ""
         why = (
@@ -294,7 +294,7 @@ def _past(root: Path, shown_root: str, question: Question, findings: list[Diagno
         )
         message = f"the history of this file before {commit} was not read{and_others}: {why}"
         help = "look at its earlier numbers yourself, and reserve those that are not used any more"
-        findings.append(LOST_PAST.at(Span(shown(shown_root, first.path)), message, help))
+        findings.append(PastNotFollowed.at(Span(shown(shown_root, first.path)), message, help))
     return Past(history, question.history, question.branches)
 
 
@@ -317,7 +317,7 @@ def _pinned(
     except GitError:
         head = ""  # the branch has no commit yet; then the checkout is the newest state
     order = [*repository.in_order(filter(None, [head, *(commit for commit, _ in known)])), ""]
-    known = sorted([*known, (head, today)], key=lambda one: order.index(one[0]))
+    known = sorted([*known, (head, today)], key=lambda state: order.index(state[0]))
     return compare_states([state for _, state in known if state.envelope])
 
 

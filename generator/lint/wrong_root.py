@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span
-from roverlink.generator.lint.input_rules import WRONG_ROOT
+from roverlink.generator.ir.protobuf_facts import OWN_FILES
+from roverlink.generator.lint.input_rules import WrongProtoRoot
 from roverlink.generator.protos.parser import File
 
-_OF_PROTOBUF = "google/protobuf/"
 _MOST_NAMED = 3  # a repository can have more roots than one line has room for
 
 
@@ -36,48 +36,48 @@ def wrong_root(root: Path, files: Mapping[str, File], shown_root: str, span: Spa
         _Import(name, imported)
         for name, file in files.items()
         for imported in file.imported
-        if not imported.startswith(_OF_PROTOBUF)
+        if not imported.startswith(OWN_FILES)
     ]
-    missing = [one for one in imports if not _exists(root, one.imported, files)]
+    missing = [imported for imported in imports if not _exists(root, imported.imported, files)]
     if len(missing) * 2 <= len(imports):
         return None
     roots: list[str] = []
     found, left = 0, missing
     while left and len(roots) < _MOST_NAMED and (best := _best_root(root, files, left)):
-        before, left = len(left), [one for one in left if best not in _roots_of(root, files, one)]
+        before, left = len(left), [imported for imported in left if best not in _roots_of(root, files, imported)]
         roots.append(os.path.normpath(os.path.join(shown_root, best)))
         found += before - len(left)
     if found * 2 <= len(imports):
         return None
-    first = next(one for one in missing if one not in left)
+    first = next(imported for imported in missing if imported not in left)
     named = " and ".join(map(repr, roots))
     message = (
         f"{len(missing)} of {len(imports)} imports, such as {first.imported!r} in {first.file!r}, are not found from "
         f"here; they start at {named}"
     )
-    return WRONG_ROOT.at(span, message, f"give the folder {named} as the proto root")
+    return WrongProtoRoot.at(span, message, f"give the folder {named} as the proto root")
 
 
 def _best_root(root: Path, files: Mapping[str, File], imports: Iterable[_Import]) -> str:
     """Return the folder from which most of the imports are found; empty if there is none."""
-    counted = Counter(folder for one in imports for folder in _roots_of(root, files, one))
+    counted = Counter(folder for imported in imports for folder in _roots_of(root, files, imported))
     return max(counted, key=lambda folder: (counted[folder], -len(folder)), default="")
 
 
-def _roots_of(root: Path, files: Mapping[str, File], one: _Import) -> set[str]:
+def _roots_of(root: Path, files: Mapping[str, File], imported: _Import) -> set[str]:
     """Return the folders above or below the root from which an import is found, as paths relative to the root."""
-    return {*_below(files, one), *_above(root, one)}
+    return {*_below(files, imported), *_above(root, imported)}
 
 
-def _below(files: Mapping[str, File], one: _Import) -> Iterator[str]:
+def _below(files: Mapping[str, File], imported: _Import) -> Iterator[str]:
     # The importing file is below the right root, too.
-    for folder in PurePosixPath(one.file).parents:
-        if folder.parts and str(folder / one.imported) in files:
+    for folder in PurePosixPath(imported.file).parents:
+        if folder.parts and str(folder / imported.imported) in files:
             yield str(folder)
 
 
-def _above(root: Path, one: _Import) -> Iterator[str]:
-    path = PurePosixPath(one.imported)
+def _above(root: Path, imported: _Import) -> Iterator[str]:
+    path = PurePosixPath(imported.imported)
     if path.is_absolute() or ".." in path.parts:
         return
     for steps, folder in enumerate(root.parents, 1):

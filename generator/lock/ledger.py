@@ -67,7 +67,7 @@ class Burned:
     """Why the user accepted the past; empty if the user gave no reason."""
 
     @property
-    def told(self) -> str:
+    def description(self) -> str:
         """The meanings, and why they were accepted: ``'gps' (Gps) and 'wind' (Wind) (accepted: never built)``."""
         uses = dict.fromkeys(f"{use.name!r} ({use.type})" if use.type else repr(use.name) for use in self.uses)
         return " and ".join(uses) + (f" (accepted: {self.reason})" if self.reason else "")
@@ -85,7 +85,7 @@ class Ledger:
     """Content of mapping.lock. A number may have several entries, if it was published for several payloads."""
 
     entries: tuple[Entry, ...] = ()
-    schema: Schema = field(default_factory=lambda: Schema((), {}, {}))
+    schema: Schema = field(default_factory=Schema)
     """The messages and enums of all payloads at the last generate. Files, JSON names and options are not stored."""
     gone_fields: Mapping[str, tuple[ProtoField, ...]] = field(default_factory=dict)
     """Fields that were published and do not exist any more, by the message's full name."""
@@ -114,10 +114,10 @@ class Ledger:
 
     def with_burned(self, added: Iterable[Burned]) -> Ledger:
         """Return the ledger with more burned numbers. A number that was burned before keeps its meanings."""
-        burned = {(one.owner, one.number): one for one in self.burned}
-        for one in added:
-            burned[one.owner, one.number] = one.joined(burned.get((one.owner, one.number)))
-        return replace(self, burned=tuple(one for _, one in sorted(burned.items())))
+        burned = {(entry.owner, entry.number): entry for entry in self.burned}
+        for number in added:
+            burned[number.owner, number.number] = number.joined(burned.get((number.owner, number.number)))
+        return replace(self, burned=tuple(entry for _, entry in sorted(burned.items())))
 
     def must_not_be(self, owner: str, number: int, use: PastUse) -> Burned | None:
         """Return the burned number that forbids ``use``, a meaning that a number has today; None if it is allowed.

@@ -11,7 +11,7 @@ from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.git import Repository
 from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, PastUse, checksum
-from roverlink.generator.lock.ledger_rules import BROKEN_LEDGER, DELETED_LEDGER, EDITED_LEDGER, UNREADABLE_LEDGER
+from roverlink.generator.lock.ledger_rules import BrokenLedger, DeletedLedger, EditedLedger, UnreadableLedger
 from roverlink.generator.lock.row_settings import AMOUNTS, EXTRA_TOPIC, Setting
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema
 
@@ -55,22 +55,22 @@ def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
     except FileNotFoundError:
         if Repository(path.parent).has("HEAD", path.name):
             message = "the ledger was deleted; without it, the numbers in it look free"
-            findings.append(DELETED_LEDGER.at(Span(name), message, _RESTORE))
+            findings.append(DeletedLedger.at(Span(name), message, _RESTORE))
         return Ledger()
     except OSError as error:
         message = f"the ledger cannot be read: {error.strerror}"
-        findings.append(UNREADABLE_LEDGER.at(Span(name), message, _RESTORE))
+        findings.append(UnreadableLedger.at(Span(name), message, _RESTORE))
         return Ledger()
     except UnicodeDecodeError as error:
         message = f"the ledger is not UTF-8 text (wrong byte at offset {error.start})"
-        findings.append(UNREADABLE_LEDGER.at(Span(name), message, _RESTORE))
+        findings.append(UnreadableLedger.at(Span(name), message, _RESTORE))
         return Ledger()
     reader = _Reader()
     for index, line in enumerate(text.splitlines(), 1):
         reader.line(line, Span(name, index, len(line) - len(line.lstrip()) + 1))
     if not reader.broken and not reader.merged and checksum(text.rpartition("checksum:")[0]) != reader.checksum:
         message = "the checksum is wrong: the file was edited, or a part of it is missing"
-        reader.broken.append(EDITED_LEDGER.at(Span(name), message, _RESTORE))
+        reader.broken.append(EditedLedger.at(Span(name), message, _RESTORE))
     findings += reader.broken
     return reader.ledger()
 
@@ -202,7 +202,7 @@ class _Reader:
             self.checksum = match["digest"]
         elif not self._add_fact(line, span) and not _OTHER_LINE.fullmatch(line):
             self.broken.append(
-                BROKEN_LEDGER.at(span, f"this line does not belong to a ledger: {line.strip()!r}", _RESTORE)
+                BrokenLedger.at(span, f"this line does not belong to a ledger: {line.strip()!r}", _RESTORE)
             )
 
     def _add_entry(self, match: re.Match[str], span: Span) -> None:

@@ -4,75 +4,67 @@ from __future__ import annotations
 
 from roverlink.generator.diagnostics import Rule, Severity
 
-UNREADABLE_LEDGER = Rule(
-    "LED101",
-    "unreadable-ledger",
+
+class UnreadableLedger(Rule, id="LED101", severity=Severity.FATAL):
     """The ledger, mapping.lock or accepted-numbers.lock, cannot be read.
 
-The ledger lists every number that was ever published. Without it, a number could be used again for another payload.
+    The ledger lists every number that was ever published. Without it, a number could be used again for another payload.
 
-Bad::
+    Bad::
 
-    mapping.lock: fatal[LED101] the ledger cannot be read: Is a directory
+        mapping.lock: fatal[LED101] the ledger cannot be read: Is a directory
 
-Good::
+    Good::
 
-    $ git checkout mapping.lock
-""",
-    Severity.FATAL,
-)
+        $ git checkout mapping.lock
+    """
 
-BROKEN_LEDGER = Rule(
-    "LED102",
-    "broken-ledger",
+
+class BrokenLedger(Rule, id="LED102"):
     """A line of the ledger, mapping.lock or accepted-numbers.lock, does not have the form that roverlink writes.
 
-The file was edited by hand, or merged wrongly. Only roverlink may change it.
+    The file was edited by hand, or merged wrongly. Only roverlink may change it.
 
-Bad::
+    Bad::
 
-    mapping.lock:8:3: error[LED102] this line does not belong to a ledger: 'two: b B'
+        mapping.lock:8:3: error[LED102] this line does not belong to a ledger: 'two: b B'
 
-Good::
+    Good::
 
-    $ git checkout mapping.lock
-""",
-)
+        $ git checkout mapping.lock
+    """
 
-EDITED_LEDGER = Rule(
-    "LED103",
-    "edited-ledger",
+
+class EditedLedger(Rule, id="LED103"):
     """The content of the ledger, mapping.lock or accepted-numbers.lock, does not match its checksum.
 
-The file was edited, or a part of it is missing. A number that is removed from the ledger looks free, although boards
-still send it.
+    The file was edited, or a part of it is missing. A number that is removed from the ledger looks free, although
+    boards still send it.
 
-Bad::
+    Bad::
 
-    mapping.lock: error[LED103] the checksum is wrong: the file was edited, or a part of it is missing
+        mapping.lock: error[LED103] the checksum is wrong: the file was edited, or a part of it is missing
 
-Good::
+    Good::
 
-    $ git checkout mapping.lock
-""",
-)
+        $ git checkout mapping.lock
+    """
 
-DELETED_LEDGER = Rule(
-    "LED104",
-    "deleted-ledger",
+
+class DeletedLedger(Rule, id="LED104"):
     """The ledger, mapping.lock or accepted-numbers.lock, is missing, but git's last commit contains it.
 
-A new ledger would only know the numbers of today. Older numbers would look free.
+    A new ledger would only know the numbers of today. Older numbers would look free.
 
-Bad::
+    Bad::
 
-    mapping.lock: error[LED104] the ledger was deleted; without it, the numbers in it look free
+        mapping.lock: error[LED104] the ledger was deleted; without it, the numbers in it look free
 
-Good::
+    Good::
 
-    $ git checkout mapping.lock
-""",
-)
+        $ git checkout mapping.lock
+    """
 
-LEDGER_RULES = (UNREADABLE_LEDGER, BROKEN_LEDGER, EDITED_LEDGER, DELETED_LEDGER)
+
+LEDGER_RULES = (UnreadableLedger, BrokenLedger, EditedLedger, DeletedLedger)
 """All rules about the file of the ledger."""

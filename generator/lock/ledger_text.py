@@ -81,7 +81,7 @@ def _with_checksum(lines: Iterable[str]) -> str:
 
 
 def _burned_lines(burned: Iterable[Burned]) -> list[str]:
-    ordered = sorted(burned, key=lambda one: (one.owner, one.number))
+    ordered = sorted(burned, key=lambda number: (number.owner, number.number))
     return ["", "burned:", *map(_burned_line, ordered)]
 
 
@@ -125,11 +125,11 @@ def _gone(
     today's fields or values.
     """
     used = {line.split()[0] for line in now}
-    for one in published:
-        line = _fact_line(one.on_the_wire())
+    for entry in published:
+        line = _fact_line(entry.on_the_wire())
         # A fact that was gone before stays gone, although its number may be in use again; unless the same fact came
         # back.
-        if str(one.number) not in used or (one in gone and line not in now):
+        if str(entry.number) not in used or (entry in gone and line not in now):
             yield line
 
 

@@ -37,7 +37,7 @@ def row_sizes(table: Table, schema: Schema, given: Iterable[ir.FieldBound]) -> d
     Only ``given``, the size limits in mapping.yaml, are used. Limits in .options files are ignored: only an installed
     nanopb can read them, and mapping.yaml has to give the same generated files on every machine.
     """
-    bounds = Bounds(fields={(one.message, one.field): FieldBounds(**as_options(one)) for one in given})
+    bounds = Bounds(fields={(bound.message, bound.field): FieldBounds(**as_options(bound)) for bound in given})
     sizes = {}
     for row in (row for row in table.rows if row.proto in schema.messages):
         payload = largest_size(schema, bounds, row.proto)

@@ -4,117 +4,106 @@ from __future__ import annotations
 
 from roverlink.generator.diagnostics import Rule, Severity
 
-UNREADABLE_OPTIONS = Rule(
-    "NPB101",
-    "unreadable-nanopb-options",
+
+class UnreadableNanopbOptions(Rule, id="NPB101"):
     """An option for nanopb, in a `.options` file or in a `.proto` file, cannot be read.
 
-nanopb would stop or ignore the line, and the lint would compute the sizes of messages without the option.
+    nanopb would stop or ignore the line, and the lint would compute the sizes of messages without the option.
 
-Bad::
+    Bad::
 
-    # proto/note.proto
-    message Note { string text = 1; repeated float samples = 2; }
-    # proto/note.options
-    Note.text max_sise:20
+        # proto/note.proto
+        message Note { string text = 1; repeated float samples = 2; }
+        # proto/note.options
+        Note.text max_sise:20
 
-Good::
+    Good::
 
-    # proto/note.proto
-    message Note { string text = 1; repeated float samples = 2; }
-    # proto/note.options
-    Note.text max_size:20
-""",
-)
+        # proto/note.proto
+        message Note { string text = 1; repeated float samples = 2; }
+        # proto/note.options
+        Note.text max_size:20
+    """
 
-PATTERN_WITHOUT_MATCH = Rule(
-    "NPB102",
-    "nanopb-pattern-without-match",
+
+class NanopbPatternWithoutMatch(Rule, id="NPB102", severity=Severity.WARNING):
     """A line of a `.options` file matches no declaration of its `.proto` file.
 
-The size limit in the line has no effect. The field was renamed, or the package is missing from the name.
+    The size limit in the line has no effect. The field was renamed, or the package is missing from the name.
 
-Bad::
+    Bad::
 
-    # proto/note.proto
-    message Note { string text = 1; repeated float samples = 2; }
-    # proto/note.options
-    Note.txt max_size:20
+        # proto/note.proto
+        message Note { string text = 1; repeated float samples = 2; }
+        # proto/note.options
+        Note.txt max_size:20
 
-Good::
+    Good::
 
-    # proto/note.proto
-    message Note { string text = 1; repeated float samples = 2; }
-    # proto/note.options
-    Note.text max_size:20
-""",
-    Severity.WARNING,
-)
+        # proto/note.proto
+        message Note { string text = 1; repeated float samples = 2; }
+        # proto/note.options
+        Note.text max_size:20
+    """
 
-UNFIT_BOUND = Rule(
-    "NPB103",
-    "unfit-bound",
+
+class UnfitBound(Rule, id="NPB103"):
     """A size limit under `bounds` in mapping.yaml names a field that does not exist, or that cannot have this limit.
 
-A bound is a size limit of a field, under `bounds` of a row. Only strings and bytes have a length. Only repeated fields
-have a count.
+    A bound is a size limit of a field, under `bounds` of a row. Only strings and bytes have a length. Only repeated
+    fields have a count.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - {number: 1, name: note, proto: Note, topic: note, direction: board_to_ros, bounds: {text: {count: 20}}}
-    # proto/note.proto
-    message Note { string text = 1; repeated float samples = 2; }
+        # mapping.yaml
+        - {number: 1, name: note, proto: Note, topic: note, direction: board_to_ros, bounds: {text: {count: 20}}}
+        # proto/note.proto
+        message Note { string text = 1; repeated float samples = 2; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - {number: 1, name: note, proto: Note, topic: note, direction: board_to_ros, bounds: {text: {length: 20}}}
-    # proto/note.proto
-    message Note { string text = 1; repeated float samples = 2; }
-""",
-)
+        # mapping.yaml
+        - {number: 1, name: note, proto: Note, topic: note, direction: board_to_ros, bounds: {text: {length: 20}}}
+        # proto/note.proto
+        message Note { string text = 1; repeated float samples = 2; }
+    """
 
-BOUNDS_IN_TWO_PLACES = Rule(
-    "NPB104",
-    "bounds-in-two-places",
+
+class BoundsInTwoPlaces(Rule, id="NPB104"):
     """mapping.yaml has `bounds` for a field, but a `.options` file stands beside the `.proto` file of the field.
 
-nanopb reads only one `.options` file for each `.proto` file, so it would ignore the limits in one of the two places.
+    nanopb reads only one `.options` file for each `.proto` file, so it would ignore the limits in one of the two
+    places.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - {number: 1, name: note, proto: Note, topic: note, direction: board_to_ros, bounds: {text: {length: 20}}}
-    # proto/note.proto
-    message Note { string text = 1; repeated float samples = 2; }
-    # proto/note.options
-    Note.samples max_count:8
+        # mapping.yaml
+        - {number: 1, name: note, proto: Note, topic: note, direction: board_to_ros, bounds: {text: {length: 20}}}
+        # proto/note.proto
+        message Note { string text = 1; repeated float samples = 2; }
+        # proto/note.options
+        Note.samples max_count:8
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - {number: 1, name: note, proto: Note, topic: note, direction: board_to_ros,
-       bounds: {text: {length: 20}, samples: {count: 8}}}
-    # proto/note.proto
-    message Note { string text = 1; repeated float samples = 2; }
-""",
-)
+        # mapping.yaml
+        - {number: 1, name: note, proto: Note, topic: note, direction: board_to_ros,
+           bounds: {text: {length: 20}, samples: {count: 8}}}
+        # proto/note.proto
+        message Note { string text = 1; repeated float samples = 2; }
+    """
 
-NANOPB_MISSING = Rule(
-    "NPB105",
-    "nanopb-not-installed",
+
+class NanopbNotInstalled(Rule, id="NPB105", severity=Severity.FATAL):
     """The project has options for nanopb, but the package nanopb is not installed.
 
-The package defines the options. Without it, the largest size of a message on a microcontroller is unknown.
+    The package defines the options. Without it, the largest size of a message on a microcontroller is unknown.
 
-Bad::
+    Bad::
 
-    $ roverlink lint     # proto/note.options is there, the package nanopb is not
+        $ roverlink lint     # proto/note.options is there, the package nanopb is not
 
-Good::
+    Good::
 
-    $ pip install 'nanopb>=0.4.9,<0.5'
-""",
-    Severity.FATAL,
-)
+        $ pip install 'nanopb>=0.4.9,<0.5'
+    """

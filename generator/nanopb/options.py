@@ -11,8 +11,8 @@ from google.protobuf import text_format
 from google.protobuf.message import DecodeError, Message
 from google.protobuf.unknown_fields import UnknownFieldSet
 
-from roverlink.generator.diagnostics import nearest
 from roverlink.generator.nanopb.vocabulary import EXTENSION, vocabulary
+from roverlink.suggestions import nearest
 
 Values = Mapping[str, Any]  # nanopb.proto declares the type of each option
 """The value of each option that is set, by nanopb's name: ``{"max_size": 20, "type": "FT_STATIC"}``."""
@@ -49,12 +49,14 @@ def parse_options(text: str) -> Values:
 
 
 def _readable(error: text_format.ParseError, options: Message) -> OptionsError:
-    said = _POSITION.sub("", str(error), count=1)
+    text = _POSITION.sub("", str(error), count=1)
     column = error.GetColumn() or 0
-    if match := _UNKNOWN.search(said):
+    if match := _UNKNOWN.search(text):
         name = match["name"]
-        return OptionsError(f"nanopb has no option {name!r}", nearest(name, options.DESCRIPTOR.fields_by_name), column)
-    return OptionsError(said, column=column)
+        return OptionsError(
+            f"nanopb has no option {name!r}", nearest(name, options.DESCRIPTOR.fields_by_name, ""), column
+        )
+    return OptionsError(text, column=column)
 
 
 @dataclass(frozen=True, slots=True)

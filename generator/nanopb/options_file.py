@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span, shown
-from roverlink.generator.nanopb.option_rules import UNREADABLE_OPTIONS
+from roverlink.generator.nanopb.option_rules import UnreadableNanopbOptions
 from roverlink.generator.nanopb.options import OptionsError, Values, parse_options
 
 _BLOCK_COMMENT = re.compile(r"/\*.*?\*/")
@@ -49,7 +49,7 @@ def read_options_file(root: Path, name: str, shown_root: str, findings: list[Dia
         return []
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else f"it is not UTF-8: {error.reason}"
-        findings.append(UNREADABLE_OPTIONS.at(Span(place), f"the file cannot be read: {reason}"))
+        findings.append(UnreadableNanopbOptions.at(Span(place), f"the file cannot be read: {reason}"))
         return []
     # nanopb reads a text file. Unlike splitlines(), it does not end a line at the other separators of Unicode.
     lines = (_line(raw, Span(place, number), findings) for number, raw in enumerate(text.split("\n"), 1))
@@ -64,12 +64,12 @@ def _line(raw: str, at: Span, findings: list[Diagnostic]) -> OptionsLine | None:
     span = Span(at.file, at.line, raw.find(pattern) + 1)
     if not rest:
         help = f"for example, write `{pattern} max_size:16`"
-        findings.append(UNREADABLE_OPTIONS.at(span, f"the pattern {pattern!r} has no options", help))
+        findings.append(UnreadableNanopbOptions.at(span, f"the pattern {pattern!r} has no options", help))
         return None
     try:
         values = parse_options(rest[0])
     except OptionsError as error:
-        findings.append(UNREADABLE_OPTIONS.at(_place(error, raw, rest[0], span), str(error), error.help))
+        findings.append(UnreadableNanopbOptions.at(_place(error, raw, rest[0], span), str(error), error.help))
         return None
     return OptionsLine(pattern, re.compile(translate(pattern)).match, values, span)
 

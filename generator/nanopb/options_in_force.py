@@ -17,7 +17,11 @@ from typing import Any
 
 from roverlink.generator.diagnostics import Diagnostic, Span, shown
 from roverlink.generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
-from roverlink.generator.nanopb.option_rules import NANOPB_MISSING, PATTERN_WITHOUT_MATCH, UNREADABLE_OPTIONS
+from roverlink.generator.nanopb.option_rules import (
+    NanopbNotInstalled,
+    NanopbPatternWithoutMatch,
+    UnreadableNanopbOptions,
+)
 from roverlink.generator.nanopb.options import Decoded, decode_options
 from roverlink.generator.nanopb.options_file import OptionsLine, options_file_of, read_options_file
 from roverlink.generator.nanopb.vocabulary import has_options, vocabulary
@@ -47,8 +51,8 @@ def read_bounds(
         try:
             vocabulary()
         except ModuleNotFoundError:
-            told = "the sizes of messages depend on options of nanopb, but nanopb is not installed"
-            findings.append(NANOPB_MISSING.at(place, told, "install nanopb: pip install 'nanopb>=0.4.9,<0.5'"))
+            problem = "the sizes of messages depend on options of nanopb, but nanopb is not installed"
+            findings.append(NanopbNotInstalled.at(place, problem, "install nanopb: pip install 'nanopb>=0.4.9,<0.5'"))
             return None
     messages: dict[str, MessageBounds] = {}
     fields: dict[tuple[str, str], FieldBounds] = {}
@@ -64,9 +68,9 @@ def read_bounds(
         readers[extension.file].read_extension(extension)
     for file, reader in readers.items():
         for line in reader.unused():
-            told = f"no name in {file} matches {line.pattern!r}"
+            problem = f"no name in {file} matches {line.pattern!r}"
             help = "write the full name, with the package: pkg.Message.field"
-            findings.append(PATTERN_WITHOUT_MATCH.at(line.span, told, help))
+            findings.append(NanopbPatternWithoutMatch.at(line.span, problem, help))
     return Bounds(messages, fields)
 
 
@@ -141,11 +145,11 @@ class _FileReader:
         inside = self._decoded("Message", message.options, message.span)
         options = self._in_force(self._of_file, name, inside, message.span)
         # nanopb applies the options inside a message to its oneofs too. They override a line for a oneof.
-        oneofs = {one: self._in_force(options, f"{name}.{one}", inside, message.span) for one in message.oneofs}
+        oneofs = {oneof: self._in_force(options, f"{name}.{oneof}", inside, message.span) for oneof in message.oneofs}
         for part in _further_parts(message):
             self._in_force(options, f"{name}.{part}", inside, message.span)
-        separate = frozenset(one for one, of_one in oneofs.items() if _value(of_one, "no_unions"))
-        ignored = {one for one, of_one in oneofs.items() if _value(of_one, "type") == "FT_IGNORE"} - separate
+        separate = frozenset(oneof for oneof, of_one in oneofs.items() if _value(of_one, "no_unions"))
+        ignored = {oneof for oneof, of_one in oneofs.items() if _value(of_one, "type") == "FT_IGNORE"} - separate
         skipped = _value(options, "skip_message") or (inside.deprecated and _value(options, "discard_deprecated"))
         messages[message.full_name] = MessageBounds(bool(skipped), separate)
         for field in message.fields:
@@ -161,7 +165,7 @@ class _FileReader:
 
     def _decoded(self, host: str, options: bytes, span: Span) -> Decoded:
         decoded = decode_options(host, options) if options and self._decodes else Decoded({})
-        self._findings.extend(UNREADABLE_OPTIONS.at(span, fault) for fault in decoded.faults)
+        self._findings.extend(UnreadableNanopbOptions.at(span, fault) for fault in decoded.faults)
         return decoded
 
     def _in_force(self, inherited: _Options, name: str, decoded: Decoded, span: Span) -> _Options:

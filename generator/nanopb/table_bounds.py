@@ -2,67 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from roverlink.generator import ir
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest, shown
-from roverlink.generator.nanopb.option_rules import BOUNDS_IN_TWO_PLACES, UNFIT_BOUND
+from roverlink.generator.diagnostics import Diagnostic, Span, shown
+from roverlink.generator.nanopb.option_rules import BoundsInTwoPlaces, UnfitBound
 from roverlink.generator.nanopb.options import Values
 from roverlink.generator.nanopb.options_file import OptionsLine, options_file_of
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.table import Bound, Row, Table
+from roverlink.suggestions import nearest
 
 _HAVE_A_LENGTH = ("string", "bytes")
 _SIGNATURE_BYTES = 15  # key id (1), timestamp (6) and MAC (8); runtime/core/signing.py
 
 
-@dataclass(frozen=True, slots=True)
-class TableBound:
-    """A size limit of a field, with its place in mapping.yaml."""
+def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Diagnostic]) -> dict[ir.FieldBound, Span]:
+    """Return the size limits that the rows set under `bounds`, with their places in mapping.yaml.
 
-    bound: ir.FieldBound
-    span: Span
-
-
-def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Diagnostic]) -> list[TableBound]:
-    """Return the size limits that the rows set under `bounds`. A limit that does not fit its field is reported.
-
-    ``root`` is the folder of the .proto files. If a .options file is beside the .proto file, the limit must be there,
-    and a limit in the table is reported.
+    A limit that does not fit its field is reported. ``root`` is the folder of the .proto files. If a .options file is
+    beside the .proto file, the limit must be there, and a limit in the table is reported.
     """
-    found: dict[tuple[str, str], TableBound] = {}
+    found: dict[tuple[str, str], tuple[ir.FieldBound, Span]] = {}
     for row in (row for row in table.rows if row.proto in schema.messages):
         for path, bound in row.bounds.items():
             span = row.at(f"bounds.{path}")
             try:
-                one = TableBound(_resolved(row, path, bound, schema), span)
+                resolved = _resolved(row, path, bound, schema)
             except LookupError as error:
-                findings.append(UNFIT_BOUND.at(span, *error.args))
+                findings.append(UnfitBound.at(span, *error.args))
                 continue
-            key = (one.bound.message, one.bound.field)
-            before = found.setdefault(key, one)
-            if before.bound != one.bound:
+            key = (resolved.message, resolved.field)
+            before, place = found.setdefault(key, (resolved, span))
+            if before != resolved:
                 message = f"'{'.'.join(key)}' has a different bound in another row"
-                findings.append(
-                    UNFIT_BOUND.at(
-                        span, message, "write the same bound in both rows", [(before.span, "the other bound is here")]
-                    )
-                )
-    if (signature := _of_signature(table, schema, root)) is not None:
-        found[signature.bound.message, signature.bound.field] = signature
-    _report_files(list(found.values()), root, table.proto.root, findings)
-    return list(found.values())
+                also = [(place, "the other bound is here")]
+                findings.append(UnfitBound.at(span, message, "write the same bound in both rows", also))
+    bounds = dict([*found.values(), *_of_signature(table, schema, root)])
+    _report_files(bounds, root, table.proto.root, findings)
+    return bounds
 
 
-def _of_signature(table: Table, schema: Schema, root: Path) -> TableBound | None:
-    """Return the size of the envelope's signature; None if the table declares none, or a .options file can set it."""
+def _of_signature(table: Table, schema: Schema, root: Path) -> Iterator[tuple[ir.FieldBound, Span]]:
+    """Yield the size of the envelope's signature, if the table declares one, and if no .options file can set it."""
     envelope, signing = schema.messages.get(table.envelope.message), table.signing
-    if signing is None or envelope is None or (root / options_file_of(envelope.file)).is_file():
-        return None
-    bound = ir.FieldBound(envelope.file, envelope.full_name, signing.name, True, _SIGNATURE_BYTES, None)
-    return TableBound(bound, signing.at("number"))
+    if signing is not None and envelope is not None and not (root / options_file_of(envelope.file)).is_file():
+        bound = ir.FieldBound(envelope.file, envelope.full_name, signing.name, True, _SIGNATURE_BYTES, None)
+        yield bound, signing.at("number")
 
 
 def _resolved(row: Row, path: str, bound: Bound, schema: Schema) -> ir.FieldBound:
@@ -94,22 +81,24 @@ def _field(row: Row, path: list[str], schema: Schema) -> tuple[ProtoMessage, Pro
 def _named(message: ProtoMessage, name: str) -> ProtoField:
     fields = {field.name: field for field in message.fields}
     if name not in fields:
-        raise LookupError(f"{message.full_name!r} has no field {name!r}", nearest(name, fields))
+        raise LookupError(f"{message.full_name!r} has no field {name!r}", nearest(name, fields, ""))
     return fields[name]
 
 
-def _report_files(bounds: list[TableBound], root: Path, shown_root: str, findings: list[Diagnostic]) -> None:
+def _report_files(
+    bounds: Mapping[ir.FieldBound, Span], root: Path, shown_root: str, findings: list[Diagnostic]
+) -> None:
     """Report each size limit for a field whose .proto file has a .options file beside it.
 
     nanopb reads only one .options file for each .proto file.
     """
-    for one in bounds:
-        beside = options_file_of(one.bound.file)
+    for bound, span in bounds.items():
+        beside = options_file_of(bound.file)
         if (root / beside).is_file():
-            field = f"'{one.bound.message}.{one.bound.field}'"
+            field = f"'{bound.message}.{bound.field}'"
             message = f"{field} has a bound in the table, but {shown(shown_root, beside)} exists"
             help = "nanopb reads one .options file for a .proto file: write all bounds in one of the two places"
-            findings.append(BOUNDS_IN_TWO_PLACES.at(one.span, message, help))
+            findings.append(BoundsInTwoPlaces.at(span, message, help))
 
 
 def as_options(bound: ir.FieldBound) -> Values:
@@ -118,10 +107,10 @@ def as_options(bound: ir.FieldBound) -> Values:
     return {name: value for name, value in options.items() if value is not None}
 
 
-def as_lines(bounds: list[TableBound]) -> Mapping[str, list[OptionsLine]]:
+def as_lines(bounds: Mapping[ir.FieldBound, Span]) -> Mapping[str, list[OptionsLine]]:
     """Return the size limits as lines of .options files, by the path of the .proto file that declares the field."""
     lines: dict[str, list[OptionsLine]] = {}
-    for one in bounds:
-        name = f"{one.bound.message}.{one.bound.field}"
-        lines.setdefault(one.bound.file, []).append(OptionsLine(name, name.__eq__, as_options(one.bound), one.span))
+    for bound, span in bounds.items():
+        name = f"{bound.message}.{bound.field}"
+        lines.setdefault(bound.file, []).append(OptionsLine(name, name.__eq__, as_options(bound), span))
     return lines

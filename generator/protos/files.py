@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span, shown
 from roverlink.generator.protos.parser import File, parse
-from roverlink.generator.protos.proto_rules import UNREADABLE_PROTO
+from roverlink.generator.protos.proto_rules import UnreadableProto
 
 _LARGEST_TREE = 32 << 20  # bytes of all .proto files of a tree; the parser needs about 70 times as much memory
 _HELP = "correct the file, replace a link by a copy, or move it out of the folder"
@@ -51,7 +51,7 @@ def proto_files(root: Path, shown_root: str, findings: list[Diagnostic]) -> list
     """
 
     def unread(path: str, fault: str) -> None:
-        findings.append(UNREADABLE_PROTO.at(Span(shown(shown_root, source_files.printable(path))), fault, _HELP))
+        findings.append(UnreadableProto.at(Span(shown(shown_root, source_files.printable(path))), fault, _HELP))
 
     found = [path for path in source_files.walk(root, unread) if path.endswith(".proto")]
     visible = [path for path in found if not path.rpartition("/")[2].startswith(".")]
@@ -63,7 +63,7 @@ def _is_text(name: str, shown_root: str, findings: list[Diagnostic]) -> bool:
     readable = source_files.printable(name)
     if readable != name:
         span = Span(shown(shown_root, readable))
-        findings.append(UNREADABLE_PROTO.at(span, "the name of the file is not UTF-8", "rename the file"))
+        findings.append(UnreadableProto.at(span, "the name of the file is not UTF-8", "rename the file"))
     return readable == name
 
 
@@ -77,7 +77,7 @@ def read_protos(root: Path, shown_root: str, findings: list[Diagnostic]) -> dict
     for name in proto_files(root, shown_root, findings):
         if size > _LARGEST_TREE:
             message = f"the .proto files have more than {_LARGEST_TREE} bytes; this and all later ones were not read"
-            findings.append(UNREADABLE_PROTO.at(Span(shown(shown_root, name)), message, "check a smaller folder"))
+            findings.append(UnreadableProto.at(Span(shown(shown_root, name)), message, "check a smaller folder"))
             break
         text = read_proto(root, name, shown_root, findings)
         if text is not None:
@@ -102,6 +102,6 @@ def read_proto(root: Path, name: str, shown_root: str, findings: list[Diagnostic
     except OSError as error:
         fault = f"the file cannot be read: {error.strerror}"
     if fault:
-        findings.append(UNREADABLE_PROTO.at(span, fault, _HELP))
+        findings.append(UnreadableProto.at(span, fault, _HELP))
         return None
     return data.decode("utf-8", errors="replace")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
+from roverlink.generator.ir.protobuf_facts import LARGEST_FIELD_NUMBER
+from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER
 
 Range = tuple[int, int]
 
@@ -37,7 +38,7 @@ def missing(wanted: Range, ranges: Iterable[Range]) -> Iterator[Range]:
 
 def spelled(ranges: Iterable[Range]) -> str:
     """Return ranges as a ``reserved`` statement of a .proto file writes them: ``4, 8 to max``."""
-    return ", ".join(_spelled(*one) for one in ranges)
+    return ", ".join(_spelled(*numbers) for numbers in ranges)
 
 
 def _spelled(first: int, last: int) -> str:

@@ -4,189 +4,170 @@ from __future__ import annotations
 
 from roverlink.generator.diagnostics import Rule, Severity
 
-DOES_NOT_COMPILE = Rule(
-    "PRO101",
-    "proto-does-not-compile",
+
+class ProtoDoesNotCompile(Rule, id="PRO101"):
     """protoc rejects a file that the table needs.
 
-The text of the error comes from protoc, the protobuf compiler. Nothing can be generated from a file that protoc cannot
-read.
+    The text of the error comes from protoc, the protobuf compiler. Nothing can be generated from a file that protoc
+    cannot read.
 
-Bad::
+    Bad::
 
-    message Imu {
-      float x = 1
-    }
+        message Imu {
+          float x = 1
+        }
 
-Good::
+    Good::
 
-    message Imu {
-      float x = 1;
-    }
-""",
-)
+        message Imu {
+          float x = 1;
+        }
+    """
 
-UNREADABLE_PROTO = Rule(
-    "PRO102",
-    "unreadable-proto",
+
+class UnreadableProto(Rule, id="PRO102", severity=Severity.FATAL):
     """A `.proto` file or a folder cannot be read.
 
-The file is binary, has more than 8 MiB, is not accessible, or is not a regular file, such as a pipe or a device. Or a
-link leads out of the git repository, into its folder `.git`, or to a folder above the link. Such a file or folder is
-skipped: it could be private or endless. It is reported, because it could declare a number that is in use. All files of
-a folder together may have 32 MiB.
+    The file is binary, has more than 8 MiB, is not accessible, or is not a regular file, such as a pipe or a device. Or
+    a link leads out of the git repository, into its folder `.git`, or to a folder above the link. Such a file or folder
+    is skipped: it could be private or endless. It is reported, because it could declare a number that is in use. All
+    files of a folder together may have 32 MiB.
 
-Bad::
+    Bad::
 
-    proto/imu.proto: fatal[PRO102] the file cannot be read: Permission denied
+        proto/imu.proto: fatal[PRO102] the file cannot be read: Permission denied
 
-Good::
+    Good::
 
-    $ chmod +r proto/imu.proto
-""",
-    Severity.FATAL,
-)
+        $ chmod +r proto/imu.proto
+    """
 
-UNKNOWN_PROTO = Rule(
-    "PRO103",
-    "unknown-proto-message",
+
+class UnknownProtoMessage(Rule, id="PRO103"):
     """No file below `proto.root` declares the message of a row.
 
-The name is misspelt, the package is missing from the name, or the file does not exist.
+    The name is misspelt, the package is missing from the name, or the file does not exist.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imuu, topic: imu, direction: board_to_ros}
-    # proto/imu.proto
-    message Imu { float x = 1; }
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imuu, topic: imu, direction: board_to_ros}
+        # proto/imu.proto
+        message Imu { float x = 1; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros}
-    # proto/imu.proto
-    message Imu { float x = 1; }
-""",
-)
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros}
+        # proto/imu.proto
+        message Imu { float x = 1; }
+    """
 
-EXCLUDED_PROTO = Rule(
-    "PRO104",
-    "excluded-proto-message",
+
+class ExcludedProtoMessage(Rule, id="PRO104"):
     """A message is declared only in a file that `proto.exclude` leaves out.
 
-Excluded files are not compiled, so the fields of the message are unknown.
+    Excluded files are not compiled, so the fields of the message are unknown.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    proto: {root: proto, exclude: [imu.proto]}
-    # proto/imu.proto
-    message Imu { float x = 1; }
+        # mapping.yaml
+        proto: {root: proto, exclude: [imu.proto]}
+        # proto/imu.proto
+        message Imu { float x = 1; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    proto: {root: proto}
-    # proto/imu.proto
-    message Imu { float x = 1; }
-""",
-)
+        # mapping.yaml
+        proto: {root: proto}
+        # proto/imu.proto
+        message Imu { float x = 1; }
+    """
 
-AMBIGUOUS_PROTO = Rule(
-    "PRO105",
-    "ambiguous-proto-message",
+
+class AmbiguousProtoMessage(Rule, id="PRO105"):
     """Several files declare the message of a row.
 
-The wrong declaration might be compiled. Exclude all files but one, or rename one of the messages.
+    The wrong declaration might be compiled. Exclude all files but one, or rename one of the messages.
 
-Bad::
+    Bad::
 
-    # proto/imu.proto
-    message Imu { float x = 1; }
-    # proto/old/imu.proto
-    message Imu { float y = 1; }
+        # proto/imu.proto
+        message Imu { float x = 1; }
+        # proto/old/imu.proto
+        message Imu { float y = 1; }
 
-Good::
+    Good::
 
-    # proto/imu.proto
-    message Imu { float x = 1; }
-    # proto/old/imu.proto
-    message OldImu { float y = 1; }
-""",
-)
+        # proto/imu.proto
+        message Imu { float x = 1; }
+        # proto/old/imu.proto
+        message OldImu { float y = 1; }
+    """
 
-UNIMPORTABLE_PROTO = Rule(
-    "PRO106",
-    "unimportable-proto-path",
+
+class UnimportableProtoPath(Rule, id="PRO106"):
     """A part of a file's path cannot be the name of a Python module, or two files have one module.
 
-protoc makes a Python module of each file, with underscores in place of hyphens. A leading digit, a space or a keyword
-in the path makes it impossible to import that module.
+    protoc makes a Python module of each file, with underscores in place of hyphens. A leading digit, a space or a
+    keyword in the path makes it impossible to import that module.
 
-Bad::
+    Bad::
 
-    # proto/2d/imu.proto
-    message Imu { float x = 1; }
+        # proto/2d/imu.proto
+        message Imu { float x = 1; }
 
-Good::
+    Good::
 
-    # proto/flat/imu.proto
-    message Imu { float x = 1; }
-""",
-)
+        # proto/flat/imu.proto
+        message Imu { float x = 1; }
+    """
 
-NO_PROTO_ROOT = Rule(
-    "PRO107",
-    "no-proto-root",
+
+class NoProtoRoot(Rule, id="PRO107"):
     """`proto.root` is not a folder, or is outside the git repository.
 
-`proto.root` is the folder of the .proto files. The path is relative to the folder of mapping.yaml. A pull request must
-not make `generate` read files outside the repository. Add another repository as a submodule.
+    `proto.root` is the folder of the .proto files. The path is relative to the folder of mapping.yaml. A pull request
+    must not make `generate` read files outside the repository. Add another repository as a submodule.
 
-Bad::
+    Bad::
 
-    proto: {root: protos}
+        proto: {root: protos}
 
-Good::
+    Good::
 
-    proto: {root: proto}
-""",
-)
+        proto: {root: proto}
+    """
 
-NO_ENVELOPE = Rule(
-    "PRO108",
-    "no-envelope-file",
+
+class NoEnvelopeFile(Rule, id="PRO108"):
     """The envelope belongs to another repository (`owner: proto`), and its file is missing.
 
-The numbers of the envelope are used on the wire, so `generate` must not invent them. With `owner: mapping`, `generate`
-writes the file.
+    The numbers of the envelope are used on the wire, so `generate` must not invent them. With `owner: mapping`,
+    `generate` writes the file.
 
-Bad::
+    Bad::
 
-    envelope: {file: envelope.proto, message: Envelope, oneof: payload, owner: proto}
+        envelope: {file: envelope.proto, message: Envelope, oneof: payload, owner: proto}
 
-Good::
+    Good::
 
-    envelope: {file: envelope.proto, message: Envelope, oneof: payload, owner: mapping}
-""",
-)
+        envelope: {file: envelope.proto, message: Envelope, oneof: payload, owner: mapping}
+    """
 
-PAYLOAD_IN_ENVELOPE_FILE = Rule(
-    "PRO109",
-    "payload-in-envelope-file",
+
+class PayloadInEnvelopeFile(Rule, id="PRO109"):
     """A payload is the envelope itself, or is declared in the envelope's file, which `generate` writes.
 
-`generate` replaces the whole file, so the payload's declaration would be lost.
+    `generate` replaces the whole file, so the payload's declaration would be lost.
 
-Bad::
+    Bad::
 
-    # proto/envelope.proto
-    message Imu { float x = 1; }
+        # proto/envelope.proto
+        message Imu { float x = 1; }
 
-Good::
+    Good::
 
-    # proto/imu.proto
-    message Imu { float x = 1; }
-""",
-)
+        # proto/imu.proto
+        message Imu { float x = 1; }
+    """

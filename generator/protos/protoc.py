@@ -17,10 +17,10 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
-from roverlink.generator.ir.pb2_paths import module_path
+from roverlink.generator.ir.protobuf_facts import OWN_FILES, module_path
 from roverlink.generator.protos.descriptors import schema_of
 from roverlink.generator.protos.files import declarations
-from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE, UNIMPORTABLE_PROTO
+from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile, UnimportableProtoPath
 from roverlink.generator.protos.schema import Schema
 
 # The same as `python -m grpc_tools.protoc`, which takes four times as long to start: it loads modules not needed here.
@@ -31,7 +31,6 @@ from grpc_tools import _protoc_compiler
 sys.exit(_protoc_compiler.run_main([os.fsencode(argument) for argument in sys.argv]))
 """
 _PACKAGES = Path(grpc_tools.__file__).parents[1]
-_OF_PROTOBUF = "google/protobuf/"
 _WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
 
 
@@ -57,7 +56,7 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
         options = [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
         # protoc generates modules for the files in its arguments only, not for their imports.
         found = _stage(root, files, overlay, staged)
-        wanted = list(dict.fromkeys([*files, *(name for name in found if not name.startswith(_OF_PROTOBUF))]))
+        wanted = list(dict.fromkeys([*files, *(name for name in found if not name.startswith(OWN_FILES))]))
         if findings := [*_unimportable(wanted, shown_root)]:
             raise DiagnosticsError(findings)
         _protoc(staged, wanted, options, out, shown_root)
@@ -78,10 +77,10 @@ def _unimportable(files: Sequence[str], shown_root: str) -> Iterator[Diagnostic]
         span, module = Span(shown(shown_root, file)), module_path(file)
         if bad := [part for part in module.split("/") if not part.isidentifier() or keyword.iskeyword(part)]:
             message = f"protoc makes the Python module '{module}.py' of this file, but {bad[0]!r} cannot be imported"
-            yield UNIMPORTABLE_PROTO.at(span, message, "rename this folder or file")
+            yield UnimportableProtoPath.at(span, message, "rename this folder or file")
         elif (other := first.setdefault(module, file)) != file:
             message = f"protoc makes the Python module '{module}.py' of this file and of {other!r}"
-            yield UNIMPORTABLE_PROTO.at(span, message, "rename one of the two files")
+            yield UnimportableProtoPath.at(span, message, "rename one of the two files")
 
 
 def _stage(root: Path, files: Iterable[str], overlay: Mapping[str, str], staged: Path) -> list[str]:
@@ -105,7 +104,11 @@ def _stage(root: Path, files: Iterable[str], overlay: Mapping[str, str], staged:
         except OSError:
             continue  # protoc reports that the file does not exist
         copied.append(name)
-        new = [one for one in declarations(data.decode("utf-8", errors="replace")).imported if one not in known]
+        new = [
+            imported
+            for imported in declarations(data.decode("utf-8", errors="replace")).imported
+            if imported not in known
+        ]
         known.update(new)
         waiting += dict.fromkeys(new)
     return copied
@@ -131,7 +134,7 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
             left = kept if len(kept) < len(left) else []
         else:
             return replace(schema, uncompiled=tuple(file for file in files if file not in left)), findings
-    return Schema((), {}, {}, uncompiled=tuple(files)), findings
+    return Schema(uncompiled=tuple(files)), findings
 
 
 def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> FileDescriptorSet:
@@ -151,8 +154,8 @@ def _protoc(staged: Path, files: Sequence[str], options: Sequence[str], inside: 
     command = [sys.executable, "-I", "-S", "-c", _RUN, str(_PACKAGES), *includes, *options, *files]
     done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
     if done.returncode:
-        said = done.stderr.decode("utf-8", errors="replace")
-        raise DiagnosticsError(_protoc_findings(said, staged, shown_root))
+        output = done.stderr.decode("utf-8", errors="replace")
+        raise DiagnosticsError(_protoc_findings(output, staged, shown_root))
 
 
 # protoc has no output for machines except GCC's form `file:line:column: text` (--error_format=gcc, its default). A file
@@ -198,10 +201,12 @@ def _protoc_findings(output: str, staged: Path, shown_root: str) -> list[Diagnos
             places.setdefault(span, []).append(error.text)
     if not places:
         return [
-            DOES_NOT_COMPILE.at(Span(shown_root or "."), f"protoc failed: {output.strip() or 'it printed no message'}")
+            ProtoDoesNotCompile.at(
+                Span(shown_root or "."), f"protoc failed: {output.strip() or 'it printed no message'}"
+            )
         ]
     return [
-        DOES_NOT_COMPILE.at(
+        ProtoDoesNotCompile.at(
             span,
             first,
             " ".join(rest),

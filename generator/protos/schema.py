@@ -215,7 +215,7 @@ class ProtoEnum(Declared):
         """Return the parts of the declaration that change the encoding, as mapping.lock stores them."""
         return ir.WireEnum(
             self.full_name,
-            tuple(v.on_the_wire() for v in sorted(self.values, key=lambda v: (v.number, v.name))),
+            tuple(value.on_the_wire() for value in sorted(self.values, key=lambda value: (value.number, value.name))),
             tuple(sorted(self.reserved)),
             tuple(sorted(self.reserved_names)),
             commented(self),
@@ -261,10 +261,10 @@ class Syntax:
 class Schema:
     """The messages, enums and extensions of some .proto files, and of all files that these import."""
 
-    files: tuple[str, ...]
+    files: tuple[str, ...] = ()
     """Paths of the files; each file stands after the files that it imports."""
-    messages: Mapping[str, ProtoMessage]
-    enums: Mapping[str, ProtoEnum]
+    messages: Mapping[str, ProtoMessage] = field(default_factory=dict)
+    enums: Mapping[str, ProtoEnum] = field(default_factory=dict)
     extensions: tuple[ProtoExtension, ...] = ()
     file_options: Mapping[str, bytes] = field(default_factory=dict)
     """The serialized `FileOptions` of each file, by path."""

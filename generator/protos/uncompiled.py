@@ -28,14 +28,14 @@ def with_uncompiled(schema: Schema, files: Mapping[str, File], shown_root: str) 
     for path, file in added.items():
         syntaxes[path] = Syntax(file.syntax or "proto2")
         for enum in file.enums:
-            values = tuple(replace(one, span=_in(shown_root, path, one.span)) for one in enum.values)
+            values = tuple(replace(value, span=_in(shown_root, path, value.span)) for value in enum.values)
             declared = replace(enum, file=path, values=values, span=_in(shown_root, path, enum.span))
             enums.setdefault(enum.full_name, declared)
-    names = frozenset((*messages, *enums, *(one.full_name for file in added.values() for one in file.messages)))
+    names = frozenset((*messages, *enums, *(message.full_name for file in added.values() for message in file.messages)))
     for path, file in added.items():
         for message in file.messages:
-            for one in _Linker(names, frozenset(enums), shown_root, path).linked(message):
-                messages.setdefault(one.full_name, one)
+            for linked in _Linker(names, frozenset(enums), shown_root, path).linked(message):
+                messages.setdefault(linked.full_name, linked)
     return replace(schema, messages=messages, enums=enums, syntaxes=syntaxes)
 
 

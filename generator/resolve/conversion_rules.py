@@ -4,254 +4,230 @@ from __future__ import annotations
 
 from roverlink.generator.diagnostics import Rule, Severity
 
-CANNOT_CONVERT = Rule(
-    "CNV101",
-    "cannot-convert",
+
+class CannotConvert(Rule, id="CNV101"):
     """A proto message cannot become a ROS message.
 
-The reason is one of these. The message contains itself, which ROS does not allow. A name is a Python keyword, is not
-allowed in ROS, or hides a name that the generated code needs. An optional message has its fields moved into the outer
-message, so subscribers could not see if it was set.
+    The reason is one of these. The message contains itself, which ROS does not allow. A name is a Python keyword, is
+    not allowed in ROS, or hides a name that the generated code needs. An optional message has its fields moved into the
+    outer message, so subscribers could not see if it was set.
 
-Bad::
+    Bad::
 
-    message Imu {
-      Imu previous = 1;
-    }
+        message Imu {
+          Imu previous = 1;
+        }
 
-Good::
+    Good::
 
-    message Imu {
-      Sample previous = 1;
-    }
-    message Sample { float x = 1; }
-""",
-)
+        message Imu {
+          Sample previous = 1;
+        }
+        message Sample { float x = 1; }
+    """
 
-UNMAPPED_FIELD = Rule(
-    "CNV102",
-    "unmapped-field",
+
+class UnmappedField(Rule, id="CNV102"):
     """`fields` moves fields of a nested message into the outer message, but does not list all of these fields.
 
-Give the missing field a ROS field under `fields`, or list it under `ignore`. No field is dropped silently.
+    Give the missing field a ROS field under `fields`, or list it under `ignore`. No field is dropped silently.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {accel.x: accel_x}}
-    # proto/imu.proto
-    message Imu { Accel accel = 1; }
-    message Accel { float x = 1; float y = 2; }
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {accel.x: accel_x}}
+        # proto/imu.proto
+        message Imu { Accel accel = 1; }
+        message Accel { float x = 1; float y = 2; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros,
-       fields: {accel.x: accel_x}, ignore: [accel.y]}
-    # proto/imu.proto
-    message Imu { Accel accel = 1; }
-    message Accel { float x = 1; float y = 2; }
-""",
-)
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros,
+           fields: {accel.x: accel_x}, ignore: [accel.y]}
+        # proto/imu.proto
+        message Imu { Accel accel = 1; }
+        message Accel { float x = 1; float y = 2; }
+    """
 
-UNKNOWN_FIELD = Rule(
-    "CNV103",
-    "unknown-field",
+
+class UnknownField(Rule, id="CNV103"):
     """A path under `fields`, `ignore`, `presence` or `any` names no field of the payload.
 
-The setting would have no effect, and the intended field would keep its default conversion.
+    The setting would have no effect, and the intended field would keep its default conversion.
 
-Bad::
+    Bad::
 
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {z: depth}}
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {z: depth}}
 
-Good::
+    Good::
 
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}}
-""",
-)
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}}
+    """
 
-FIELD_NAME_FORBIDDEN = Rule(
-    "CNV104",
-    "field-name-forbidden",
+
+class FieldNameForbidden(Rule, id="CNV104"):
     """A name under `fields` or `enums` cannot be a field of a ROS message.
 
-The names of ROS fields have lower-case letters, digits and single underscores. Keywords of Python and C++ would break
-the generated classes.
+    The names of ROS fields have lower-case letters, digits and single underscores. Keywords of Python and C++ would
+    break the generated classes.
 
-Bad::
+    Bad::
 
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: class}}
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: class}}
 
-Good::
+    Good::
 
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: class_of_sample}}
-""",
-)
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: class_of_sample}}
+    """
 
-FIELD_NAME_TAKEN = Rule(
-    "CNV105",
-    "field-name-taken",
+
+class FieldNameTaken(Rule, id="CNV105"):
     """Two fields would get the same name in the ROS message.
 
-One of them would replace the other.
+    One of them would replace the other.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: y}}
-    # proto/imu.proto
-    message Imu { float x = 1; float y = 2; }
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: y}}
+        # proto/imu.proto
+        message Imu { float x = 1; float y = 2; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}}
-    # proto/imu.proto
-    message Imu { float x = 1; float y = 2; }
-""",
-)
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}}
+        # proto/imu.proto
+        message Imu { float x = 1; float y = 2; }
+    """
 
-MESSAGE_NAME_TAKEN = Rule(
-    "CNV106",
-    "message-name-taken",
+
+class MessageNameTaken(Rule, id="CNV106"):
     """Two proto messages or enums would become the same ROS message.
 
-Their `.msg` files would have the same name, and one would overwrite the other.
+    Their `.msg` files would have the same name, and one would overwrite the other.
 
-Bad::
+    Bad::
 
-    - {number: 1, name: imu, proto: Imu, ros: Sample, topic: imu, direction: board_to_ros}
-    - {number: 2, name: gps, proto: Gps, ros: Sample, topic: gps, direction: board_to_ros}
+        - {number: 1, name: imu, proto: Imu, ros: Sample, topic: imu, direction: board_to_ros}
+        - {number: 2, name: gps, proto: Gps, ros: Sample, topic: gps, direction: board_to_ros}
 
-Good::
+    Good::
 
-    - {number: 1, name: imu, proto: Imu, ros: ImuSample, topic: imu, direction: board_to_ros}
-    - {number: 2, name: gps, proto: Gps, ros: GpsSample, topic: gps, direction: board_to_ros}
-""",
-)
+        - {number: 1, name: imu, proto: Imu, ros: ImuSample, topic: imu, direction: board_to_ros}
+        - {number: 2, name: gps, proto: Gps, ros: GpsSample, topic: gps, direction: board_to_ros}
+    """
 
-DISAGREEING_ROWS = Rule(
-    "CNV107",
-    "rows-disagree-on-a-message",
+
+class RowsDisagreeOnAMessage(Rule, id="CNV107"):
     """Two rows have different settings for the conversion of the same proto message.
 
-A proto message becomes only one ROS message. Rows that share it must agree on `ros`, `fields`, `ignore`, `presence` and
-`any`.
+    A proto message becomes only one ROS message. Rows that share it must agree on `ros`, `fields`, `ignore`, `presence`
+    and `any`.
 
-Bad::
+    Bad::
 
-    - {number: 1, name: front, proto: Imu, topic: front, direction: board_to_ros}
-    - {number: 2, name: rear, proto: Imu, topic: rear, direction: board_to_ros, fields: {x: depth}}
+        - {number: 1, name: front, proto: Imu, topic: front, direction: board_to_ros}
+        - {number: 2, name: rear, proto: Imu, topic: rear, direction: board_to_ros, fields: {x: depth}}
 
-Good::
+    Good::
 
-    - {number: 1, name: front, proto: Imu, topic: front, direction: board_to_ros, fields: {x: depth}}
-    - {number: 2, name: rear, proto: Imu, topic: rear, direction: board_to_ros, fields: {x: depth}}
-""",
-)
+        - {number: 1, name: front, proto: Imu, topic: front, direction: board_to_ros, fields: {x: depth}}
+        - {number: 2, name: rear, proto: Imu, topic: rear, direction: board_to_ros, fields: {x: depth}}
+    """
 
-CONSTANT_NAME = Rule(
-    "CNV108",
-    "constant-name",
+
+class ConstantName(Rule, id="CNV108"):
     """An enum value cannot be a constant of a ROS message, or two values would get the same constant.
 
-The names of ROS constants have capitals, digits and single underscores. The names of enum values are converted to that
-spelling.
+    The names of ROS constants have capitals, digits and single underscores. The names of enum values are converted to
+    that spelling.
 
-Bad::
+    Bad::
 
-    enum Mode { IDLE = 0; _1 = 1; }
-    message Imu { Mode mode = 1; }
+        enum Mode { IDLE = 0; _1 = 1; }
+        message Imu { Mode mode = 1; }
 
-Good::
+    Good::
 
-    enum Mode { IDLE = 0; FIRST = 1; }
-    message Imu { Mode mode = 1; }
-""",
-)
+        enum Mode { IDLE = 0; FIRST = 1; }
+        message Imu { Mode mode = 1; }
+    """
 
-UNKNOWN_ENUM = Rule(
-    "CNV109",
-    "unknown-enum",
+
+class UnknownEnum(Rule, id="CNV109"):
     """`enums` names an enum that no payload contains.
 
-An enum under `enums` becomes a ROS message of its own. This entry has no effect: the name is misspelt or lacks its
-package, or the enum is not used any more.
+    An enum under `enums` becomes a ROS message of its own. This entry has no effect: the name is misspelt or lacks its
+    package, or the enum is not used any more.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    enums: {Mod: {ros: Mode, field: mode}}
-    # proto/imu.proto
-    enum Mode { IDLE = 0; }
-    message Imu { Mode mode = 1; }
+        # mapping.yaml
+        enums: {Mod: {ros: Mode, field: mode}}
+        # proto/imu.proto
+        enum Mode { IDLE = 0; }
+        message Imu { Mode mode = 1; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    enums: {Mode: {ros: Mode, field: mode}}
-    # proto/imu.proto
-    enum Mode { IDLE = 0; }
-    message Imu { Mode mode = 1; }
-""",
-)
+        # mapping.yaml
+        enums: {Mode: {ros: Mode, field: mode}}
+        # proto/imu.proto
+        enum Mode { IDLE = 0; }
+        message Imu { Mode mode = 1; }
+    """
 
-EXTENSIONS = Rule(
-    "CNV110",
-    "extensions-not-carried",
+
+class ExtensionsNotCarried(Rule, id="CNV110", severity=Severity.WARNING):
     """A proto2 message can be extended, but its extensions have no ROS fields.
 
-The bridge drops every extension that a peer sends.
+    The bridge drops every extension that a peer sends.
 
-Bad::
+    Bad::
 
-    syntax = "proto2";
-    message Imu { optional float x = 1; extensions 100 to 199; }
+        syntax = "proto2";
+        message Imu { optional float x = 1; extensions 100 to 199; }
 
-Good::
+    Good::
 
-    syntax = "proto2";
-    message Imu { optional float x = 1; optional float y = 100; }
-""",
-    Severity.WARNING,
-)
+        syntax = "proto2";
+        message Imu { optional float x = 1; optional float y = 100; }
+    """
 
-CONTRADICTING_PATHS = Rule(
-    "CNV111",
-    "contradicting-paths",
+
+class ContradictingPaths(Rule, id="CNV111"):
     """Paths under `fields`, `ignore`, `presence` and `any` contradict each other.
 
-A field cannot be both renamed and ignored. If a message becomes a field as a whole, a field inside it cannot be placed
-separately.
+    A field cannot be both renamed and ignored. If a message becomes a field as a whole, a field inside it cannot be
+    placed separately.
 
-Bad::
+    Bad::
 
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}, ignore: [x]}
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}, ignore: [x]}
 
-Good::
+    Good::
 
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}}
-""",
-)
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}}
+    """
 
-WITHOUT_EFFECT = Rule(
-    "CNV112",
-    "setting-without-effect",
+
+class SettingWithoutEffect(Rule, id="CNV112"):
     """`presence` or `any` is set for a field to which it does not apply.
 
-`presence` is for fields that can be absent, such as `optional` fields. `any` is for fields with a google.protobuf.Any.
-Both settings change generated ROS messages; a standard message such as sensor_msgs/Imu cannot be changed.
+    `presence` is for fields that can be absent, such as `optional` fields. `any` is for fields with a
+    google.protobuf.Any. Both settings change generated ROS messages; a standard message such as sensor_msgs/Imu cannot
+    be changed.
 
-Bad::
+    Bad::
 
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, presence: {x: false}}
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, presence: {x: false}}
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, presence: {x: false}}
-    # proto/imu.proto
-    message Imu { optional float x = 1; }
-""",
-)
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, presence: {x: false}}
+        # proto/imu.proto
+        message Imu { optional float x = 1; }
+    """

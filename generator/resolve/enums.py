@@ -11,23 +11,13 @@ from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, commented
-from roverlink.generator.resolve.conversion_rules import CONSTANT_NAME
-
-# An enum of proto is an int32; the smallest ROS type saves bytes in every message.
-_INTEGERS = (("uint8", 0, 2**8), ("uint16", 0, 2**16), ("uint32", 0, 2**32))
-_SIGNED_INTEGERS = (("int8", -(2**7), 2**7), ("int16", -(2**15), 2**15), ("int32", -(2**31), 2**31))
+from roverlink.generator.resolve.conversion_rules import ConstantName
+from roverlink.generator.resolve.numeric_ranges import smallest_integer
 
 
 def integer_type(enum: ProtoEnum) -> str:
-    """Return the smallest ROS integer type that holds all values of an enum.
-
-    The type is signed only if a value is negative: ``uint8`` for the values 0 to 3, ``int8`` for -1 to 3.
-    """
-    numbers = [value.number for value in enum.values]
-    for name, low, end in _SIGNED_INTEGERS if min(numbers) < 0 else _INTEGERS:
-        if low <= min(numbers) and max(numbers) < end:
-            return name
-    raise AssertionError("an enum value is an int32")
+    """Return the smallest ROS integer type that holds all values of an enum."""
+    return smallest_integer([value.number for value in enum.values])
 
 
 def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]) -> Iterator[ir.RosConstant]:
@@ -45,14 +35,14 @@ def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]
                 f"'{enum.full_name}.{value.name}' cannot be a ROS constant, which has capitals, digits and single _"
             )
             report(
-                CONSTANT_NAME.at(
+                ConstantName.at(
                     enum.span, message, "rename the value; the name is not sent, so the encoding does not change"
                 )
             )
         elif first.number != value.number:
             message = f"'{enum.full_name}.{value.name}' and {first.name!r} would both become the constant {name!r}"
             report(
-                CONSTANT_NAME.at(
+                ConstantName.at(
                     enum.span, message, "rename one of the values; names are not sent, so the encoding does not change"
                 )
             )
@@ -107,4 +97,4 @@ def _unless_taken(
         "rename an enum value or a member of the oneof in the .proto file, or list an enum under `enums` in "
         "mapping.yaml: it then becomes a ROS message of its own"
     )
-    report(CONSTANT_NAME.at(span, message, help))
+    report(ConstantName.at(span, message, help))

@@ -10,16 +10,17 @@ import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TypeVar, cast
 
-from roverlink.generator.diagnostics import Diagnostic, nearest
+from roverlink.generator.diagnostics import Diagnostic
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.resolve import well_known
 from roverlink.generator.resolve.conversion_rules import (
-    CONTRADICTING_PATHS,
-    DISAGREEING_ROWS,
-    UNKNOWN_FIELD,
-    WITHOUT_EFFECT,
+    ContradictingPaths,
+    RowsDisagreeOnAMessage,
+    SettingWithoutEffect,
+    UnknownField,
 )
 from roverlink.generator.table import Row, Table
+from roverlink.suggestions import nearest
 
 T = TypeVar("T")
 
@@ -48,12 +49,12 @@ class FieldSettings:
         returns the reason why an override does not apply to a field, or an empty text.
         """
         settings: dict[Key, T] = {}
-        said: dict[Key, Row] = {}
+        first_rows: dict[Key, Row] = {}
         for row, paths in rows:
             for path, value in paths.items():
                 span = row.at(f"{group}.{path}")
                 if row.standard:
-                    self._report(WITHOUT_EFFECT.at(span, *without_effect_on_standard(group, row)))
+                    self._report(SettingWithoutEffect.at(span, *without_effect_on_standard(group, row)))
                     continue
                 found = self._field(row, group, path)
                 if found is None:
@@ -61,16 +62,18 @@ class FieldSettings:
                 key, field = found
                 if why := obstacle(field, value):
                     fault = f"`{group}` has no effect on {path!r}, which {why}"
-                    self._report(WITHOUT_EFFECT.at(span, fault, f"remove {path!r} from `{group}`"))
+                    self._report(SettingWithoutEffect.at(span, fault, f"remove {path!r} from `{group}`"))
                 elif settings.setdefault(key, value) != value:
-                    other = said[key]
+                    other = first_rows[key]
                     message = (
                         f"`{group}` of the field '{'.'.join(key)}' is {_shown(value)} here, "
                         f"but {_shown(settings[key])} in the row {other.name!r}, which contains the field too"
                     )
                     help = f"write the same value in both rows; {key[0]!r} becomes only one ROS message"
-                    self._report(DISAGREEING_ROWS.at(span, message, help, [(other.span, f"the row {other.name!r}")]))
-                said.setdefault(key, row)
+                    self._report(
+                        RowsDisagreeOnAMessage.at(span, message, help, [(other.span, f"the row {other.name!r}")])
+                    )
+                first_rows.setdefault(key, row)
         return settings
 
     def _field(self, row: Row, group: str, path: str) -> tuple[Key, ProtoField] | None:
@@ -82,7 +85,7 @@ class FieldSettings:
             if whole in row.ignore:
                 fault = f"{path!r} is listed under `{group}`, but {whole!r} is ignored"
                 self._report(
-                    CONTRADICTING_PATHS.at(row.at(f"{group}.{path}"), fault, "keep only one of the two settings")
+                    ContradictingPaths.at(row.at(f"{group}.{path}"), fault, "keep only one of the two settings")
                 )
                 return None
         message: ProtoMessage | None = self._schema.messages[row.proto]
@@ -91,12 +94,12 @@ class FieldSettings:
             message = self._held(message, part)
         field = _field_of(message, name)
         if message is None or field is None:
-            known = [] if message is None else [one.name for one in message.fields]
+            known = [] if message is None else [field.name for field in message.fields]
             fault = f"the proto message {row.proto!r} has no field {path!r}"
             help = nearest(
                 name, known, f"known fields: {', '.join(known)}" if known else f"remove {path!r} from `{group}`"
             )
-            self._report(UNKNOWN_FIELD.at(row.at(f"{group}.{path}"), fault, help))
+            self._report(UnknownField.at(row.at(f"{group}.{path}"), fault, help))
             return None
         return (message.full_name, name), field
 

@@ -6,20 +6,21 @@ import dataclasses
 import itertools
 
 from roverlink.generator import ir
-from roverlink.generator.diagnostics import nearest
 from roverlink.generator.ir import ros_names
+from roverlink.generator.ir.protobuf_facts import OWN_FILES
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, commented
 from roverlink.generator.resolve import enums, oneofs, well_known
 from roverlink.generator.resolve.conversion_rules import (
-    CANNOT_CONVERT,
-    CONTRADICTING_PATHS,
-    FIELD_NAME_FORBIDDEN,
-    FIELD_NAME_TAKEN,
-    UNKNOWN_FIELD,
-    UNMAPPED_FIELD,
+    CannotConvert,
+    ContradictingPaths,
+    FieldNameForbidden,
+    FieldNameTaken,
+    UnknownField,
+    UnmappedField,
 )
 from roverlink.generator.resolve.row_overrides import Shape
 from roverlink.generator.resolve.types import FieldTypes, MessageMaker
+from roverlink.suggestions import nearest
 
 _HIDING = frozenset({"HasField", "WhichOneof"})
 """Methods of Python's protobuf messages that generated code calls. A field with such a name would hide the method."""
@@ -46,7 +47,7 @@ class MessageBuilder:
             ros,
             tuple(self._fields.values()),
             tuple(enums.constants_of(declared, self._oneof_constants, ros, self._message.span, self._report)),
-            "" if self._message.file.startswith("google/protobuf/") else commented(self._message),
+            "" if self._message.file.startswith(OWN_FILES) else commented(self._message),
             self._message.full_name,
         )
 
@@ -64,7 +65,7 @@ class MessageBuilder:
                 continue
             if field.name in _HIDING:
                 self._report(
-                    CANNOT_CONVERT.at(
+                    CannotConvert.at(
                         field.span, f"the field {dotted!r} would hide a method of Python's protobuf messages", _RENAME
                     )
                 )
@@ -73,7 +74,7 @@ class MessageBuilder:
             elif path and dotted not in self._shape.fields:
                 help = f"give the field a ROS field under `fields`, or list {dotted!r} under `ignore`"
                 self._report(
-                    UNMAPPED_FIELD.at(
+                    UnmappedField.at(
                         field.span,
                         f"the ROS message {self._shape.ros!r} has no field for the proto field {dotted!r}",
                         help,
@@ -97,7 +98,7 @@ class MessageBuilder:
                 f"{dotted!r} is optional; if its fields are moved out of it, subscribers cannot see whether it was set"
             )
             help = f"keep the field as a nested message, or set `presence: {{{dotted}: false}}` if absent means zero"
-            self._report(CANNOT_CONVERT.at(field.span, fault, help))
+            self._report(CannotConvert.at(field.span, fault, help))
         if nested is None or field.repeated or field.oneof:
             self._report_paths_into(dotted, field)
         else:
@@ -110,9 +111,7 @@ class MessageBuilder:
                 if path.startswith(f"{dotted}."):
                     self._paths_seen.add(path)
                     message = f"the field {dotted!r} is not a single message, so a path cannot lead into it"
-                    self._report(
-                        UNKNOWN_FIELD.at(self._shape.at(group, path, field.span), message, f"write {dotted!r}")
-                    )
+                    self._report(UnknownField.at(self._shape.at(group, path, field.span), message, f"write {dotted!r}"))
 
     def check_paths(self) -> None:
         """Report paths under the row's `fields` and `ignore` that lead to no field or contradict another path."""
@@ -123,12 +122,12 @@ class MessageBuilder:
             for path in paths:
                 span = self._shape.at(group, path, row.span)
                 if contradiction := self._contradiction(group, path):
-                    self._report(CONTRADICTING_PATHS.at(span, contradiction, "keep only one of the two settings"))
+                    self._report(ContradictingPaths.at(span, contradiction, "keep only one of the two settings"))
                 elif path not in self._paths_seen:
                     known = ", ".join(sorted(self._paths_seen)) or "none"
                     help = nearest(path, self._paths_seen, f"known fields: {known}")
                     message = f"the proto message {self._message.full_name!r} has no field {path!r}"
-                    self._report(UNKNOWN_FIELD.at(span, message, help))
+                    self._report(UnknownField.at(span, message, help))
 
     def _contradiction(self, group: str, path: str) -> str:
         """Return a message about a setting of the row that contradicts the setting of a path; empty if there is none.
@@ -162,8 +161,8 @@ class MessageBuilder:
         """Return True if the ROS message gets a field ``has_<field>``, which tells if the proto field is set."""
         if field.label != "optional" or field.oneof or field.type_name in (*well_known.TEXTS, well_known.EMPTY):
             return False
-        said = self._messages.settings.presence.get((message.full_name, field.name))
-        return said if said is not None else field.optional or field.type_name in well_known.WRAPPERS
+        setting = self._messages.settings.presence.get((message.full_name, field.name))
+        return setting if setting is not None else field.optional or field.type_name in well_known.WRAPPERS
 
     def _discriminator(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
         """Return the name of the ROS field that tells which member of a oneof is set, such as ``which_order``.
@@ -174,7 +173,9 @@ class MessageBuilder:
         if full_path not in self._which:
             dotted = ".".join(full_path)
             self._paths_seen.add(dotted)
-            members = [one for one in message.fields if one.oneof == field.oneof and self._placed(one, path)]
+            members = [
+                member for member in message.fields if member.oneof == field.oneof and self._placed(member, path)
+            ]
             ros, constants, choices = oneofs.discriminator(
                 message, field.oneof, members, self._shape.fields.get(dotted)
             )
@@ -196,13 +197,13 @@ class MessageBuilder:
             help = f"give the field another name under `fields` of the row ({dotted}: other_name)"
             if self._shape.row is None:
                 help = _RENAME
-            self._report(FIELD_NAME_FORBIDDEN.at(span, f"{name!r} cannot be a field of a ROS message: {why}", help))
+            self._report(FieldNameForbidden.at(span, f"{name!r} cannot be a field of a ROS message: {why}", help))
         if name in self._fields:
             help = "give one of the two fields another name under `fields` of the row"
             if self._shape.row is None:
                 help = f"rename one of them in the .proto file, or give {self._message.full_name!r} a row with `fields`"
             self._report(
-                FIELD_NAME_TAKEN.at(span, f"the ROS message {self._shape.ros!r} already has a field {name!r}", help)
+                FieldNameTaken.at(span, f"the ROS message {self._shape.ros!r} already has a field {name!r}", help)
             )
         self._fields[name] = conversion.ros
         self.conversions.append(conversion)

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from roverlink.generator import ir
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.protos.files import DeclarationIndex
 from roverlink.generator.protos.proto_rules import (
-    AMBIGUOUS_PROTO,
-    EXCLUDED_PROTO,
-    PAYLOAD_IN_ENVELOPE_FILE,
-    UNKNOWN_PROTO,
+    AmbiguousProtoMessage,
+    ExcludedProtoMessage,
+    PayloadInEnvelopeFile,
+    UnknownProtoMessage,
 )
 from roverlink.generator.table import Table
+from roverlink.suggestions import nearest
 
 
 def locate(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) -> dict[str, str]:
@@ -37,17 +38,17 @@ def locate(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) ->
         declared = index.files.get(row.proto, [])
         if row.proto == ir.LINK_MESSAGE and row.proto in files:
             message = f"{row.proto!r} is the link message, which `link` makes a member of the envelope"
-            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "remove the row"))
+            findings.append(PayloadInEnvelopeFile.at(row.at("proto"), message, "remove the row"))
         elif row.proto == table.envelope.message:
             message = f"{row.proto!r} is the envelope, which cannot be a payload of itself"
             findings.append(
-                PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "write the name of the payload's message")
+                PayloadInEnvelopeFile.at(row.at("proto"), message, "write the name of the payload's message")
             )
         elif len(declared) != 1:
             findings.append(_not_located(row.at("proto"), row.proto, declared, index))
         elif declared[0] in generated:
             message = f"{row.proto!r} is declared in {declared[0]}, which is generated from {table.file}"
-            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "move the message to another file"))
+            findings.append(PayloadInEnvelopeFile.at(row.at("proto"), message, "move the message to another file"))
         else:
             files[row.proto] = declared[0]
     return files
@@ -73,10 +74,10 @@ def locate_anys(table: Table, index: DeclarationIndex, findings: list[Diagnostic
 def _not_located(span: Span, proto: str, declared: Sequence[str], index: DeclarationIndex) -> Diagnostic:
     if declared:
         help = "list all of these files except one under `exclude` of `proto`"
-        return AMBIGUOUS_PROTO.at(span, f"{proto!r} is declared in {' and in '.join(declared)}", help)
+        return AmbiguousProtoMessage.at(span, f"{proto!r} is declared in {' and in '.join(declared)}", help)
     if proto in index.excluded:
         file = index.excluded[proto][0]
         help = "remove the file from `exclude`, or use another message"
-        return EXCLUDED_PROTO.at(span, f"{proto!r} is declared in {file}, which `exclude` of `proto` lists", help)
+        return ExcludedProtoMessage.at(span, f"{proto!r} is declared in {file}, which `exclude` of `proto` lists", help)
     help = nearest(proto, index.files, "check the name, and that the message's file is below `root` of `proto`")
-    return UNKNOWN_PROTO.at(span, f"no .proto file declares a message {proto!r}", help)
+    return UnknownProtoMessage.at(span, f"no .proto file declares a message {proto!r}", help)

@@ -5,23 +5,25 @@ from __future__ import annotations
 import keyword
 
 from roverlink.generator import ir
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Schema, commented
 from roverlink.generator.resolve import enums
 from roverlink.generator.resolve.conversion_rules import (
-    CANNOT_CONVERT,
-    EXTENSIONS,
-    FIELD_NAME_FORBIDDEN,
-    FIELD_NAME_TAKEN,
-    MESSAGE_NAME_TAKEN,
-    UNKNOWN_ENUM,
+    CannotConvert,
+    ExtensionsNotCarried,
+    FieldNameForbidden,
+    FieldNameTaken,
+    MessageNameTaken,
+    UnknownEnum,
 )
 from roverlink.generator.resolve.field_overrides import FieldSettings
 from roverlink.generator.resolve.fields import MessageBuilder
-from roverlink.generator.resolve.oneofs import NONE, smallest
+from roverlink.generator.resolve.numeric_ranges import smallest_integer
+from roverlink.generator.resolve.oneofs import NONE
 from roverlink.generator.resolve.row_overrides import Shape, shapes_of
 from roverlink.generator.table import EnumSettings, Row, Table
+from roverlink.suggestions import nearest
 
 
 class RosMessages:
@@ -47,22 +49,19 @@ class RosMessages:
         """Conversions between proto messages and generated ROS messages, by the name of the ROS message."""
         return {conversion.ros: conversion for conversion in self._made.values()}
 
-    def route(self, row: Row) -> ir.Route:
-        """Return the route of a row, with the conversion between its payload and its generated ROS message.
+    def conversion(self, row: Row) -> ir.Conversion | None:
+        """Return the conversion between a row's payload and its generated ROS message.
 
-        The conversion is None if the row has a standard message, such as ``sensor_msgs/Imu``.
+        It is None if the row has a standard message, such as ``sensor_msgs/Imu``.
         """
-        payload = self.schema.messages[row.proto]
-        conversion = None if row.standard else self._conversion(payload)
-        where = (row.number, row.name, row.topic, row.direction, row.inbound, row.profile, row.forward)
-        return ir.Route(*where, row.proto, conversion, commented(payload), expect_rate=row.expect_rate)
+        return None if row.standard else self._conversion(self.schema.messages[row.proto])
 
     def check_enums(self) -> None:
         """Report each enum that the table lists under `enums`, but that no payload contains."""
         for settings in self._enum_settings.values():
             if settings.proto not in self.enums_used:
                 help = nearest(settings.proto, self.enums_used, "remove the entry, or correct the enum's name")
-                self.report(UNKNOWN_ENUM.at(settings.span, f"no payload contains the enum {settings.proto!r}", help))
+                self.report(UnknownEnum.at(settings.span, f"no payload contains the enum {settings.proto!r}", help))
 
     # --- messages ---
 
@@ -76,13 +75,15 @@ class RosMessages:
         if any(keyword.iskeyword(part) for part in proto.split(".")):
             fault = f"the name {proto!r} contains a Python keyword, so generated code cannot access it"
             self.report(
-                CANNOT_CONVERT.at(
+                CannotConvert.at(
                     message.span, fault, "rename the message; the name is not sent, so the encoding does not change"
                 )
             )
         if message.extendable:
             fault = f"extensions of {proto!r} are lost, because they have no ROS fields"
-            self.report(EXTENSIONS.at(message.span, fault, "declare the extensions as ordinary fields of the message"))
+            self.report(
+                ExtensionsNotCarried.at(message.span, fault, "declare the extensions as ordinary fields of the message")
+            )
         # A message that is found again while it is in progress contains itself. Protobuf allows that, a ROS message
         # cannot: its size in memory would be infinite (rosidl generates C structs by value).
         self._in_progress.append(proto)
@@ -114,7 +115,7 @@ class RosMessages:
         if not ros_names.is_message_name(ros) and row is None:  # ROS101 checks the name in a row
             fault = f"{source!r} cannot become the ROS message {ros!r}: ROS does not allow the name"
             self.report(
-                CANNOT_CONVERT.at(
+                CannotConvert.at(
                     span, fault, "rename it in the .proto file; the name is not sent, so the encoding does not change"
                 )
             )
@@ -126,7 +127,7 @@ class RosMessages:
                 else f"which differs from {taken!r} (of {holder!r}) only in capitals"
             )
             help = "give one of the two another name with the key `ros`"
-            self.report(MESSAGE_NAME_TAKEN.at(span, f"{source!r} would become the ROS message {ros!r}, {why}", help))
+            self.report(MessageNameTaken.at(span, f"{source!r} would become the ROS message {ros!r}, {why}", help))
 
     def nested_message(self, field: ProtoField, proto: str) -> str | None:
         """Return the name of the ROS message for the proto message ``proto``, which is the type of a field.
@@ -148,7 +149,7 @@ class RosMessages:
             return False
         cycle = " -> ".join([*self._in_progress[self._in_progress.index(proto) :], proto])
         fault = f"the field {field.name!r} makes a message contain itself, which ROS does not allow: {cycle}"
-        self.report(CANNOT_CONVERT.at(field.span, fault, help))
+        self.report(CannotConvert.at(field.span, fault, help))
         return True
 
     def any_message(self, message: ProtoMessage, field: ProtoField, ros: str, types: tuple[str, ...]) -> str:
@@ -159,7 +160,9 @@ class RosMessages:
         """
         source = f"{message.full_name}.{field.name}"
         self.claim(ros, f"{source} of {ros}", field.span)
-        which = ir.RosField("which", ir.RosType(smallest(len(types))), "The message that it contains.", source)
+        which = ir.RosField(
+            "which", ir.RosType(smallest_integer([len(types)])), "The message that it contains.", source
+        )
         # 0 is NONE: a ROS message that nobody filled has zeros everywhere, and must not claim to hold a message.
         fields, constants = [which], [ir.RosConstant(NONE, which.type.name, 0, "", source)]
         members: list[ir.AnyMember] = []
@@ -169,10 +172,10 @@ class RosMessages:
             held = self._conversion(self.schema.messages[type]).ros
             last = ros_names.snake_case(type.rpartition(".")[2])
             member = ir.AnyMember(type, held, ros_names.field_name(last), ros_names.constant_name(last))
-            if member.field in [one.name for one in fields] or member.constant == NONE:
+            if member.field in [field.name for field in fields] or member.constant == NONE:
                 fault = f"the ROS message {ros!r} cannot have a field {member.field!r} for {type!r}: the name is taken"
                 self.report(
-                    FIELD_NAME_TAKEN.at(
+                    FieldNameTaken.at(
                         field.span,
                         fault,
                         "rename the message in the .proto files of all peers, because an Any contains its name",
@@ -210,7 +213,7 @@ class RosMessages:
         self.claim(settings.ros, enum.full_name, settings.at("ros"))
         if why := ros_names.unusable(settings.field):
             message = f"{settings.field!r} cannot be a field of a ROS message: {why}"
-            self.report(FIELD_NAME_FORBIDDEN.at(settings.at("field"), message, "write another name under `field`"))
+            self.report(FieldNameForbidden.at(settings.at("field"), message, "write another name under `field`"))
         self.messages[settings.ros] = ir.RosMessage(
             settings.ros,
             (ir.RosField(settings.field, ir.RosType(enums.integer_type(enum)), "", enum.full_name),),

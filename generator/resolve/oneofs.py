@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from roverlink.generator import ir
 from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
+from roverlink.generator.resolve.numeric_ranges import smallest_integer
 
 NONE = "NONE"
 
@@ -24,7 +25,7 @@ def discriminator(
     default name ``which_<oneof>``.
     """
     source, prefix = f"{message.full_name}.{oneof}", ros_names.constant_name(oneof)
-    type = smallest(max(member.number for member in members))
+    type = smallest_integer([member.number for member in members])
     ros = ir.RosField(
         name or f"which_{ros_names.lowered(oneof)}".rstrip("_"),
         ir.RosType(type),
@@ -32,10 +33,5 @@ def discriminator(
         source,
     )
     choices = tuple(ir.Choice(member.name, f"{prefix}_{ros_names.constant_name(member.name)}") for member in members)
-    numbers = [(f"{prefix}_{NONE}", 0), *((choice.constant, one.number) for choice, one in zip(choices, members))]
+    numbers = [(f"{prefix}_{NONE}", 0), *((choice.constant, member.number) for choice, member in zip(choices, members))]
     return ros, [ir.RosConstant(constant, type, number, "", source) for constant, number in numbers], choices
-
-
-def smallest(number: int) -> str:
-    """Return the smallest unsigned ROS integer type that holds ``number``: ``uint8``, ``uint16`` or ``uint32``."""
-    return "uint8" if number < 2**8 else "uint16" if number < 2**16 else "uint32"

@@ -5,22 +5,20 @@ A row or field that cannot be converted is reported as a diagnostic; no field is
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import PurePosixPath
 
 from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic
-from roverlink.generator.ir import StandardTopic
 from roverlink.generator.lock import Ledger
-from roverlink.generator.protos.proto_rules import EXCLUDED_PROTO
+from roverlink.generator.protos.proto_rules import ExcludedProtoMessage
 from roverlink.generator.protos.protoc import Compilation
 from roverlink.generator.protos.row_hash import row_hash
-from roverlink.generator.protos.schema import Schema
+from roverlink.generator.protos.schema import Schema, commented
 from roverlink.generator.resolve.messages import RosMessages
-from roverlink.generator.resolve.safety import check_peers, with_safety_settings
+from roverlink.generator.resolve.safety import check_peers, deadman
 from roverlink.generator.resolve.standard import StandardTopics
-from roverlink.generator.table import PeerSettings, Table
+from roverlink.generator.table import PeerSettings, Row, Table
 
 
 def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) -> ir.Envelope:
@@ -46,8 +44,8 @@ def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) 
             ir.Retired(row.number, row.name, row.proto) for row in sorted(table.retired, key=lambda row: row.number)
         ),
         burned=tuple(
-            ir.Burned(number, tuple(dict.fromkeys(use.type for use in one.uses)), one.reason)
-            for number, one in sorted(burned.items())
+            ir.Burned(number, tuple(dict.fromkeys(use.type for use in entry.uses)), entry.reason)
+            for number, entry in sorted(burned.items())
             if number not in table.numbers
         ),
         signature=table.signing.number if table.signing else None,
@@ -73,16 +71,7 @@ def resolve(
     standard_topics = StandardTopics(table, schema, findings.append)
     located = [row for row in table.rows if row.proto in schema.messages]
     routes = tuple(
-        with_safety_settings(
-            dataclasses.replace(
-                _completed(messages.route(row), standard_topics.of(row), sizes.get(row.name)),
-                board=table.board_of(row),
-                schema_hash=row_hash(schema, row.proto),
-            ),
-            row,
-            schema,
-            findings,
-        )
+        _route(row, table, messages, standard_topics, sizes.get(row.name))
         # By number, and not in the order of the table: moving a row must not change any generated file.
         for row in sorted(located, key=lambda row: row.number)
     )
@@ -111,6 +100,32 @@ def resolve(
         modules=compilation.modules,
         descriptors=schema.descriptors_without_comments(),
         link=_link(table, schema),
+    )
+
+
+def _route(
+    row: Row, table: Table, messages: RosMessages, standard_topics: StandardTopics, size: ir.WireSize | None
+) -> ir.Route:
+    standard, extra_topics = standard_topics.of(row)
+    return ir.Route(
+        number=row.number,
+        name=row.name,
+        topic=row.topic,
+        direction=row.direction,
+        qos=row.profile,
+        forward=row.forward,
+        proto=row.proto,
+        conversion=messages.conversion(row),
+        comment=commented(messages.schema.messages[row.proto]),
+        deadman=deadman(row, messages.schema, messages.report),
+        max_rate=row.max_rate,
+        size=size,
+        priority=row.priority,
+        expect_rate=row.expect_rate,
+        standard=standard,
+        extra_topics=extra_topics,
+        board=table.board_of(row),
+        schema_hash=row_hash(messages.schema, row.proto),
     )
 
 
@@ -143,16 +158,12 @@ def _link(table: Table, schema: Schema) -> ir.Link | None:
     return ir.Link(table.link.number, message.file, table.link.on_mismatch)
 
 
-def _completed(
-    route: ir.Route, standard_topics: tuple[StandardTopic | None, tuple[StandardTopic, ...]], size: ir.WireSize | None
-) -> ir.Route:
-    return dataclasses.replace(route, standard=standard_topics[0], extra_topics=standard_topics[1], size=size)
-
-
 def _excluded(table: Table, schema: Schema) -> Iterator[Diagnostic]:
     """Report .proto files that the table lists under `proto.exclude`, but that a compiled file imports."""
     for path in table.proto.exclude:
         if str(PurePosixPath(path)) in schema.files:
             span = table.proto.at(f"exclude.{path}")
             message = f"the file {path!r} is excluded, but another file that the rows need imports it"
-            yield EXCLUDED_PROTO.at(span, message, "remove the file from `exclude` of `proto`, or remove the import")
+            yield ExcludedProtoMessage.at(
+                span, message, "remove the file from `exclude` of `proto`, or remove the import"
+            )

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from roverlink.generator.diagnostics import Diagnostic, Span
-from roverlink.generator.resolve.conversion_rules import DISAGREEING_ROWS
+from roverlink.generator.resolve.conversion_rules import RowsDisagreeOnAMessage
 from roverlink.generator.table import Row, Table
 
 
@@ -49,5 +49,5 @@ def shapes_of(table: Table, findings: list[Diagnostic]) -> dict[str, Shape]:
             message = f"another row has other settings for {row.proto!r}, but it becomes only one ROS message"
             also = [(first.row.span, f"the row {first.row.name!r}")] if first.row else []
             help = "give both rows the same `ros`, `fields` and `ignore`"
-            findings.append(DISAGREEING_ROWS.at(row.at("proto"), message, help, also))
+            findings.append(RowsDisagreeOnAMessage.at(row.at("proto"), message, help, also))
     return shapes

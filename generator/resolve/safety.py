@@ -2,53 +2,40 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from roverlink.generator import ir
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
+from roverlink.generator.resolve import numeric_ranges
 from roverlink.generator.resolve.safety_rules import (
-    MISPLACED,
-    RATE_WITHOUT_SOURCES,
-    SIGN_WITHOUT_SIGNING,
-    SLOWER_THAN_DEADMAN,
-    STOP_VALUE,
-    UNKNOWN_STOP_FIELD,
+    MisplacedGuard,
+    RateSlowerThanDeadman,
+    RateWithoutSources,
+    SignWithoutSigning,
+    StopValue,
+    UnknownStopField,
 )
+from roverlink.generator.resolve.well_known import SCALARS
 from roverlink.generator.table import DeadmanSettings, Row, Table
+from roverlink.suggestions import nearest
 
 Value = bool | int | float | str | bytes
 
-_INTEGERS = {
-    "int32": range(-(2**31), 2**31),
-    "sint32": range(-(2**31), 2**31),
-    "sfixed32": range(-(2**31), 2**31),
-    "uint32": range(2**32),
-    "fixed32": range(2**32),
-    "int64": range(-(2**63), 2**63),
-    "sint64": range(-(2**63), 2**63),
-    "sfixed64": range(-(2**63), 2**63),
-    "uint64": range(2**64),
-    "fixed64": range(2**64),
-}
-_FLOATS = {"float": "f", "double": "d"}
 # The largest uint64 has 20 digits. int() takes quadratic time, and raises for more than 4,300 digits.
 _LONGEST_NUMBER = 40  # characters
 
 
-def with_safety_settings(route: ir.Route, row: Row, schema: Schema, findings: list[Diagnostic]) -> ir.Route:
-    """Return a route with its row's deadman, rate limit and priority; mistakes are added to the findings.
+def deadman(row: Row, schema: Schema, report: Callable[[Diagnostic], None]) -> ir.Deadman | None:
+    """Return the deadman of a row: the payload that the bridge sends to a peer when the row's topic is silent too long.
 
-    The deadman is the payload that the bridge sends to a peer when the topic that commands the peer is silent for too
-    long.
+    Reports mistakes in the row's safety settings: deadman, rate limit and priority.
     """
-    findings += _misplaced(row)
-    findings += _too_slow(row)
-    deadman = _deadman(row.deadman, row, schema, findings) if row.deadman else None
-    return dataclasses.replace(route, deadman=deadman, max_rate=row.max_rate, priority=row.priority)
+    for finding in (*_misplaced(row), *_too_slow(row)):
+        report(finding)
+    return _deadman(row.deadman, row, schema, report) if row.deadman else None
 
 
 def check_peers(table: Table) -> Iterator[Diagnostic]:
@@ -60,11 +47,11 @@ def check_peers(table: Table) -> Iterator[Diagnostic]:
         if peer.sign and table.signing is None and "signing" not in table.spans:
             message = f"datagrams of the peer {peer.name!r} must be signed, but the table has no `signing`"
             help = "add `signing: {number: N}`; `roverlink number next` prints the number"
-            yield SIGN_WITHOUT_SIGNING.at(peer.at("sign"), message, help)
+            yield SignWithoutSigning.at(peer.at("sign"), message, help)
         if peer.source_rate is not None and not peer.sources:
             message = f"the peer {peer.name!r} has a `source_rate`, but no `sources`"
             help = "list its `sources`; [0.0.0.0/0] allows any address"
-            yield RATE_WITHOUT_SOURCES.at(peer.at("source_rate"), message, help)
+            yield RateWithoutSources.at(peer.at("source_rate"), message, help)
 
 
 def _misplaced(row: Row) -> Iterator[Diagnostic]:
@@ -77,12 +64,12 @@ def _misplaced(row: Row) -> Iterator[Diagnostic]:
         message += "are sent to a peer"
         help = f"write `direction: ros_to_{row.peer}`, or remove {keys}"
         also = [(row.at(key), f"`{key}` is set here") for key in outgoing]
-        yield MISPLACED.at(row.at("direction"), message, help, also)
+        yield MisplacedGuard.at(row.at("direction"), message, help, also)
     if not row.inbound and row.also and row.deadman:
         message = (
             f"{row.name!r} has extra topics under `also`, so `deadman` could stop the peer while one topic is active"
         )
-        yield MISPLACED.at(
+        yield MisplacedGuard.at(
             row.at("deadman"), message, "remove `also` or `deadman`; only one topic should command the peer"
         )
 
@@ -93,48 +80,50 @@ def _too_slow(row: Row) -> Iterator[Diagnostic]:
         silent = f"counts as silent after {row.deadman.after_ms} ms"
         message = f"{row.name!r} has at most {row.max_rate} messages a second, but {silent}"
         also = [(row.deadman.at("after"), "this time is set here")]
-        yield SLOWER_THAN_DEADMAN.at(row.at("max_rate"), message, "raise `max_rate` or `after`", also)
+        yield RateSlowerThanDeadman.at(row.at("max_rate"), message, "raise `max_rate` or `after`", also)
 
 
-def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list[Diagnostic]) -> ir.Deadman:
+def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, report: Callable[[Diagnostic], None]) -> ir.Deadman:
     values: list[tuple[str, Value]] = []
     for path, text in settings.send.items():
         span = settings.at(f"send.{path}")
-        field = _field(schema.messages[row.proto], path, schema, span, findings)
+        field = _field(schema.messages[row.proto], path, schema, span, report)
         if field is None:
             continue
         value, wanted = _value(field, text, schema)
         if value is None:
             message = f"{path!r} of {row.name!r} cannot be {text!r}; it must be {wanted}"
-            findings.append(STOP_VALUE.at(span, message, "write the value that stops the peer"))
+            report(StopValue.at(span, message, "write the value that stops the peer"))
         else:
             values.append((path, value))
     return ir.Deadman(settings.after_ms, settings.repeat_ms, tuple(values))
 
 
 def _field(
-    message: ProtoMessage, path: str, schema: Schema, span: Span, findings: list[Diagnostic]
+    message: ProtoMessage, path: str, schema: Schema, span: Span, report: Callable[[Diagnostic], None]
 ) -> ProtoField | None:
     """Return the proto field at the end of a path; if there is no such field, report the path and return None."""
     *outer, name = path.split(".")
     for part in outer:
-        field = _member(message, part, path, span, findings)
+        field = _member(message, part, path, span, report)
         if field is None:
             return None
         if field.type not in ("message", "group") or field.repeated:
             fault = f"{part!r} in the path {path!r} is not a nested message"
-            findings.append(UNKNOWN_STOP_FIELD.at(span, fault, f"end the path at {part!r}, or correct it"))
+            report(UnknownStopField.at(span, fault, f"end the path at {part!r}, or correct it"))
             return None
         message = schema.messages[field.type_name]
-    return _member(message, name, path, span, findings)
+    return _member(message, name, path, span, report)
 
 
-def _member(message: ProtoMessage, name: str, path: str, span: Span, findings: list[Diagnostic]) -> ProtoField | None:
+def _member(
+    message: ProtoMessage, name: str, path: str, span: Span, report: Callable[[Diagnostic], None]
+) -> ProtoField | None:
     fields = {field.name: field for field in message.fields}
     if name not in fields:
         help = nearest(name, fields, f"known fields: {', '.join(fields)}" if fields else "this message has no fields")
-        findings.append(
-            UNKNOWN_STOP_FIELD.at(
+        report(
+            UnknownStopField.at(
                 span, f"the path {path!r} is wrong: the proto message {message.full_name!r} has no field {name!r}", help
             )
         )
@@ -171,13 +160,14 @@ def _bytes(text: str) -> bytes | None:
 
 
 def _number(type: str, text: str) -> int | float | None:
+    kind = SCALARS[type]
     try:
-        if type in _INTEGERS:
+        if room := numeric_ranges.range_of(kind):
             number = int(text) if len(text) <= _LONGEST_NUMBER else None
-            return number if number is not None and number in _INTEGERS[type] else None
+            return number if number is not None and room[0] <= number <= room[1] else None
         value = float(text)
         # Raises OverflowError for a double that is too large for a float.
-        struct.pack(_FLOATS[type], value)
+        struct.pack("f" if kind == "float32" else "d", value)
     except (ValueError, OverflowError):
         return None
     return value if math.isfinite(value) else None

@@ -4,125 +4,115 @@ from __future__ import annotations
 
 from roverlink.generator.diagnostics import Rule
 
-MISPLACED = Rule(
-    "SAF101",
-    "misplaced-guard",
+
+class MisplacedGuard(Rule, id="SAF101"):
     """A row has `deadman` or `priority`, but its direction or its extra topics do not allow the setting.
 
-`deadman` is the payload that stops a peer when the row's topic is silent. `priority` is the order in which messages to
-peers are sent. Both settings are for topics that are sent to a peer, so a row from a peer cannot use them. If a row to
-a peer has extra topics under `also`, `deadman` would stop the peer while one of the topics is still active.
+    `deadman` is the payload that stops a peer when the row's topic is silent. `priority` is the order in which messages
+    to peers are sent. Both settings are for topics that are sent to a peer, so a row from a peer cannot use them. If a
+    row to a peer has extra topics under `also`, `deadman` would stop the peer while one of the topics is still active.
 
-Bad::
+    Bad::
 
-    - {number: 1, name: drive, proto: Drive, topic: drive, direction: board_to_ros, priority: 9}
+        - {number: 1, name: drive, proto: Drive, topic: drive, direction: board_to_ros, priority: 9}
 
-Good::
+    Good::
 
-    - {number: 1, name: drive, proto: Drive, topic: drive, direction: ros_to_board, priority: 9}
-""",
-)
+        - {number: 1, name: drive, proto: Drive, topic: drive, direction: ros_to_board, priority: 9}
+    """
 
-UNKNOWN_STOP_FIELD = Rule(
-    "SAF102",
-    "unknown-stop-field",
+
+class UnknownStopField(Rule, id="SAF102"):
     """A path under `deadman.send` names no field of the payload.
 
-The bridge sends this payload when the row's topic is silent. With a wrong path, it would not contain the value that
-stops the actuator.
+    The bridge sends this payload when the row's topic is silent. With a wrong path, it would not contain the value that
+    stops the actuator.
 
-Bad::
+    Bad::
 
-    - {number: 1, name: drive, proto: Drive, topic: drive, direction: ros_to_board,
-       deadman: {after: 1s, send: {sped: 0}}}
+        - {number: 1, name: drive, proto: Drive, topic: drive, direction: ros_to_board,
+           deadman: {after: 1s, send: {sped: 0}}}
 
-Good::
+    Good::
 
-    - {number: 1, name: drive, proto: Drive, topic: drive, direction: ros_to_board, deadman: {after: 1s, send: {x: 0}}}
-""",
-)
+        - {number: 1, name: drive, proto: Drive, topic: drive, direction: ros_to_board,
+           deadman: {after: 1s, send: {x: 0}}}
+    """
 
-STOP_VALUE = Rule(
-    "SAF103",
-    "stop-value",
+
+class StopValue(Rule, id="SAF103"):
     """A field cannot hold the value that `deadman.send` gives it.
 
-The bridge sends this payload when the row's topic is silent. A wrong value must be found now, not when the rover has to
-stop.
+    The bridge sends this payload when the row's topic is silent. A wrong value must be found now, not when the rover
+    has to stop.
 
-Bad::
+    Bad::
 
-    - {number: 1, name: drive, proto: Drive, topic: drive, direction: ros_to_board,
-       deadman: {after: 1s, send: {x: slow}}}
+        - {number: 1, name: drive, proto: Drive, topic: drive, direction: ros_to_board,
+           deadman: {after: 1s, send: {x: slow}}}
 
-Good::
+    Good::
 
-    - {number: 1, name: drive, proto: Drive, topic: drive, direction: ros_to_board, deadman: {after: 1s, send: {x: 0}}}
-""",
-)
+        - {number: 1, name: drive, proto: Drive, topic: drive, direction: ros_to_board,
+           deadman: {after: 1s, send: {x: 0}}}
+    """
 
-SLOWER_THAN_DEADMAN = Rule(
-    "SAF104",
-    "rate-slower-than-deadman",
+
+class RateSlowerThanDeadman(Rule, id="SAF104"):
     """The `max_rate` of a row is so low that its topic counts as silent between two messages.
 
-If no message comes for the time `deadman.after`, the bridge sends the payload that stops the peer. The interval between
-two messages must be shorter than this time. Otherwise the bridge stops the peer all the time.
+    If no message comes for the time `deadman.after`, the bridge sends the payload that stops the peer. The interval
+    between two messages must be shorter than this time. Otherwise the bridge stops the peer all the time.
 
-Bad::
+    Bad::
 
-    - number: 1
-      name: drive
-      proto: Drive
-      topic: drive
-      direction: ros_to_board
-      max_rate: 2
-      deadman: {after: 500ms, send: {x: 0}}
+        - number: 1
+          name: drive
+          proto: Drive
+          topic: drive
+          direction: ros_to_board
+          max_rate: 2
+          deadman: {after: 500ms, send: {x: 0}}
 
-Good::
+    Good::
 
-    - number: 1
-      name: drive
-      proto: Drive
-      topic: drive
-      direction: ros_to_board
-      max_rate: 10
-      deadman: {after: 500ms, send: {x: 0}}
-""",
-)
+        - number: 1
+          name: drive
+          proto: Drive
+          topic: drive
+          direction: ros_to_board
+          max_rate: 10
+          deadman: {after: 500ms, send: {x: 0}}
+    """
 
-RATE_WITHOUT_SOURCES = Rule(
-    "SAF105",
-    "rate-without-sources",
+
+class RateWithoutSources(Rule, id="SAF105"):
     """A peer has a `source_rate`, but no `sources`.
 
-`source_rate` is the largest number of datagrams per second from each IP address in `sources`. Without this list,
-datagrams cannot be counted by address.
+    `source_rate` is the largest number of datagrams per second from each IP address in `sources`. Without this list,
+    datagrams cannot be counted by address.
 
-Bad::
+    Bad::
 
-    peers: {board: {source_rate: 100}, base: {}}
+        peers: {board: {source_rate: 100}, base: {}}
 
-Good::
+    Good::
 
-    peers: {board: {source_rate: 100, sources: [10.0.0.7]}, base: {}}
-""",
-)
+        peers: {board: {source_rate: 100, sources: [10.0.0.7]}, base: {}}
+    """
 
-SIGN_WITHOUT_SIGNING = Rule(
-    "SAF106",
-    "sign-without-signing",
+
+class SignWithoutSigning(Rule, id="SAF106"):
     """A peer must sign its datagrams, but the envelope has no field for a signature.
 
-`signing` gives this field its number. The number is permanent, as that of a payload.
+    `signing` gives this field its number. The number is permanent, as that of a payload.
 
-Bad::
+    Bad::
 
-    peers: {board: {sign: required}}
+        peers: {board: {sign: required}}
 
-Good::
+    Good::
 
-    peers: {board: {sign: required}}
-    signing: {number: 22}
-""",
-)
+        peers: {board: {sign: required}}
+        signing: {number: 22}
+    """

@@ -11,6 +11,7 @@ from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import ros_names
 from roverlink.generator.ir.model import ConversionKind
+from roverlink.generator.ir.protobuf_facts import OWN_FILES
 from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Schema, commented
 from roverlink.generator.resolve import enums, well_known
 from roverlink.generator.resolve.field_overrides import FieldSettings
@@ -160,7 +161,7 @@ class FieldTypes:
         if not message.map_entry:
             return message, field
         holder = self._schema.messages[message.full_name.rpartition(".")[0]]
-        return holder, next(one for one in holder.fields if one.type_name == message.full_name)
+        return holder, next(field for field in holder.fields if field.type_name == message.full_name)
 
     def _map(
         self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], name: str
@@ -186,7 +187,7 @@ def _comment(message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) ->
 
     The result is empty for a field of google.protobuf's messages: these comments explain protobuf's libraries.
     """
-    return "" if message.file.startswith("google/protobuf/") and len(path) == 1 else commented(field)
+    return "" if message.file.startswith(OWN_FILES) and len(path) == 1 else commented(field)
 
 
 def _camel(path: tuple[str, ...]) -> str:

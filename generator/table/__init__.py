@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from roverlink.generator.table.keys import (
     FORMAT_VERSION,
-    IMPLEMENTATION_NUMBERS,
-    LARGEST_NUMBER,
     LEARN,
     Bound,
     DeadmanSettings,
@@ -28,8 +26,6 @@ from roverlink.generator.table.parts import Form
 
 __all__ = [
     "FORMAT_VERSION",
-    "IMPLEMENTATION_NUMBERS",
-    "LARGEST_NUMBER",
     "LEARN",
     "Bound",
     "DeadmanSettings",

@@ -8,7 +8,7 @@ import yaml
 from yaml.nodes import CollectionNode, MappingNode, Node, ScalarNode, SequenceNode
 
 from roverlink.generator.diagnostics import DiagnosticsError, Span
-from roverlink.generator.table.edit_rules import NO_PLACE_FOR_A_ROW, NO_SUCH_ROW
+from roverlink.generator.table.edit_rules import NoPlaceForARow, NoSuchRow
 
 # `yaml.load` and `yaml.dump` would lose every comment, the order of keys and the style of each row; a library that
 # keeps them would be one more dependency. So the YAML parser only tells where nodes start and end, and the edits are
@@ -38,7 +38,7 @@ def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:
         message = "`messages` has no list of rows with one row per line"
         raise DiagnosticsError(
             [
-                NO_PLACE_FOR_A_ROW.at(
+                NoPlaceForARow.at(
                     Span(file), message, "write the rows by hand, each one on its own line that starts with `- `"
                 )
             ]
@@ -63,7 +63,7 @@ def with_retired(text: str, number: int, file: str) -> str:
     row = next((row for row in rows if _scalar_of(row, "number") == str(number)), None)
     if row is None:
         known = f"known numbers: {', '.join(_scalar_of(row, 'number') for row in rows)}" if rows else ""
-        raise DiagnosticsError([NO_SUCH_ROW.at(Span(file), f"no row under `messages` has the number {number}", known)])
+        raise DiagnosticsError([NoSuchRow.at(Span(file), f"no row under `messages` has the number {number}", known)])
     entry = "{" + ", ".join(f"{key}: {_scalar_of(row, key)}" for key in _KEPT) + "}"
     lines = text.splitlines(keepends=True)
     removal = row.start_mark.line, _last_line(row) + 1, list[str]()

@@ -4,76 +4,66 @@ from __future__ import annotations
 
 from roverlink.generator.diagnostics import Rule, Severity
 
-NO_SUCH_ROW = Rule(
-    "RET101",
-    "no-such-row",
+
+class NoSuchRow(Rule, id="RET101"):
     """`roverlink number retire` names a number that no row has.
 
-No row is changed, because the number may be a typing error.
+    No row is changed, because the number may be a typing error.
 
-Bad::
+    Bad::
 
-    $ roverlink number retire 7     # the rows have 1, 2 and 3
+        $ roverlink number retire 7     # the rows have 1, 2 and 3
 
-Good::
+    Good::
 
-    $ roverlink number retire 3
-""",
-)
+        $ roverlink number retire 3
+    """
 
-ACCEPT_WITHOUT_HISTORY = Rule(
-    "RET102",
-    "accept-without-history",
+
+class AcceptWithoutHistory(Rule, id="RET102", severity=Severity.FATAL):
     """`--accept` is used without `--history`.
 
-`--accept` writes the numbers that `--history` reports into the ledger: mapping.lock, or in a folder of .proto files
-without a table the file accepted-numbers.lock.
+    `--accept` writes the numbers that `--history` reports into the ledger: mapping.lock, or in a folder of .proto files
+    without a table the file accepted-numbers.lock.
 
-Bad::
+    Bad::
 
-    $ roverlink lint --accept 18
+        $ roverlink lint --accept 18
 
-Good::
+    Good::
 
-    $ roverlink lint --history --accept 18
-""",
-    Severity.FATAL,
-)
+        $ roverlink lint --history --accept 18
+    """
 
-NO_PLACE_FOR_A_ROW = Rule(
-    "RET103",
-    "no-place-for-a-row",
+
+class NoPlaceForARow(Rule, id="RET103"):
     """`roverlink add` finds no list of rows under `messages` with one row per line.
 
-The new row copies the style of the last row, so a row must exist. Write the first row by hand.
+    The new row copies the style of the last row, so a row must exist. Write the first row by hand.
 
-Bad::
+    Bad::
 
-    messages: []
+        messages: []
 
-Good::
+    Good::
 
-    messages:
-      - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros}
-""",
-)
+        messages:
+          - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros}
+    """
 
-NO_SUCH_FINDING = Rule(
-    "RET104",
-    "no-finding-to-accept",
+
+class NoFindingToAccept(Rule, id="RET104", severity=Severity.FATAL):
     """`--accept` names a number about which `--history` reports nothing.
 
-Nothing is written, because the number may be a typing error. A number of the envelope is written alone. A number of
-another message, or of an enum, is written with the full name: `rover.ImuInfo:3`. The help of a finding contains the
-command that accepts it.
+    Nothing is written, because the number may be a typing error. A number of the envelope is written alone. A number of
+    another message, or of an enum, is written with the full name: `rover.ImuInfo:3`. The help of a finding contains the
+    command that accepts it.
 
-Bad::
+    Bad::
 
-    $ roverlink lint --history --accept 81     # the finding is about 18
+        $ roverlink lint --history --accept 81     # the finding is about 18
 
-Good::
+    Good::
 
-    $ roverlink lint --history --accept 18
-""",
-    Severity.FATAL,
-)
+        $ roverlink lint --history --accept 18
+    """

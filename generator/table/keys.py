@@ -17,9 +17,11 @@ from dataclasses import dataclass, field, replace
 from ipaddress import IPv6Network, ip_address, ip_network
 from typing import Annotated, ClassVar, Literal, TypeAlias
 
+from roverlink.datagram_size import LARGEST_DATAGRAM
 from roverlink.generator.diagnostics import Span
 from roverlink.generator.ir import LINK_MEMBER, LINK_MESSAGE
 from roverlink.generator.ir.model import End, Qos
+from roverlink.generator.ir.protobuf_facts import LARGEST_FIELD_NUMBER
 from roverlink.generator.ir.ros_names import snake_case
 from roverlink.generator.table.parts import NAME, NOT_EMPTY, Form, Part
 from roverlink.generator.table.value_types import (
@@ -39,11 +41,6 @@ from roverlink.generator.table.value_types import (
 )
 
 FORMAT_VERSION = 1
-LARGEST_NUMBER = 536_870_911  # 2**29 - 1, protobuf's largest field number
-IMPLEMENTATION_NUMBERS = range(19_000, 20_000)
-"""Field numbers that protobuf reserves for its implementation; protoc refuses them."""
-LARGEST_DATAGRAM = 65_507
-"""Largest payload of a UDP datagram over IPv4 in bytes: 65,535 minus the IP header (20) and the UDP header (8)."""
 USUAL_TARGETS = ("python", "ros2", "markdown")
 LEARN = "learn"
 """Host that stands for the source of a peer's last valid datagram."""
@@ -125,7 +122,7 @@ PythonPackage = Annotated[str, Text("import name", _DOTTED, "my_rover.generated"
 Folder = Annotated[str, Text("folder")]
 Topic = Annotated[str, Text("topic")]
 RosName = Annotated[str, Text("message name")]
-FieldNumber = Annotated[int, Integer(1, LARGEST_NUMBER)]
+FieldNumber = Annotated[int, Integer(1, LARGEST_FIELD_NUMBER)]
 Depth = Annotated[int, Integer(1, 1_000_000)]
 Rate = Annotated[int, Integer(1, 1_000_000)]
 Size = Annotated[int, Integer(1, LARGEST_DATAGRAM)]
@@ -317,7 +314,7 @@ class EndSettings(Part):
         """Hosts to which datagrams are sent, such as names or IP addresses; empty if the table names none."""
         if self.host is None:
             return ()
-        return tuple(str(one.value) for one in (self.host.items if self.host.items is not None else (self.host,)))
+        return tuple(str(host.value) for host in (self.host.items if self.host.items is not None else (self.host,)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -96,7 +96,7 @@ def object_of(part: type[Any]) -> Object:
     names = dict.fromkeys(name for base in part.__mro__ for name in inspect.get_annotations(base) if name in fields)
     keys = {}
     for name in names:
-        if meaning := next((one for one in _notes(annotations[name]) if isinstance(one, Meaning)), None):
+        if meaning := next((note for note in _notes(annotations[name]) if isinstance(note, Meaning)), None):
             keys[meaning.key or name] = _key(_type_of(annotations[name]), meaning, fields[name])
     return Object(dict(sorted(keys.items(), key=lambda item: not item[1].required)), part=part)
 
@@ -125,7 +125,7 @@ def _type_of(annotation: Any) -> Type:
     python = get_args(annotation)[0] if notes else annotation
     origin, inner = get_origin(python), get_args(python)
     if origin in (Union, UnionType):
-        return _type_of(next(one for one in inner if one is not type(None)))
+        return _type_of(next(part for part in inner if part is not type(None)))
     if origin is Literal:
         return Text(choices=inner)
     if origin is tuple:

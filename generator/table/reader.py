@@ -12,7 +12,7 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
 from roverlink.generator.ir import ros_names
 from roverlink.generator.table.keys import LEARN, PeerSettings, Row, StandardTopicSettings, Table
 from roverlink.generator.table.parts import Form, build, object_of
-from roverlink.generator.table.reading_rules import CONFLICTING_KEYS, WRONG_TYPE
+from roverlink.generator.table.reading_rules import ConflictingKeys, WrongType
 from roverlink.generator.table.yaml_items import read_form, read_text
 
 _FIRST_PORT = 6000
@@ -87,7 +87,7 @@ def _conflicting_depths(standard: StandardTopicSettings) -> Iterator[Diagnostic]
     depth = standard.qos.depth
     if standard.queue is not None and depth is not None and standard.queue != depth:
         message = f"`queue` is {standard.queue}, but `depth` of `qos` is {depth}"
-        yield CONFLICTING_KEYS.at(
+        yield ConflictingKeys.at(
             standard.qos.at("depth"), message, "both keys set the depth of the same queue; keep one of them"
         )
 
@@ -103,4 +103,4 @@ def _forms_of_standard_messages(row: Row) -> Iterator[Diagnostic]:
                 f"`fields.{path}` is not a string; without a standard message it must be the name of the ROS field"
             )
             help = "to publish a standard message, write its package in `ros`, as in sensor_msgs/Imu"
-            yield WRONG_TYPE.at(form.span, message, help)
+            yield WrongType.at(form.span, message, help)

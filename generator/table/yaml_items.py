@@ -16,19 +16,20 @@ import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from roverlink.generator import source_files
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.table.parts import Form
 from roverlink.generator.table.reading_rules import (
-    BAD_VALUE,
-    DUPLICATE_KEY,
-    MISSING_KEY,
-    SYNTAX,
-    UNKNOWN_KEY,
-    UNREADABLE,
-    WRONG_TYPE,
+    BadValue,
+    DuplicateKey,
+    MissingKey,
+    UnknownKey,
+    UnreadableTable,
+    WrongType,
+    YamlSyntax,
 )
 from roverlink.generator.table.value_types import AnyOf, ListOf, MapOf, Named, Object, Text, Type
 from roverlink.generator.table.yaml_scalars import ScalarReader, fitting_form
+from roverlink.suggestions import nearest
 
 _LISTS_OF_ROWS = ("`messages`", "`retired`")
 
@@ -55,11 +56,11 @@ def read_text(path: Path, file: str) -> str:
             "`roverlink lint PROTO_ROOT` checks .proto files without a table"
         )
         raise DiagnosticsError(
-            [UNREADABLE.at(Span(file), f"the table cannot be read: {error.strerror}", help)]
+            [UnreadableTable.at(Span(file), f"the table cannot be read: {error.strerror}", help)]
         ) from error
     except UnicodeDecodeError as error:
         raise DiagnosticsError(
-            [UNREADABLE.at(Span(file), f"the table is not UTF-8: {error}", "save the file in UTF-8")]
+            [UnreadableTable.at(Span(file), f"the table is not UTF-8: {error}", "save the file in UTF-8")]
         ) from error
 
 
@@ -71,19 +72,19 @@ def _compose(text: str, file: str) -> Node:
         span = Span(file, mark.line + 1, mark.column + 1) if mark else Span(file)
         message = f"cannot parse the YAML: {error.problem or error.context}"
         help = "correct this line or the line above it, such as a missing bracket or a wrong indentation"
-        raise DiagnosticsError([SYNTAX.at(span, message, help)]) from error
+        raise DiagnosticsError([YamlSyntax.at(span, message, help)]) from error
     except yaml.reader.ReaderError as error:
         before = text[: error.position]
         span = Span(file, before.count("\n") + 1, len(before) - before.rfind("\n"))
         raise DiagnosticsError(
-            [SYNTAX.at(span, f"cannot parse the YAML: the character {error.character:#x} is not allowed")]
+            [YamlSyntax.at(span, f"cannot parse the YAML: the character {error.character:#x} is not allowed")]
         ) from error
     # PyYAML's composer calls itself for each level, so Python's recursion limit is its limit of nesting.
     except RecursionError as error:
-        raise DiagnosticsError([SYNTAX.at(Span(file), "cannot parse the YAML: it is nested too deeply")]) from error
+        raise DiagnosticsError([YamlSyntax.at(Span(file), "cannot parse the YAML: it is nested too deeply")]) from error
     if root is None:
         raise DiagnosticsError(
-            [UNREADABLE.at(Span(file), "the file is empty", "docs/adding-a-message.md shows an example")]
+            [UnreadableTable.at(Span(file), "the file is empty", "docs/adding-a-message.md shows an example")]
         )
     return root
 
@@ -124,16 +125,16 @@ class _Reader(ScalarReader):
             elif name not in type.keys:
                 unknown[name] = self.span(key_node)
                 help = nearest(name, type.keys, f"known here: {', '.join(type.keys)}")
-                self.findings.append(UNKNOWN_KEY.at(unknown[name], f"unknown key {name!r} in {subject}", help))
+                self.findings.append(UnknownKey.at(unknown[name], f"unknown key {name!r} in {subject}", help))
             elif (value := self.value(value_node, type.keys[name].type, f"`{name}`")) is not None:
                 entries[name] = value
         for name, key in type.keys.items():
             if key.required and name not in present:
                 misspelt = [
-                    span for other, span in unknown.items() if nearest(other, type.keys) == nearest(name, [name])
+                    span for other, span in unknown.items() if nearest(other, type.keys, "") == nearest(name, [name])
                 ]
                 message, help = f"{subject} lacks the key {name!r}", f"{name}: {key.meaning.text}"
-                self.findings.append(MISSING_KEY.at(span, message, help, rests_on=misspelt))
+                self.findings.append(MissingKey.at(span, message, help, rests_on=misspelt))
         return Form(span, entries=entries)
 
     def _map(self, node: Node, type: MapOf, subject: str) -> Form | None:
@@ -153,13 +154,13 @@ class _Reader(ScalarReader):
         for key_node, value_node in node.value:
             span = self.span(key_node)
             if not isinstance(key_node, ScalarNode):
-                self.findings.append(WRONG_TYPE.at(span, f"a key of {subject} is not a name"))
+                self.findings.append(WrongType.at(span, f"a key of {subject} is not a name"))
                 continue
             name = key_node.value
             if name in first:
                 also = [(first[name], "first here")]
                 self.findings.append(
-                    DUPLICATE_KEY.at(span, f"{subject} has the key {name!r} twice", "keep one of the two", also)
+                    DuplicateKey.at(span, f"{subject} has the key {name!r} twice", "keep one of the two", also)
                 )
                 continue
             first[name] = span
@@ -172,7 +173,7 @@ class _Reader(ScalarReader):
         singular = f"{'a row' if subject in _LISTS_OF_ROWS else 'an item'} of {subject}"
         items = [self.value(child, type.item, singular) for child in node.value]
         if len(items) < type.least:
-            self.findings.append(BAD_VALUE.at(self.span(node), f"{subject} is an empty list", "add an item"))
+            self.findings.append(BadValue.at(self.span(node), f"{subject} is an empty list", "add an item"))
         form = Form(self.span(node), items=tuple(item for item in items if item is not None))
         if isinstance(type.item, Text) and type.unique:
             self._check_unique(form, subject)
@@ -183,7 +184,7 @@ class _Reader(ScalarReader):
         for item in texts.items or ():
             if (before := first.setdefault(item.value, item.span)) is not item.span:
                 message = f"{subject} contains {item.value!r} twice"
-                self.findings.append(BAD_VALUE.at(item.span, message, "keep one of the two", [(before, "first here")]))
+                self.findings.append(BadValue.at(item.span, message, "keep one of the two", [(before, "first here")]))
 
 
 def _within(subject: str, name: str) -> str:

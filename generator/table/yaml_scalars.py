@@ -15,9 +15,9 @@ from typing import Any
 
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.table.parts import Form
-from roverlink.generator.table.reading_rules import BAD_VALUE, SURPRISING_SCALAR, WRONG_TYPE
+from roverlink.generator.table.reading_rules import BadValue, SurprisingScalar, WrongType
 from roverlink.generator.table.value_types import (
     AnyOf,
     Boolean,
@@ -30,6 +30,7 @@ from roverlink.generator.table.value_types import (
     Text,
     Type,
 )
+from roverlink.suggestions import nearest
 
 _LONGEST_INTEGER = 20  # digits; int() raises ValueError for more than 4300 digits
 _LONGEST_NUMBER = 40
@@ -100,7 +101,7 @@ class ScalarReader:
         found = kinds.get(type(node), "")
         quoted = isinstance(node, ScalarNode) and node.style
         found = found or (f"{'the text ' if quoted else ''}{node.value!r}" if node.value else "empty")
-        self.findings.append(WRONG_TYPE.at(self.span(node), f"{subject} is {found}; it must be {wanted}"))
+        self.findings.append(WrongType.at(self.span(node), f"{subject} is {found}; it must be {wanted}"))
 
     def scalar(self, node: Node, type: Type, subject: str) -> Form | None:
         """Return the value of a YAML scalar. If it does not fit the type, report it and return None."""
@@ -127,14 +128,14 @@ class ScalarReader:
             if not node.style and re.fullmatch(r"[-+0-9][-+0-9_xXobBa-fA-F:.]*", node.value):
                 message = f"{subject} is {node.value}; YAML does not read this as a decimal number"
                 help = "write it in decimal, without leading zeros"
-                self.findings.append(SURPRISING_SCALAR.at(self.span(node), message, help))
+                self.findings.append(SurprisingScalar.at(self.span(node), message, help))
             else:
                 self.wrong(node, subject, "a number")
             return None
         if len(node.value) > _LONGEST_INTEGER or not type.minimum <= int(node.value) <= type.maximum:
             allowed = f"from {type.minimum} to {type.maximum}" if type.minimum < type.maximum else str(type.minimum)
             shown = node.value if len(node.value) <= _LONGEST_INTEGER else f"{node.value[:_LONGEST_INTEGER]}..."
-            self.findings.append(BAD_VALUE.at(self.span(node), f"{subject} is {shown}; it must be {allowed}"))
+            self.findings.append(BadValue.at(self.span(node), f"{subject} is {shown}; it must be {allowed}"))
             return None
         return int(node.value)
 
@@ -148,7 +149,7 @@ class ScalarReader:
             return None
         if len(node.value) > _LONGEST_NUMBER or abs(_exponent(node.value)) > _LARGEST_EXPONENT:
             self.findings.append(
-                BAD_VALUE.at(
+                BadValue.at(
                     self.span(node), f"{subject} is {node.value[:20]}..., which is too long or too large for a float"
                 )
             )
@@ -167,7 +168,7 @@ class ScalarReader:
         if milliseconds is None:
             message = f"{subject} is {node.value!r}; it must be from {type.minimum} ms to {type.maximum // 1000} s"
             help = "write a whole number with its unit, such as 500ms or 2s"
-            self.findings.append(BAD_VALUE.at(self.span(node), message, help))
+            self.findings.append(BadValue.at(self.span(node), message, help))
         return milliseconds
 
     def _as_written(self, node: ScalarNode, subject: str) -> str | None:
@@ -186,20 +187,20 @@ class ScalarReader:
             # The part after `tag:yaml.org,2002:`, which is 18 characters long.
             kind = kinds.get(node.tag[18:], node.tag[18:])
             message = f"{subject} is {node.value}; YAML reads this as {kind}, not as a string"
-            self.findings.append(SURPRISING_SCALAR.at(self.span(node), message, f'quote it: "{node.value}"'))
+            self.findings.append(SurprisingScalar.at(self.span(node), message, f'quote it: "{node.value}"'))
             return None
         return self._checked_text(node, type, subject)
 
     def _checked_text(self, node: ScalarNode, type: Text, subject: str) -> str | None:
         value: str = node.value
         if type.choices and value not in type.choices:
-            help = nearest(value, type.choices)
+            help = nearest(value, type.choices, "")
             message = f"{subject} is {value!r}; it must be one of {', '.join(type.choices)}"
-            self.findings.append(BAD_VALUE.at(self.span(node), message, help))
+            self.findings.append(BadValue.at(self.span(node), message, help))
             return None
         message, help = type.fault(value) if type.fault else ("", "")
         if message:
-            self.findings.append(BAD_VALUE.at(self.span(node), f"{subject} is {value!r}, {message}", help))
+            self.findings.append(BadValue.at(self.span(node), f"{subject} is {value!r}, {message}", help))
             return None
         if not value or (type.pattern and not type.checked_by_rule and not re.fullmatch(type.pattern, value)):
             self.bad(node, value, subject, type)
@@ -210,4 +211,4 @@ class ScalarReader:
         """Report a text that is empty or does not match the pattern of its type."""
         help = f"for example {type.example}" if type.example else ""
         message = f"{subject} is {value!r}, which is not a valid {type.noun}" if value else f"{subject} is empty"
-        self.findings.append(BAD_VALUE.at(self.span(node), message, help))
+        self.findings.append(BadValue.at(self.span(node), message, help))

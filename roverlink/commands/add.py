@@ -91,7 +91,7 @@ def _number(table: Path, name: str) -> int:
 
 def _member(context: Context, name: str) -> int | None:
     settings = context.table.envelope
-    envelope = context.schema.messages.get(settings.message) if context.schema else None
+    envelope = context.schema.messages.get(settings.message)
     if envelope is None or settings.owner != "proto":
         return None
     return next((field.number for field in envelope.fields if field.name == name), None)

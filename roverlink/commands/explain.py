@@ -44,7 +44,7 @@ def add(commands: Subparsers) -> None:
     parser.set_defaults(run=run)
 
 
-def all_rules() -> dict[str, Rule]:
+def all_rules() -> dict[str, type[Rule]]:
     """Return the rules of the lint, and those of installed packages such as check-launch, by their ids."""
     return dict(own_rules()) | {id: rule for entry in entry_points(RULES) for id, rule in entry.load()().items()}
 
@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
     return _explain_row(arguments, [*rules, *by_name])
 
 
-def _print_rule(rule: Rule) -> None:
+def _print_rule(rule: type[Rule]) -> None:
     print(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{rule.documentation.strip()}")
 
 

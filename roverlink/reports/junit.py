@@ -19,7 +19,7 @@ def write(reported: Reported) -> None:
     print(ElementTree.tostring(suite, encoding="unicode"))
 
 
-def _add(suite: ElementTree.Element, rule: Rule, findings: list[Diagnostic]) -> bool:
+def _add(suite: ElementTree.Element, rule: type[Rule], findings: list[Diagnostic]) -> bool:
     """Add a test case for a rule to the suite. Return true if the test case fails; hints do not make it fail."""
     case = ElementTree.SubElement(suite, "testcase", classname="roverlink", name=f"{rule.id} {rule.name}")
     # A hint does not fail the command either.

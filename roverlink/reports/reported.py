@@ -22,7 +22,7 @@ class Reported:
     findings: Sequence[Diagnostic]
     sources: Sources
     """Access to the files that the findings name."""
-    rules: Mapping[str, Rule]
+    rules: Mapping[str, type[Rule]]
     """Rules that the command checks, by their ids."""
     pinned: PinnedStates | None = None
     """Compatibility of the projects that use the .proto files; None if the command does not check that."""

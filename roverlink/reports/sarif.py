@@ -46,7 +46,7 @@ def write(reported: Reported) -> None:
     print(json.dumps({"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2))
 
 
-def _rule(rule: Rule) -> dict[str, Any]:
+def _rule(rule: type[Rule]) -> dict[str, Any]:
     return {
         "id": rule.id,
         "name": rule.name,

@@ -19,7 +19,7 @@ from rich.table import Table
 from roverlink.console import counted
 from roverlink.diagnostic_text import show
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
-from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE, UNREADABLE_PROTO
+from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile, UnreadableProto
 from roverlink.reports.reported import Reported
 
 if TYPE_CHECKING:  # slow to import: it reads a project's earlier states
@@ -27,7 +27,7 @@ if TYPE_CHECKING:  # slow to import: it reads a project's earlier states
 
 _CELL = len("compatible") + 3  # a column with its padding and the gap to the next one
 _PADDING_OF_NAMES = 4
-_OF_FILES = (DOES_NOT_COMPILE, UNREADABLE_PROTO)
+_OF_FILES = (ProtoDoesNotCompile, UnreadableProto)
 _MOST_OF_FILES = 20  # findings of each of these rules
 
 
@@ -48,12 +48,12 @@ def write(reported: Reported) -> None:
     console.print(_summary(reported))
 
 
-def _shown(findings: Iterable[Diagnostic]) -> tuple[list[Diagnostic], Counter[Rule]]:
+def _shown(findings: Iterable[Diagnostic]) -> tuple[list[Diagnostic], Counter[type[Rule]]]:
     """Return the findings to print, and how many others there are of each rule.
 
     From a folder that is not the one of the .proto files, hundreds of files may not be readable.
     """
-    shown, seen = list[Diagnostic](), Counter[Rule]()
+    shown, seen = list[Diagnostic](), Counter[type[Rule]]()
     for finding in findings:
         seen[finding.rule] += finding.rule in _OF_FILES
         if seen[finding.rule] <= _MOST_OF_FILES:

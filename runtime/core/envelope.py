@@ -13,6 +13,7 @@ Two facts of the encoding (protobuf.dev, Encoding) make it possible to restore t
 
 from __future__ import annotations
 
+from roverlink.datagram_size import LARGEST_DATAGRAM
 from roverlink.runtime.core.wire_format import DELIMITED, fields
 
 
@@ -30,12 +31,9 @@ def restore(datagram: bytes) -> bytes:
     # zero.
     if end > len(datagram):
         # A corrupt length field must not make us allocate gigabytes: the parser refuses it.
-        return datagram + bytes(end - len(datagram)) if end <= _LARGEST_DATAGRAM else datagram
+        return datagram + bytes(end - len(datagram)) if end <= LARGEST_DATAGRAM else datagram
     # Only zeros may be padding. Anything else is not understood, and stays for the parser to refuse.
     return datagram if datagram[end:].strip(b"\0") else datagram[:end]
-
-
-_LARGEST_DATAGRAM = 65_507  # bytes of UDP payload over IPv4: 65,535 - 20 (IP header) - 8 (UDP header)
 
 
 def strip_trailing_zeros(datagram: bytes) -> bytes:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable
 from enum import Enum
 
-_NAMED = 30  # most names that an error lists
+from roverlink.suggestions import nearest as nearest
 
 
 class RoverlinkError(Exception):
@@ -97,16 +95,3 @@ class DatagramError(RoverlinkError):
         """Create the error; ``row`` is the name of the payload's row, such as ``imu_info``, or empty if unknown."""
         super().__init__(message)
         self.reason, self.row = reason, row
-
-
-def nearest(word: str, known: Iterable[str]) -> str:
-    """Return a hint for an error about an unknown word, such as ``did you mean 'imu_info'?``.
-
-    If no known word is similar, the hint lists the known words, at most 30: ``known: gps_info, imu_info``.
-    """
-    choices = list(known)
-    found = difflib.get_close_matches(word, choices, 1)
-    if found:
-        return f"did you mean {found[0]!r}?"
-    more = len(choices) - _NAMED
-    return f"known: {', '.join(choices[:_NAMED])}{f' and {more} more' if more > 0 else ''}"

@@ -28,6 +28,10 @@ mapping.yaml:7:63: error[TAB103] unknown direction 'bord_to_ros' (known: board_t
 """
 
 
+class _Example(Rule, id="XYZ101"):
+    """An example."""
+
+
 @pytest.fixture
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A project with one wrong direction, as the current folder."""
@@ -76,6 +80,6 @@ def test_colour_is_for_terminals(
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("NO_COLOR", no_colour)
-    file, rule = stream(), Rule("XYZ101", "example", "An example.")
+    file, rule = stream(), _Example
     show([rule.at(Span("nowhere.yaml", 1, 1), "it is wrong")], Sources(Path()), file)
     assert ("\x1b[31m" in file.getvalue() or "\x1b[1;31m" in file.getvalue()) == coloured

@@ -23,7 +23,7 @@ _BEFORE = re.compile(r"(.*?) *// before")
 _OLD_SYNTAX = re.compile(r"\b(required|default|extensions|message_set_wire_format)\b")
 
 
-def example(rule: Rule, verdict: str) -> str:
+def example(rule: type[Rule], verdict: str) -> str:
     """Return the example under ``Bad::`` or ``Good::``, without its indentation."""
     _, _, rest = rule.documentation.partition(f"\n{verdict}::\n\n")
     lines = []
@@ -39,7 +39,7 @@ def is_console(text: str) -> bool:
     return bool(_CONSOLE.match(text))
 
 
-def states(rule: Rule, verdict: str) -> tuple[str, str] | None:
+def states(rule: type[Rule], verdict: str) -> tuple[str, str] | None:
     """Return a .proto file before and after a change; None for a rule whose examples are not about one."""
     bad = example(rule, "Bad").splitlines()
     before = [found[1] for line in bad if (found := _BEFORE.fullmatch(line))]

@@ -20,6 +20,7 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lock import Ledger
+from roverlink.generator.protos.schema import Schema
 from roverlink.generator.table import reader
 from roverlink.runtime.ros_arguments import parameters
 
@@ -101,6 +102,6 @@ def test_no_peer_takes_a_parameter_of_the_node(tmp_path: Path) -> None:
     own = sorted(set(parameters.defaults(REGISTRY)) - ports)
     table = yaml.safe_load(case("nested").inputs["mapping.yaml"])
     table["peers"] |= {f"peer_{name}": {"parameter": name} for name in own}
-    findings = lint(Context(reader.read(_written(tmp_path, table), []), None, Ledger()))
+    findings = lint(Context(reader.read(_written(tmp_path, table), []), Schema(), Ledger()))
     refused = "".join(finding.message for finding in findings if finding.rule.id == "TAB104")
     assert [name for name in own if f" '{name}' of the peer 'peer_{name}' " not in refused] == []

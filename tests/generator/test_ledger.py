@@ -14,7 +14,7 @@ from trees import commit, edit
 from roverlink.__main__ import main
 from roverlink.generator import lock
 from roverlink.generator.diagnostics import Diagnostic, Severity
-from roverlink.generator.lint.rules import modules
+from roverlink.generator.lint.rules import lint_rules
 
 _LEDGER = (ROOT / "mapping.lock").read_text(encoding="utf-8")
 
@@ -65,7 +65,7 @@ def test_a_payload_whose_message_got_another_name(project: Path) -> None:
 
 
 def _every_rule() -> list[str]:
-    changes = {id: module.RULE for id, module in modules().items() if id.startswith("WIR")}
+    changes = {id: rule for id, rule in lint_rules().items() if id.startswith("WIR")}
     return [id for id, rule in changes.items() if rule.severity is not Severity.HINT]
 
 

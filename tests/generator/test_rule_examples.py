@@ -15,6 +15,7 @@ from roverlink.__main__ import main
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity
 from roverlink.generator.lint.bare_tree import EnvelopeName
 from roverlink.generator.lint.project import Question, lint_project, lint_tree
+from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.pipeline import add, compile_table
 from roverlink.generator.rule_catalogue import rules
 
@@ -27,12 +28,12 @@ _OF_A_LARGER_PROJECT = {"ENV105", "ENV106", "ENV108", "FIX101", "FIX102", "FIX10
 _OF_A_LARGER_PROJECT |= {"NAM101", "NAM102", "NAM103", "TAB105", "WIR113"}
 
 
-def _runnable(rule: Rule) -> bool:
+def _runnable(rule: type[Rule]) -> bool:
     shown_elsewhere = rule.id in _OF_A_PAST | _OF_A_LARGER_PROJECT
     return not shown_elsewhere and not is_console(example(rule, "Bad"))
 
 
-def _raised(rule: Rule, verdict: str, folder: Path, *, generated: bool) -> set[str]:
+def _raised(rule: type[Rule], verdict: str, folder: Path, *, generated: bool) -> set[str]:
     """Return the ids of what the lint, and generate where it is asked, find in an example."""
     changed = states(rule, verdict)
     if changed is not None:
@@ -53,13 +54,13 @@ def _raised(rule: Rule, verdict: str, folder: Path, *, generated: bool) -> set[s
         return _ids(rule, error.findings)
 
 
-def _ids(rule: Rule, findings: Iterable[Diagnostic]) -> set[str]:
+def _ids(rule: type[Rule], findings: Iterable[Diagnostic]) -> set[str]:
     """Return the ids of findings; hints are none, but for the rule's own."""
     return {one.rule.id for one in findings if one.rule == rule or one.severity is not Severity.HINT}
 
 
 @pytest.mark.parametrize("rule", list(filter(_runnable, rules().values())), ids=lambda rule: rule.id)
-def test_a_bad_example_raises_the_rule_and_a_good_one_nothing(rule: Rule, tmp_path: Path) -> None:
+def test_a_bad_example_raises_the_rule_and_a_good_one_nothing(rule: type[Rule], tmp_path: Path) -> None:
     """Each example, put through the lint, or else through the pipeline as well, shows what its rule is about."""
     for generated in (False, True):  # most rules are the lint's, which is faster
         folders = {verdict: tmp_path / f"{verdict}_{generated}" for verdict in ("Bad", "Good")}
@@ -73,10 +74,14 @@ def test_a_bad_example_raises_the_rule_and_a_good_one_nothing(rule: Rule, tmp_pa
 
 def test_every_rule_is_in_the_catalogue_and_shown() -> None:
     """`roverlink explain` knows each rule, none shares an id or a name, and what no example runs has a case."""
-    declared: dict[int, Rule] = {}
+    declared: dict[int, type[Rule]] = {}
     for module in pkgutil.walk_packages(generator.__path__, "roverlink.generator."):
         values = vars(importlib.import_module(module.name)).values()
-        declared |= {id(value): value for value in values if isinstance(value, Rule)}
+        declared |= {
+            id(value): value
+            for value in values
+            if isinstance(value, type) and issubclass(value, Rule) and value not in (Rule, LintRule)
+        }
     by_id = {rule.id: rule for rule in declared.values()}
     assert by_id == rules()
     assert len(declared) == len(by_id) == len({rule.name for rule in declared.values()})
@@ -89,7 +94,7 @@ def test_every_rule_is_in_the_catalogue_and_shown() -> None:
 
 
 @pytest.mark.parametrize("rule", list(rules().values()), ids=lambda rule: rule.id)
-def test_every_rule_is_documented(rule: Rule, capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_rule_is_documented(rule: type[Rule], capsys: pytest.CaptureFixture[str]) -> None:
     """The documentation has a summary, says why the rule is there, and has a bad and a good example."""
     summary, blank, why, *_ = rule.documentation.strip().splitlines()
     assert summary[-1] == "."

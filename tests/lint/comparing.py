@@ -8,9 +8,9 @@ from pathlib import Path
 from mutations import write
 
 from roverlink.generator.diagnostics import Diagnostic, Span
-from roverlink.generator.lint import rules
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.rules import lint_rules
 from roverlink.generator.lock import Ledger
 from roverlink.generator.protos.protoc import compile_tree
 from roverlink.generator.protos.schema import Schema
@@ -50,8 +50,8 @@ def changes_found(
 
 def found(context: Context) -> list[Diagnostic]:
     """What the rules about changes find."""
-    ours = (module for id, module in rules.modules().items() if id.startswith(FAMILY))
-    return list(dict.fromkeys(finding for module in ours for finding in module.check(context)))
+    ours = (rule for id, rule in lint_rules().items() if id.startswith(FAMILY))
+    return list(dict.fromkeys(finding for rule in ours for finding in rule.check(context)))
 
 
 def case_table(text: str) -> dict[str, tuple[str, str, str]]:

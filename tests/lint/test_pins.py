@@ -78,7 +78,7 @@ def test_a_state_is_the_same_as_itself(tmp_path: Path) -> None:
     """No message of a schema is misread by itself, and none by what the tolerant parser makes of its files."""
     files = {path: text for path, text in BASE.items() if path != MODERN}  # it has presence as an option
     schema, parsed = compiled(files, tmp_path), read_protos(tmp_path, "", [])
-    lenient = with_uncompiled(Schema((), {}, {}, uncompiled=tuple(parsed)), parsed, "")
+    lenient = with_uncompiled(Schema(uncompiled=tuple(parsed)), parsed, "")
     for name in schema.messages:
         assert misreadings(SchemaChange(schema, schema), name, name) == ()
         assert misreadings(SchemaChange(schema, lenient), name, name) == ()

@@ -73,7 +73,7 @@ def test_nothing_is_concluded_from_a_table_that_is_not_whole(tmp_path: Path) -> 
     """What is missing may stand in the part that could not be read: no number, prefix or peer is missed then."""
     rows = "  - {number: 1, name: imu, proto: BaseImu, topic: imu, direction: board_to_ros}\n  - {name: odd}\n"
     table = _table(tmp_path, rows + "  - {number: 3, name: gps, proto: Gps, topic: gps, direction: board_to_ros}\n")
-    context = Context(table, Schema((), {}, {}), Ledger(_published((2, "wind", "Wind"))))
+    context = Context(table, Schema(), Ledger(_published((2, "wind", "Wind"))))
     whole = dataclasses.replace(context, table=dataclasses.replace(table, whole=True))
     assert not table.whole
     assert _said(context, "ENV103", "TAB103", "TAB105", "NAM102") == []
@@ -112,7 +112,7 @@ def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
     table = _table(tmp_path, _IMU + "  - {number: 2, name: wind, proto: Wind, topic: wind, direction: spare_to_ros}\n")
     gone = ((2, "gps", "Gps"), (3, "heat", "Heat"))
     earlier = [entry for file in ("mapping.lock", "mapping.yaml", "e.proto") for entry in _published(*gone, file=file)]
-    context = Context(table, None, Ledger(_published(*gone)), earlier_entries=tuple(earlier))
+    context = Context(table, Schema(), Ledger(_published(*gone)), earlier_entries=tuple(earlier))
     assert _said(context, "ENV102", "ENV103") == [
         "mapping.yaml:8:14 field 2 was published for 'gps' (Gps), but is given to Wind here",
         "mapping.lock:6:3 field 3 was published as 'heat' (Heat), but is missing in mapping.yaml",
@@ -122,7 +122,7 @@ def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
 def test_an_earlier_state_is_not_where_a_number_is_missing(tmp_path: Path) -> None:
     """Nobody can mend the earlier state: the finding stands at the table, and names the place there."""
     earlier = _published((2, "gps", "Gps"), file="before/mapping.yaml")
-    (finding,) = _found(Context(_table(tmp_path, _IMU), None, Ledger(), earlier_entries=earlier), "ENV103")
+    (finding,) = _found(Context(_table(tmp_path, _IMU), Schema(), Ledger(), earlier_entries=earlier), "ENV103")
     assert str(finding.span) == "mapping.yaml"
     assert finding.also == ((Span("before/mapping.yaml", 5, 3), "published here"),)
 
@@ -132,7 +132,7 @@ def test_the_topics_of_a_row_are_said_once(tmp_path: Path) -> None:
     table = _table(tmp_path, _IMU + _GPS)
     old = _published((1, "imu", "Imu"), (2, "wind", "Wind"), topic="old")
     older = (*old, *_published((1, "imu", "Imu"), topic="older"), *_published((1, "imu", "Imu")))
-    said = _said(Context(table, None, Ledger(old), earlier_entries=older), "TAB107")
+    said = _said(Context(table, Schema(), Ledger(old), earlier_entries=older), "TAB107")
     assert said == ["mapping.yaml:7:47 'imu' has the topic 'imu'; it was published on 'old' and on 'older'"]
 
 
@@ -157,7 +157,7 @@ def test_new_numbers_follow_the_largest_old_one(
     """Only what lies above every old number is known to be unused, and protobuf's own numbers do not count."""
     rows = "".join(_IMU.replace("1,", f"{n},").replace("name: imu", f"name: imu{n}") for n in numbers)
     ledger = Ledger(_published(*((n, f"imu{n}", "Imu") for n in published)))
-    found = _found(Context(_table(tmp_path, rows), None, ledger), "TAB106")
+    found = _found(Context(_table(tmp_path, rows), Schema(), ledger), "TAB106")
     assert [f"{f.number} -> {f.message.rpartition(' ')[2]}" for f in found] == hinted
     assert {finding.severity for finding in found} <= {Severity.HINT}
 
@@ -167,7 +167,7 @@ def test_new_numbers_follow_the_largest_old_one(
 
 def test_our_envelope_is_compared_only_where_it_was_read(tmp_path: Path) -> None:
     """While generating, the envelope on disk is about to be replaced."""
-    context = Context(_table(tmp_path, _IMU), None, Ledger())
+    context = Context(_table(tmp_path, _IMU), Schema(), Ledger())
     assert _said(context, "ENV105") == []
     stale = dataclasses.replace(context, files={"envelope.proto": parse(_envelope("Imu imu = 2;"))})
     assert _said(stale, "ENV105") == ["mapping.yaml:7:14 member 'imu' has the number 2, not 1"]
@@ -176,9 +176,9 @@ def test_our_envelope_is_compared_only_where_it_was_read(tmp_path: Path) -> None
 def test_an_envelope_of_another_owner_that_does_not_compile_is_not_missing(tmp_path: Path) -> None:
     """It is declared; why it does not compile, protoc says."""
     table = _table(tmp_path, _IMU, owner="proto")
-    context = Context(table, Schema((), {}, {}), Ledger(), {"envelope.proto": parse(_envelope("Imu imu = 1;"))})
+    context = Context(table, Schema(), Ledger(), {"envelope.proto": parse(_envelope("Imu imu = 1;"))})
     assert _said(context, "ENV105") == []
-    assert len(_said(dataclasses.replace(context, files={}), "ENV105")) == 1
+    assert len(_said(dataclasses.replace(context, files={"imu.proto": parse("message Imu {}")}), "ENV105")) == 1
 
 
 @pytest.mark.parametrize(
@@ -228,7 +228,7 @@ def test_nested_messages_may_share_a_name(tmp_path: Path) -> None:
         "c.proto": "package c; message Status {}",
         "d.proto": "package d; message Status {}",
     }
-    context = Context(_table(tmp_path, _IMU), None, Ledger(), {path: parse(text) for path, text in files.items()})
+    context = Context(_table(tmp_path, _IMU), Schema(), Ledger(), {path: parse(text) for path, text in files.items()})
     found = _found(context, "NAM101")
     assert [(finding.span.file, finding.type) for finding in found] == [
         ("proto/c.proto", "c.Status"),
@@ -251,7 +251,7 @@ def test_nested_messages_may_share_a_name(tmp_path: Path) -> None:
 def test_enum_values_are_siblings_of_their_enum(tmp_path: Path, enum: str, message: str, collides: bool) -> None:
     """A value collides with a message of the scope in which its enum stands, in whatever file of the package."""
     files = {"enum.proto": parse(enum), "message.proto": parse(message)}
-    context = Context(_table(tmp_path, _IMU), None, Ledger(), files)
+    context = Context(_table(tmp_path, _IMU), Schema(), Ledger(), files)
     assert [finding.severity for finding in _found(context, "NAM103")] == ([Severity.ERROR] if collides else [])
     excluded = dataclasses.replace(context, files={}, excluded_files=files)
     assert [finding.severity for finding in _found(excluded, "NAM103")] == ([Severity.WARNING] if collides else [])
@@ -317,7 +317,6 @@ def test_bounds_that_shrank(
 ) -> None:
     """Only what was taken before and is refused now; a first bound, and another way to say the same, are none."""
     context = _sized(tmp_path, _TO_BASE, now)
-    assert context.schema is not None
     bounds_before = Bounds(fields={("Note", name): bound for name, bound in before.items()})
     change = SchemaChange(context.schema, context.schema, bounds_before=bounds_before)
     said = [f.message for f in _found(dataclasses.replace(context, changes=(change,)), "FIX103")]

@@ -16,12 +16,12 @@ from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.parameter_files import ParameterFile, is_parameter_file
 from check_launch.rules.frame_findings import frame_findings
 from check_launch.rules.launch_rules import (
-    NOT_EXPANDED,
-    OUTSIDE,
-    UNDECLARED_ARGUMENT,
-    UNKNOWN_ACTION,
-    UNREADABLE,
-    WRONG_VALUE,
+    NotExpanded,
+    TopicFromOutside,
+    UndeclaredArgument,
+    UnknownAction,
+    UnreadableLaunchFile,
+    WrongArgumentValue,
 )
 from check_launch.rules.parameter_findings import (
     parameter_findings,
@@ -36,15 +36,15 @@ from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, in_order
 LAUNCH_ENDINGS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch")
 _COMPLETE = re.compile(r"^[ \t]*(?:#|<!--)[ \t]*check-launch: complete\b", re.MULTILINE)
 """Comment in a launch file that starts everything."""
-_RULES: Mapping[str, Rule] = {
-    "element": UNKNOWN_ACTION,
-    "text": UNKNOWN_ACTION,
-    "condition": WRONG_VALUE,
-    "choice": WRONG_VALUE,
-    "argument": UNDECLARED_ARGUMENT,
-    "include": UNREADABLE,
-    "parameter-file": UNREADABLE,
-    "needs": NOT_EXPANDED,
+_RULES: Mapping[str, type[Rule]] = {
+    "element": UnknownAction,
+    "text": UnknownAction,
+    "condition": WrongArgumentValue,
+    "choice": WrongArgumentValue,
+    "argument": UndeclaredArgument,
+    "include": UnreadableLaunchFile,
+    "parameter-file": UnreadableLaunchFile,
+    "needs": NotExpanded,
 }
 
 
@@ -90,7 +90,7 @@ class Checker:
                     sections = ParameterFile(path, shown_path(str(path))).sections(_known_text)
                     checked.findings += standalone_findings(sections, self._catalogue)
             except UnreadableFileError as error:
-                checked.findings.append(UNREADABLE.at(span(error.place), str(error)))
+                checked.findings.append(UnreadableLaunchFile.at(span(error.place), str(error)))
         checked.findings = in_order(_once(checked.findings))
         return checked
 
@@ -126,10 +126,10 @@ class Checker:
     ) -> Iterator[Diagnostic]:
         yield from (_of_problem(one) for one in expansion.problems)
         for name, place in expansion.undeclared:
-            yield UNDECLARED_ARGUMENT.at(span(place), f"the argument '{name}' is not declared", "declare it with `arg`")
+            yield UndeclaredArgument.at(span(place), f"the argument '{name}' is not declared", "declare it with `arg`")
         for package, place in expansion.skipped.items():
             message = f"the launch files of '{package}' are not here; what they start is not checked"
-            yield NOT_EXPANDED.at(span(place), message)
+            yield NotExpanded.at(span(place), message)
         yield from system.findings
         yield from parameter_findings(system, self._catalogue, variants)
         yield from topic_findings(system, variants, self._known, complete)
@@ -149,7 +149,7 @@ def _once(findings: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     seen: set[tuple[object, ...]] = set()
     for one in sorted(findings, key=lambda one: not one.help):  # the first one stays: one that says what to write
         family = one.rule.id if one.rule.id not in ("PAR101", "PAR102") else "PAR"
-        is_one = family in ("PAR", "TOP101") or one.rule is OUTSIDE  # whatever the names of the nodes are
+        is_one = family in ("PAR", "TOP101") or one.rule is TopicFromOutside  # whatever the names of the nodes are
         text = "" if is_one else one.message.partition(" (with ")[0]
         key = (family, one.span, text) if one.span.line else (family, one.span, one.message)
         if key not in seen:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from difflib import get_close_matches
 
-from check_launch.rules.launch_rules import FRAME_OUTSIDE, NO_TRANSFORM, TWO_PARENTS
+from check_launch.rules.launch_rules import FrameFromOutside, FramePublishedTwice, FrameWithoutTransform
 from check_launch.rules.system import RunningNode, System, span
 from roverlink.generator.diagnostics import Diagnostic
 
@@ -27,7 +27,7 @@ def _of_tree(nodes: list[RunningNode], is_closed: bool) -> Iterator[Diagnostic]:
     for child, ends in sorted(publishers.items()):
         (parent, first), *others = {id(node): (parent, node) for parent, node in ends}.values()
         for other_parent, other in others:
-            yield TWO_PARENTS.at(
+            yield FramePublishedTwice.at(
                 span(other.started.place),
                 f"{other.name} publishes the transform from '{other_parent}' to '{child}', and {first.name} "
                 f"the one from '{parent}'",
@@ -43,15 +43,17 @@ def _of_tree(nodes: list[RunningNode], is_closed: bool) -> Iterator[Diagnostic]:
             near = get_close_matches(frame, sorted(frames), 1, 0.8)
             message = f"{node.name} looks up the frame '{frame}', but nothing publishes it"
             if near:
-                yield NO_TRANSFORM.at(span(place), message, f"did you mean '{near[0]}'?")
+                yield FrameWithoutTransform.at(span(place), message, f"did you mean '{near[0]}'?")
             elif is_closed:
-                yield NO_TRANSFORM.at(span(place), message)
+                yield FrameWithoutTransform.at(span(place), message)
             else:
-                yield FRAME_OUTSIDE.at(span(place), f"{message} in these launch files")
+                yield FrameFromOutside.at(span(place), f"{message} in these launch files")
         known = [(frame, place) for frame, place in looked_up if frame in roots]
         if is_closed and len({roots[frame] for frame, _ in known}) > 1:
             names = " and ".join(f"'{frame}'" for frame, _ in known)
-            yield NO_TRANSFORM.at(span(known[0][1]), f"{node.name} looks up {names}, but no transforms connect them")
+            yield FrameWithoutTransform.at(
+                span(known[0][1]), f"{node.name} looks up {names}, but no transforms connect them"
+            )
 
 
 def _root(frame: str, publishers: dict[str, list[tuple[str, RunningNode]]]) -> str:

@@ -2,472 +2,415 @@
 
 from __future__ import annotations
 
-from roverlink.generator.diagnostics import Rule, Severity
+import sys
 
-UNREADABLE = Rule(
-    "LCH101",
-    "unreadable-launch-file",
+from roverlink.generator.diagnostics import Rule, Severity, rules_in
+
+
+class UnreadableLaunchFile(Rule, id="LCH101", severity=Severity.FATAL):
     """A launch file or parameter file cannot be read, or its program stops with an error.
 
-Bad::
+    Bad::
 
-    launch:
-      - node: {pkg: comms, exec: comms_node
+        launch:
+          - node: {pkg: comms, exec: comms_node
 
-Good::
+    Good::
 
-    launch:
-      - node: {pkg: comms, exec: comms_node}
-""",
-    Severity.FATAL,
-)
+        launch:
+          - node: {pkg: comms, exec: comms_node}
+    """
 
-NOT_EXPANDED = Rule(
-    "LCH102",
-    "not-expanded",
+
+class NotExpanded(Rule, id="LCH102", severity=Severity.HINT):
     """A part of a launch file is not checked, because it needs a package or a value that is not there.
 
-The launch file still works on a computer that has the package. Check it there, or name folders with packages with
-`--packages`.
+    The launch file still works on a computer that has the package. Check it there, or name folders with packages with
+    `--packages`.
 
-Bad::
+    Bad::
 
-    import xacro
+        import xacro
 
-Good::
+    Good::
 
-    from launch_ros.actions import Node
-""",
-    Severity.HINT,
-)
+        from launch_ros.actions import Node
+    """
 
-UNKNOWN_ACTION = Rule(
-    "LCH103",
-    "unknown-action",
+
+class UnknownAction(Rule, id="LCH103"):
     """A YAML or XML launch file has an action, an attribute or a substitution that ROS 2 does not know.
 
-`ros2 launch` refuses such a file.
+    `ros2 launch` refuses such a file.
 
-Bad::
+    Bad::
 
-    - node: {pkg: comms, exec: comms_node, nmae: bridge}
+        - node: {pkg: comms, exec: comms_node, nmae: bridge}
 
-Good::
+    Good::
 
-    - node: {pkg: comms, exec: comms_node, name: bridge}
-""",
-)
+        - node: {pkg: comms, exec: comms_node, name: bridge}
+    """
 
-UNDECLARED_ARGUMENT = Rule(
-    "LCH104",
-    "undeclared-argument",
+
+class UndeclaredArgument(Rule, id="LCH104"):
     """A launch file uses an argument that it does not declare, or gives one to a launch file that does not have it.
 
-`ros2 launch` stops at the use of an undeclared argument. It ignores an argument that the included launch file does not
-have, so that the value has no effect.
+    `ros2 launch` stops at the use of an undeclared argument. It ignores an argument that the included launch file does
+    not have, so that the value has no effect.
 
-Bad::
+    Bad::
 
-    - arg: {name: namespace, default: ""}
-    - push_ros_namespace: {namespace: $(var namespce)}
+        - arg: {name: namespace, default: ""}
+        - push_ros_namespace: {namespace: $(var namespce)}
 
-Good::
+    Good::
 
-    - arg: {name: namespace, default: ""}
-    - push_ros_namespace: {namespace: $(var namespace)}
-""",
-)
+        - arg: {name: namespace, default: ""}
+        - push_ros_namespace: {namespace: $(var namespace)}
+    """
 
-WRONG_VALUE = Rule(
-    "LCH105",
-    "wrong-argument-value",
+
+class WrongArgumentValue(Rule, id="LCH105"):
     """A condition is neither true nor false, or an argument has a value that it does not allow.
 
-Bad::
+    Bad::
 
-    - node: {pkg: rviz2, exec: rviz2, if: "yes"}
+        - node: {pkg: rviz2, exec: rviz2, if: "yes"}
 
-Good::
+    Good::
 
-    - node: {pkg: rviz2, exec: rviz2, if: "true"}
-""",
-)
+        - node: {pkg: rviz2, exec: rviz2, if: "true"}
+    """
 
-UNKNOWN_PACKAGE = Rule(
-    "LCH106",
-    "unknown-package",
+
+class UnknownPackage(Rule, id="LCH106", severity=Severity.HINT):
     """A package is not in the catalogue, so that its nodes are not checked.
 
-The catalogue has the packages for SLAM and navigation, and the programs of this project. Topics and transforms of an
-unknown package are not known: with one, nothing is reported as missing.
+    The catalogue has the packages for SLAM and navigation, and the programs of this project. Topics and transforms of
+    an unknown package are not known: with one, nothing is reported as missing.
 
-Bad::
+    Bad::
 
-    - node: {pkg: my_camera, exec: camera_node}
+        - node: {pkg: my_camera, exec: camera_node}
 
-Good::
+    Good::
 
-    - node: {pkg: realsense2_camera, exec: realsense2_camera_node}
-""",
-    Severity.HINT,
-)
+        - node: {pkg: realsense2_camera, exec: realsense2_camera_node}
+    """
 
-MISSPELT_PACKAGE = Rule(
-    "LCH107",
-    "misspelt-package",
+
+class MisspeltPackage(Rule, id="LCH107"):
     """A package is not in the catalogue, but one with nearly the same name is.
 
-Bad::
+    Bad::
 
-    - node: {pkg: rtabmap_slamm, exec: rtabmap}
+        - node: {pkg: rtabmap_slamm, exec: rtabmap}
 
-Good::
+    Good::
 
-    - node: {pkg: rtabmap_slam, exec: rtabmap}
-""",
-)
+        - node: {pkg: rtabmap_slam, exec: rtabmap}
+    """
 
-UNKNOWN_EXECUTABLE = Rule(
-    "LCH108",
-    "unknown-executable",
+
+class UnknownExecutable(Rule, id="LCH108"):
     """A package does not have an executable, or a node for a container.
 
-`ros2 launch` stops with an error.
+    `ros2 launch` stops with an error.
 
-Bad::
+    Bad::
 
-    - node: {pkg: rtabmap_slam, exec: rtabmap_slam}
+        - node: {pkg: rtabmap_slam, exec: rtabmap_slam}
 
-Good::
+    Good::
 
-    - node: {pkg: rtabmap_slam, exec: rtabmap}
-""",
-)
+        - node: {pkg: rtabmap_slam, exec: rtabmap}
+    """
 
-UNKNOWN_PARAMETER = Rule(
-    "PAR101",
-    "unknown-parameter",
+
+class UnknownParameter(Rule, id="PAR101"):
     """A node does not have a parameter.
 
-ROS 2 silently ignores a parameter that a node does not declare: the node runs with the default.
+    ROS 2 silently ignores a parameter that a node does not declare: the node runs with the default.
 
-Bad::
+    Bad::
 
-    rtabmap:
-      ros__parameters:
-        Grid/FromDepth: "true"
+        rtabmap:
+          ros__parameters:
+            Grid/FromDepth: "true"
 
-Good::
+    Good::
 
-    rtabmap:
-      ros__parameters:
-        Grid/Sensor: "1"
-""",
-)
+        rtabmap:
+          ros__parameters:
+            Grid/Sensor: "1"
+    """
 
-MISPLACED_PARAMETER = Rule(
-    "PAR102",
-    "misplaced-parameter",
+
+class MisplacedParameter(Rule, id="PAR102"):
     """A parameter stands at a place where it has no effect.
 
-It belongs to another node, to a plugin, or one level higher or lower.
+    It belongs to another node, to a plugin, or one level higher or lower.
 
-Bad::
+    Bad::
 
-    controller_server:
-      ros__parameters:
-        max_vel_x: 0.3
+        controller_server:
+          ros__parameters:
+            max_vel_x: 0.3
 
-Good::
+    Good::
 
-    controller_server:
-      ros__parameters:
-        FollowPath:
-          max_vel_x: 0.3
-""",
-)
+        controller_server:
+          ros__parameters:
+            FollowPath:
+              max_vel_x: 0.3
+    """
 
-WRONG_TYPE = Rule(
-    "PAR103",
-    "wrong-type",
+
+class WrongType(Rule, id="PAR103"):
     """A parameter's value has another type than the node declares.
 
-The node stops with an error at the start. A whole number is no floating point number: write `20.0`. RTAB-Map's own
-parameters, such as `Grid/CellSize`, are texts: write them with quotation marks.
+    The node stops with an error at the start. A whole number is no floating point number: write `20.0`. RTAB-Map's own
+    parameters, such as `Grid/CellSize`, are texts: write them with quotation marks.
 
-Bad::
+    Bad::
 
-    controller_server:
-      ros__parameters:
-        controller_frequency: 20
+        controller_server:
+          ros__parameters:
+            controller_frequency: 20
 
-Good::
+    Good::
 
-    controller_server:
-      ros__parameters:
-        controller_frequency: 20.0
-""",
-)
+        controller_server:
+          ros__parameters:
+            controller_frequency: 20.0
+    """
 
-OUT_OF_RANGE = Rule(
-    "PAR104",
-    "out-of-range",
+
+class OutOfRange(Rule, id="PAR104"):
     """A parameter's value is outside of its range, or is none of the values that the node knows.
 
-Bad::
+    Bad::
 
-    voxel_layer: {plugin: "nav2_costmap_2d::VoxelLayer", z_voxels: 20}
+        voxel_layer: {plugin: "nav2_costmap_2d::VoxelLayer", z_voxels: 20}
 
-Good::
+    Good::
 
-    voxel_layer: {plugin: "nav2_costmap_2d::VoxelLayer", z_voxels: 16}
-""",
-)
+        voxel_layer: {plugin: "nav2_costmap_2d::VoxelLayer", z_voxels: 16}
+    """
 
-UNUSED_SECTION = Rule(
-    "PAR105",
-    "section-without-node",
+
+class SectionWithoutNode(Rule, id="PAR105"):
     """A section of a parameter file is for no node that gets the file.
 
-The name of the section must be the name of the node with its namespace; `/**/` in front stands for any namespace.
+    The name of the section must be the name of the node with its namespace; `/**/` in front stands for any namespace.
 
-Bad::
+    Bad::
 
-    controler_server:
-      ros__parameters: {controller_frequency: 20.0}
+        controler_server:
+          ros__parameters: {controller_frequency: 20.0}
 
-Good::
+    Good::
 
-    controller_server:
-      ros__parameters: {controller_frequency: 20.0}
-""",
-)
+        controller_server:
+          ros__parameters: {controller_frequency: 20.0}
+    """
 
-REPEATED_PARAMETER = Rule(
-    "PAR106",
-    "repeated-parameter",
+
+class RepeatedParameter(Rule, id="PAR106"):
     """A parameter stands twice in the same section of a file; only the last one has an effect.
 
-Bad::
+    Bad::
 
-    imu_filter:
-      ros__parameters: {use_mag: false, use_mag: true}
+        imu_filter:
+          ros__parameters: {use_mag: false, use_mag: true}
 
-Good::
+    Good::
 
-    imu_filter:
-      ros__parameters: {use_mag: false}
-""",
-)
+        imu_filter:
+          ros__parameters: {use_mag: false}
+    """
 
-ONE_AXIS = Rule(
-    "PAR107",
-    "one-axis",
+
+class OneAxis(Rule, id="PAR107", severity=Severity.WARNING):
     """A parameter is given for the y axis, and its counterpart for the x axis is not.
 
-Both names are right, so that no other rule finds the slip. The node takes its default for x, which is rarely meant: a
-rover drives along x.
+    Both names are right, so that no other rule finds the slip. The node takes its default for x, which is rarely meant:
+    a rover drives along x.
 
-Bad::
+    Bad::
 
-    FollowPath: {plugin: "dwb_core::DWBLocalPlanner", max_vel_y: 0.3}
+        FollowPath: {plugin: "dwb_core::DWBLocalPlanner", max_vel_y: 0.3}
 
-Good::
+    Good::
 
-    FollowPath: {plugin: "dwb_core::DWBLocalPlanner", max_vel_x: 0.3}
-""",
-    Severity.WARNING,
-)
+        FollowPath: {plugin: "dwb_core::DWBLocalPlanner", max_vel_x: 0.3}
+    """
 
-UNKNOWN_PLUGIN = Rule(
-    "PLG101",
-    "unknown-plugin",
+
+class UnknownPlugin(Rule, id="PLG101"):
     """A plugin does not exist, has no type, or has another base class than the node loads.
 
-The node stops with an error when it loads the plugin.
+    The node stops with an error when it loads the plugin.
 
-Bad::
+    Bad::
 
-    voxel_layer: {plugin: "nav2_costmap_2d::VoxelLayr"}
+        voxel_layer: {plugin: "nav2_costmap_2d::VoxelLayr"}
 
-Good::
+    Good::
 
-    voxel_layer: {plugin: "nav2_costmap_2d::VoxelLayer"}
-""",
-)
+        voxel_layer: {plugin: "nav2_costmap_2d::VoxelLayer"}
+    """
 
-UNCHECKED_PLUGIN = Rule(
-    "PLG102",
-    "plugin-of-unknown-package",
+
+class PluginOfUnknownPackage(Rule, id="PLG102", severity=Severity.HINT):
     """A plugin is of a package that is not in the catalogue, so that its parameters are not checked.
 
-Bad::
+    Bad::
 
-    my_layer: {plugin: "my_costmap::MyLayer"}
+        my_layer: {plugin: "my_costmap::MyLayer"}
 
-Good::
+    Good::
 
-    voxel_layer: {plugin: "nav2_costmap_2d::VoxelLayer"}
-""",
-    Severity.HINT,
-)
+        voxel_layer: {plugin: "nav2_costmap_2d::VoxelLayer"}
+    """
 
-UNKNOWN_REMAPPING = Rule(
-    "TOP101",
-    "remapping-of-unknown-topic",
+
+class RemappingOfUnknownTopic(Rule, id="TOP101"):
     """A remapping names a topic, service or action that the node does not have, so that it has no effect.
 
-Bad::
+    Bad::
 
-    - node: {pkg: rtabmap_slam, exec: rtabmap, remap: {from: rgb/image_raw, to: camera/color/image_raw}}
+        - node: {pkg: rtabmap_slam, exec: rtabmap, remap: {from: rgb/image_raw, to: camera/color/image_raw}}
 
-Good::
+    Good::
 
-    - node: {pkg: rtabmap_slam, exec: rtabmap, remap: {from: rgb/image, to: camera/color/image_raw}}
-""",
-)
+        - node: {pkg: rtabmap_slam, exec: rtabmap, remap: {from: rgb/image, to: camera/color/image_raw}}
+    """
 
-NO_PUBLISHER = Rule(
-    "TOP102",
-    "topic-without-publisher",
+
+class TopicWithoutPublisher(Rule, id="TOP102"):
     """A node needs a topic that nothing publishes: the flow of data is interrupted there.
 
-The node waits without a message, or warns again and again. It is an error if a publisher with a similar name exists, or
-with `--complete`, which says that the launch files start everything.
+    The node waits without a message, or warns again and again. It is an error if a publisher with a similar name
+    exists, or with `--complete`, which says that the launch files start everything.
 
-Bad::
+    Bad::
 
-    remap: {from: rgb/image, to: camera/colour/image_raw}
+        remap: {from: rgb/image, to: camera/colour/image_raw}
 
-Good::
+    Good::
 
-    remap: {from: rgb/image, to: camera/color/image_raw}
-""",
-)
+        remap: {from: rgb/image, to: camera/color/image_raw}
+    """
 
-NO_SUBSCRIBER = Rule(
-    "TOP103",
-    "topic-without-subscriber",
+
+class TopicWithoutSubscriber(Rule, id="TOP103"):
     """Nothing subscribes to a topic that has to reach another node, such as the controller's velocity.
 
-It is an error if a subscriber with a similar name exists, or with `--complete`, which says that the launch files start
-everything.
+    It is an error if a subscriber with a similar name exists, or with `--complete`, which says that the launch files
+    start everything.
 
-Bad::
+    Bad::
 
-    remap: {from: cmd_vel_smoothed, to: cmd_vell}
+        remap: {from: cmd_vel_smoothed, to: cmd_vell}
 
-Good::
+    Good::
 
-    remap: {from: cmd_vel_smoothed, to: cmd_vel}
-""",
-)
+        remap: {from: cmd_vel_smoothed, to: cmd_vel}
+    """
 
-OUTSIDE = Rule(
-    "TOP104",
-    "topic-from-outside",
+
+class TopicFromOutside(Rule, id="TOP104", severity=Severity.HINT):
     """A topic comes from outside of the launch files, or goes there.
 
-With `--complete`, which says that the launch files start everything, this is an error (TOP102, TOP103).
+    With `--complete`, which says that the launch files start everything, this is an error (TOP102, TOP103).
 
-Bad::
+    Bad::
 
-    observation_sources: scan
+        observation_sources: scan
 
-Good::
+    Good::
 
-    $ roverlink check-launch --complete launch/slam_launch.yaml
-""",
-    Severity.HINT,
-)
+        $ roverlink check-launch --complete launch/slam_launch.yaml
+    """
 
-INCOMPATIBLE_QOS = Rule(
-    "TOP105",
-    "incompatible-qos",
+
+class IncompatibleQos(Rule, id="TOP105"):
     """A subscriber asks for more than a publisher offers, so that no message arrives.
 
-A reliable subscriber gets nothing from a best-effort publisher, and a transient local subscriber nothing from a
-volatile publisher.
+    A reliable subscriber gets nothing from a best-effort publisher, and a transient local subscriber nothing from a
+    volatile publisher.
 
-Bad::
+    Bad::
 
-    rtabmap: {ros__parameters: {qos_imu: 1}}
+        rtabmap: {ros__parameters: {qos_imu: 1}}
 
-Good::
+    Good::
 
-    rtabmap: {ros__parameters: {qos_imu: 2}}
-""",
-)
+        rtabmap: {ros__parameters: {qos_imu: 2}}
+    """
 
-DIFFERENT_TYPES = Rule(
-    "TOP106",
-    "different-types",
+
+class DifferentTypes(Rule, id="TOP106"):
     """Two nodes use one topic with different message types, so that no message arrives.
 
-Bad::
+    Bad::
 
-    remap: {from: depth/image, to: camera/depth/color/points}
+        remap: {from: depth/image, to: camera/depth/color/points}
 
-Good::
+    Good::
 
-    remap: {from: depth/image, to: camera/aligned_depth_to_color/image_raw}
-""",
-)
+        remap: {from: depth/image, to: camera/aligned_depth_to_color/image_raw}
+    """
 
-TWO_PARENTS = Rule(
-    "FRM101",
-    "frame-published-twice",
+
+class FramePublishedTwice(Rule, id="FRM101"):
     """Two nodes publish the transform of one frame.
 
-A frame has one parent. With two publishers, the frame jumps between them.
+    A frame has one parent. With two publishers, the frame jumps between them.
 
-Bad::
+    Bad::
 
-    ekf_filter_node: {ros__parameters: {publish_tf: true}}
-    rgbd_odometry: {ros__parameters: {publish_tf: true}}
+        ekf_filter_node: {ros__parameters: {publish_tf: true}}
+        rgbd_odometry: {ros__parameters: {publish_tf: true}}
 
-Good::
+    Good::
 
-    ekf_filter_node: {ros__parameters: {publish_tf: true}}
-    rgbd_odometry: {ros__parameters: {publish_tf: false}}
-""",
-)
+        ekf_filter_node: {ros__parameters: {publish_tf: true}}
+        rgbd_odometry: {ros__parameters: {publish_tf: false}}
+    """
 
-NO_TRANSFORM = Rule(
-    "FRM102",
-    "frame-without-transform",
+
+class FrameWithoutTransform(Rule, id="FRM102"):
     """A node looks up a frame that nothing publishes.
 
-It is an error if a frame with a similar name exists, or with `--complete`, which says that the launch files start
-everything.
+    It is an error if a frame with a similar name exists, or with `--complete`, which says that the launch files start
+    everything.
 
-Bad::
+    Bad::
 
-    robot_base_frame: base_lnik
+        robot_base_frame: base_lnik
 
-Good::
+    Good::
 
-    robot_base_frame: base_link
-""",
-)
+        robot_base_frame: base_link
+    """
 
-FRAME_OUTSIDE = Rule(
-    "FRM103",
-    "frame-from-outside",
+
+class FrameFromOutside(Rule, id="FRM103", severity=Severity.HINT):
     """A frame comes from outside of the launch files.
 
-Bad::
+    Bad::
 
-    robot_base_frame: base_link
+        robot_base_frame: base_link
 
-Good::
+    Good::
 
-    $ roverlink check-launch --complete launch/slam_launch.yaml
-""",
-    Severity.HINT,
-)
+        $ roverlink check-launch --complete launch/slam_launch.yaml
+    """
 
 
-def launch_rules() -> dict[str, Rule]:
+def launch_rules() -> dict[str, type[Rule]]:
     """Return all rules by their ids, such as ``PAR101``."""
-    return dict(sorted((one.id, one) for one in globals().values() if isinstance(one, Rule)))
+    return dict(sorted(rules_in(sys.modules[__name__]).items()))

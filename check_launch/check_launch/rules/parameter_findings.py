@@ -13,15 +13,15 @@ from check_launch.expansion.parameter_files import UNKNOWN, GivenValue, Section
 from check_launch.expansion.places import Place
 from check_launch.rules.known_parameters import LoadedPlugin, ParameterView
 from check_launch.rules.launch_rules import (
-    MISPLACED_PARAMETER,
-    ONE_AXIS,
-    OUT_OF_RANGE,
-    REPEATED_PARAMETER,
-    UNCHECKED_PLUGIN,
-    UNKNOWN_PARAMETER,
-    UNKNOWN_PLUGIN,
-    UNUSED_SECTION,
-    WRONG_TYPE,
+    MisplacedParameter,
+    OneAxis,
+    OutOfRange,
+    PluginOfUnknownPackage,
+    RepeatedParameter,
+    SectionWithoutNode,
+    UnknownParameter,
+    UnknownPlugin,
+    WrongType,
 )
 from check_launch.rules.misspellings import is_near
 from check_launch.rules.system import RunningNode, System, Use, Variants, span
@@ -141,21 +141,21 @@ def _unknown(
         if one.name in renamed:
             new = renamed[one.name]
             help = f"it is now '{new}'" if new else "it is gone, and nothing replaces it"
-            return UNKNOWN_PARAMETER.at(at, f"{shown} has no parameter '{one.name}' any more", help)
+            return UnknownParameter.at(at, f"{shown} has no parameter '{one.name}' any more", help)
     near = get_close_matches(one.name, known, 1, 0.75)
     if near:
-        return UNKNOWN_PARAMETER.at(at, f"{shown} has no parameter '{one.name}'", f"did you mean '{near[0]}'?")
+        return UnknownParameter.at(at, f"{shown} has no parameter '{one.name}'", f"did you mean '{near[0]}'?")
     last = one.name.rpartition(".")[2]
     elsewhere = [name for name in known if name.rpartition(".")[2] == last]
     if elsewhere:
         places = _listed(elsewhere)
-        return MISPLACED_PARAMETER.at(at, f"'{one.name}' has no effect here in {shown}", f"it belongs to {places}")
+        return MisplacedParameter.at(at, f"'{one.name}' has no effect here in {shown}", f"it belongs to {places}")
     others = [other.name for other in system.nodes if _has(other, one.name) and other is not node] if system else []
     if others:
-        return MISPLACED_PARAMETER.at(at, f"{shown} has no parameter '{one.name}'", f"it belongs to {_listed(others)}")
+        return MisplacedParameter.at(at, f"{shown} has no parameter '{one.name}'", f"it belongs to {_listed(others)}")
     near = get_close_matches(last, {name.rpartition(".")[2]: name for name in known}, 1)
     full = next((name for name in known if near and name.rpartition(".")[2] == near[0]), "")
-    return UNKNOWN_PARAMETER.at(at, f"{shown} has no parameter '{one.name}'", f"did you mean '{full}'?" if full else "")
+    return UnknownParameter.at(at, f"{shown} has no parameter '{one.name}'", f"did you mean '{full}'?" if full else "")
 
 
 def _has(node: RunningNode, name: str) -> bool:
@@ -174,17 +174,17 @@ def _wrong_value(one: GivenValue, parameter: Parameter) -> Iterator[Diagnostic]:
     if parameter.type and not _fits(value, parameter.type):
         wanted = _wanted(parameter.type)
         message = f"the parameter '{one.name}' is {_described(value)}; it must be {wanted}"
-        yield WRONG_TYPE.at(at, message, _spelling(value, parameter.type))
+        yield WrongType.at(at, message, _spelling(value, parameter.type))
         return
     low, high = parameter.minimum, parameter.maximum
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if is_number and ((low is not None and value < low) or (high is not None and value > high)):
-        yield OUT_OF_RANGE.at(at, f"the parameter '{one.name}' is {value}; it must be {_limits(low, high)}")
+        yield OutOfRange.at(at, f"the parameter '{one.name}' is {value}; it must be {_limits(low, high)}")
     if parameter.choices and value not in parameter.choices:
         known = ", ".join(str(choice) for choice in parameter.choices)
         near = get_close_matches(str(value), [str(choice) for choice in parameter.choices], 1)
         help = f"did you mean '{near[0]}'?" if near else ""
-        yield OUT_OF_RANGE.at(at, f"the parameter '{one.name}' is {value!r}; it must be one of: {known}", help)
+        yield OutOfRange.at(at, f"the parameter '{one.name}' is {value!r}; it must be one of: {known}", help)
 
 
 def _limits(low: float | None, high: float | None) -> str:
@@ -241,12 +241,12 @@ def _of_plugins(view: ParameterView, catalogue: Catalogue) -> Iterator[Diagnosti
             )
             near = get_close_matches(plugin.name, known, 1)
             help = f"did you mean '{near[0].rpartition('.')[2]}'?" if near else f"set '{key}'"
-            yield UNKNOWN_PLUGIN.at(at, f"the plugin '{plugin.name}' has no type", help)
+            yield UnknownPlugin.at(at, f"the plugin '{plugin.name}' has no type", help)
         elif not plugin.base:
             yield from _unknown_plugin(plugin, at, catalogue)
         elif plugin.base.rpartition("::")[2] != plugin.slot.base.rpartition("::")[2]:
             loads = f"'{plugin.slot.parameter}' loads a {plugin.slot.base}"
-            yield UNKNOWN_PLUGIN.at(at, f"the plugin '{plugin.type}' is a {plugin.base}, but {loads}")
+            yield UnknownPlugin.at(at, f"the plugin '{plugin.type}' is a {plugin.base}, but {loads}")
 
 
 def _spare(plugin: LoadedPlugin, view: ParameterView) -> Iterator[Diagnostic]:
@@ -261,7 +261,7 @@ def _spare(plugin: LoadedPlugin, view: ParameterView) -> Iterator[Diagnostic]:
     near = [name for name in bare if is_near(plugin.name, name, 2)]
     if plugin.place is not None and near:
         message = f"the plugin '{plugin.name}' is not in '{plugin.slot.parameter}'"
-        yield UNKNOWN_PLUGIN.at(span(plugin.place), message, f"did you mean '{near[0]}'?")
+        yield UnknownPlugin.at(span(plugin.place), message, f"did you mean '{near[0]}'?")
 
 
 def _unknown_plugin(plugin: LoadedPlugin, at: Any, catalogue: Catalogue) -> Iterator[Diagnostic]:
@@ -273,9 +273,9 @@ def _unknown_plugin(plugin: LoadedPlugin, at: Any, catalogue: Catalogue) -> Iter
     package = re.split(r"::|/", type_)[0]
     if near or package in catalogue.packages or plugin.slot.spellings:
         help = f"did you mean '{near[0]}'?" if near else f"plugins of this kind: {', '.join(sorted(fitting))}"
-        yield UNKNOWN_PLUGIN.at(at, f"unknown plugin '{type_}' for '{plugin.slot.parameter}'", help)
+        yield UnknownPlugin.at(at, f"unknown plugin '{type_}' for '{plugin.slot.parameter}'", help)
     else:
-        yield UNCHECKED_PLUGIN.at(
+        yield PluginOfUnknownPackage.at(
             at, f"the plugin '{type_}' is of a package that is not in the catalogue; its parameters are not checked"
         )
 
@@ -286,7 +286,7 @@ def _of_axes(view: ParameterView) -> Iterator[Diagnostic]:
         counterparts = (f"{one.name[:at]}x{one.name[at + 1 :]}" for at, letter in enumerate(one.name) if letter == "y")
         for x in counterparts:
             if x in view.exact and one.name in view.exact and x not in view.given:
-                yield ONE_AXIS.at(span(one.place), f"'{one.name}' is given, but '{x}' is not", f"did you mean '{x}'?")
+                yield OneAxis.at(span(one.place), f"'{one.name}' is given, but '{x}' is not", f"did you mean '{x}'?")
 
 
 def _of_arguments(node: RunningNode, view: ParameterView) -> Iterator[Diagnostic]:
@@ -302,7 +302,7 @@ def _of_arguments(node: RunningNode, view: ParameterView) -> Iterator[Diagnostic
             near = get_close_matches(match[1], [name for one in sets for name in one.parameters], 1)
             help = f"did you mean '--{near[0]}'?" if near else ""
             at = span(node.started.place)
-            yield UNKNOWN_PARAMETER.at(at, f"{node.name} has no parameter '{match[1]}' (argument '{word}')", help)
+            yield UnknownParameter.at(at, f"{node.name} has no parameter '{match[1]}' (argument '{word}')", help)
 
 
 def _of_general_values(system: System) -> Iterator[Diagnostic]:
@@ -318,7 +318,7 @@ def _of_general_values(system: System) -> Iterator[Diagnostic]:
             known = {one for node in nodes if node.view for one in node.view.exact}
             near = get_close_matches(name, known, 1)
             help = f"did you mean '{near[0]}'?" if near else ""
-            yield UNKNOWN_PARAMETER.at(span(place), f"no node of this group has a parameter '{name}'", help)
+            yield UnknownParameter.at(span(place), f"no node of this group has a parameter '{name}'", help)
 
 
 def _of_sections(system: System, catalogue: Catalogue, variants: Variants) -> Iterator[Diagnostic]:
@@ -346,14 +346,14 @@ def _of_unused_section(
     if same:
         full = same[0].full_name
         help = f"write '{full}', or '/**/{section.node_name}' for any namespace"
-        yield UNUSED_SECTION.at(at, f"the section '{section.pattern}' is not for the node '{full}'", help)
+        yield SectionWithoutNode.at(at, f"the section '{section.pattern}' is not for the node '{full}'", help)
         return
     if section.node_name in classes:
         yield from standalone_findings([section], catalogue)  # for a node that another launch file starts
         return
     near = get_close_matches(section.node_name, [node.name for node in nodes], 1, 0.7)
     if near:
-        yield UNUSED_SECTION.at(at, f"no node has the name '{section.node_name}'", f"did you mean '{near[0]}'?")
+        yield SectionWithoutNode.at(at, f"no node has the name '{section.node_name}'", f"did you mean '{near[0]}'?")
     else:
         yield from _of_unknown_section(section, classes)
 
@@ -364,7 +364,7 @@ def _of_unknown_section(section: Section, classes: dict[str, NodeClass]) -> Iter
     near = get_close_matches(section.node_name, classes, 1, 0.85)
     if near:
         at = span(section.place)
-        yield UNUSED_SECTION.at(at, f"no node has the name '{section.node_name}'", f"did you mean '{near[0]}'?")
+        yield SectionWithoutNode.at(at, f"no node has the name '{section.node_name}'", f"did you mean '{near[0]}'?")
 
 
 def _repeated(section: Section) -> Iterator[Diagnostic]:
@@ -372,7 +372,7 @@ def _repeated(section: Section) -> Iterator[Diagnostic]:
     for one in section.values:
         if counts[one.name] > 1:
             counts[one.name] -= 1
-            yield REPEATED_PARAMETER.at(
+            yield RepeatedParameter.at(
                 span(one.place),
                 f"the parameter '{one.name}' stands again further down, and only the last one has an effect",
             )

@@ -13,10 +13,10 @@ from check_launch.expansion.parameter_files import GivenValue, Section
 from check_launch.expansion.places import Place
 from check_launch.rules.known_parameters import ParameterView
 from check_launch.rules.launch_rules import (
-    MISSPELT_PACKAGE,
-    UNKNOWN_EXECUTABLE,
-    UNKNOWN_PACKAGE,
-    UNKNOWN_PLUGIN,
+    MisspeltPackage,
+    UnknownExecutable,
+    UnknownPackage,
+    UnknownPlugin,
 )
 from check_launch.rules.rviz_files import read_rviz_file
 from roverlink.generator.diagnostics import Diagnostic, Span
@@ -143,7 +143,7 @@ def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> N
     for plugin, place in read.plugins:
         if plugin not in catalogue.plugins and (near := get_close_matches(plugin, catalogue.plugins, 1, 0.85)):
             system.findings.append(
-                UNKNOWN_PLUGIN.at(span(place), f"RViz has no display or tool '{plugin}'", f"did you mean '{near[0]}'?")
+                UnknownPlugin.at(span(place), f"RViz has no display or tool '{plugin}'", f"did you mean '{near[0]}'?")
             )
     for one in read.topics:
         known = catalogue.plugins.get(one.plugin)
@@ -206,12 +206,10 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
         system.has_unknown = True
         near = get_close_matches(package, catalogue.packages, 1, 0.86)
         if near:
-            system.findings.append(
-                MISSPELT_PACKAGE.at(at, f"unknown package '{package}'", f"did you mean '{near[0]}'?")
-            )
+            system.findings.append(MisspeltPackage.at(at, f"unknown package '{package}'", f"did you mean '{near[0]}'?"))
         else:
             system.findings.append(
-                UNKNOWN_PACKAGE.at(at, f"the package '{package}' is not in the catalogue; its nodes are not checked")
+                UnknownPackage.at(at, f"the package '{package}' is not in the catalogue; its nodes are not checked")
             )
         return None
     if started.plugin:
@@ -221,7 +219,7 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
         names = ", ".join(known.executables) or "none"
         help = f"did you mean '{near[0]}'?" if near else f"executables of {package}: {names}"
         system.findings.append(
-            UNKNOWN_EXECUTABLE.at(at, f"the package '{package}' has no executable '{executable}'", help)
+            UnknownExecutable.at(at, f"the package '{package}' has no executable '{executable}'", help)
         )
         system.has_unknown = True
         return None
@@ -238,7 +236,7 @@ def _component(plugin: str, package: Package, catalogue: Catalogue, system: Syst
     names = ", ".join(package.components) or "none"
     help = f"did you mean '{near[0]}'?" if near else f"nodes of {package.name} for containers: {names}"
     system.findings.append(
-        UNKNOWN_EXECUTABLE.at(at, f"the package '{package.name}' has no node '{plugin}' for a container", help)
+        UnknownExecutable.at(at, f"the package '{package.name}' has no node '{plugin}' for a container", help)
     )
     system.has_unknown = True
     return None

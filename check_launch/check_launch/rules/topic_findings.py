@@ -8,12 +8,12 @@ from difflib import get_close_matches
 
 from check_launch.expansion.expander import StartedRemapping
 from check_launch.rules.launch_rules import (
-    DIFFERENT_TYPES,
-    INCOMPATIBLE_QOS,
-    NO_PUBLISHER,
-    NO_SUBSCRIBER,
-    OUTSIDE,
-    UNKNOWN_REMAPPING,
+    DifferentTypes,
+    IncompatibleQos,
+    RemappingOfUnknownTopic,
+    TopicFromOutside,
+    TopicWithoutPublisher,
+    TopicWithoutSubscriber,
 )
 from check_launch.rules.misspellings import is_near
 from check_launch.rules.system import (
@@ -105,7 +105,7 @@ def _of_types(connections: list[Connection]) -> Iterator[Diagnostic]:
         wrong = [other for other in publishers if one.endpoint.type and other.endpoint.type != one.endpoint.type]
         if wrong and len(wrong) == len(publishers):
             other = wrong[0]
-            yield DIFFERENT_TYPES.at(
+            yield DifferentTypes.at(
                 span(one.place),
                 f"{one.node.name} subscribes to '{one.topic}' as {one.endpoint.type}, but {other.node.name} publishes "
                 f"{other.endpoint.type}",
@@ -120,7 +120,7 @@ def _of_qos(connections: list[Connection]) -> Iterator[Diagnostic]:
                 continue
             wanted = _unmet(one, other)
             if wanted:
-                yield INCOMPATIBLE_QOS.at(
+                yield IncompatibleQos.at(
                     span(one.place),
                     f"{one.node.name} gets nothing from {other.node.name} on '{one.topic}': {wanted}",
                     also=[(span(other.place), f"{other.node.name} publishes it")],
@@ -161,7 +161,7 @@ def _missing(
     is_closed: bool,
 ) -> Diagnostic | None:
     is_reader = kind == "publisher"
-    rule = NO_PUBLISHER if is_reader else NO_SUBSCRIBER
+    rule = TopicWithoutPublisher if is_reader else TopicWithoutSubscriber
     verb, nobody = ("subscribes to", "nothing publishes it") if is_reader else ("publishes", "nothing subscribes to it")
     message = f"{one.node.name} {verb} '{topic}', but {nobody}"
     interruption = _interruption(_behind(one.node, system)) if is_reader and one.is_needed else ""
@@ -187,7 +187,7 @@ def _missing(
     of_programs = [name for name in full if one.is_named and topic not in full and _is_misspelling(topic, name, True)]
     if of_programs:
         return rule.at(span(one.place), message, f"did you mean '{min(of_programs)}'?")
-    return OUTSIDE.at(span(one.place), f"{message} in these launch files")
+    return TopicFromOutside.at(span(one.place), f"{message} in these launch files")
 
 
 def _may_be_missing(topic: str, one: Connection, of_programs: set[str]) -> bool:
@@ -279,7 +279,7 @@ def _of_remappings(system: System, used: frozenset[Use]) -> Iterator[Diagnostic]
                 continue
             reported.add(use)
             if rule.is_general:
-                yield UNKNOWN_REMAPPING.at(span(rule.place), f"no node of this group has a topic '{rule.source}'")
+                yield RemappingOfUnknownTopic.at(span(rule.place), f"no node of this group has a topic '{rule.source}'")
             else:
                 yield _without_effect(rule, nodes)
 
@@ -307,4 +307,6 @@ def _without_effect(rule: StartedRemapping, nodes: list[RunningNode]) -> Diagnos
         else near[0] if near else ""
     )
     help = f"did you mean '{shown}'?" if near else ""
-    return UNKNOWN_REMAPPING.at(span(rule.place), f"{nodes[0].name} has no topic, service or action '{source}'", help)
+    return RemappingOfUnknownTopic.at(
+        span(rule.place), f"{nodes[0].name} has no topic, service or action '{source}'", help
+    )

@@ -40,8 +40,8 @@ def installed(name: str) -> EntryPoint | None:
 
 def names() -> list[str]:
     """Return the names of all targets: the built-in ones, and those of other packages."""
-    return sorted({*_modules(), *(found.name for found in entry_points(group=GROUP))})
+    return sorted({*_modules(), *(entry.name for entry in entry_points(group=GROUP))})
 
 
 def _modules() -> list[str]:
-    return [found.name for found in pkgutil.iter_modules(__path__)]
+    return [module.name for module in pkgutil.iter_modules(__path__)]

@@ -94,7 +94,7 @@ class _Schemas:
             if one not in reached and one not in _WELL_KNOWN:
                 reached.add(one)
                 waiting += [field.type for field in self._fields(one) if _scalar(field.type) is None]
-        return {one for one in reached if not self._is_map_entry(one)}
+        return {name for name in reached if not self._is_map_entry(name)}
 
     def _fields(self, name: str) -> tuple[ir.WireField, ...]:
         return self._messages[name].fields if name in self._messages else ()

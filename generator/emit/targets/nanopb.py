@@ -20,7 +20,9 @@ from roverlink.generator.nanopb import as_options, options_file_of
 
 def emit(bridge: ir.Bridge) -> Files:
     """Yield a .options file for each .proto file with size limits, the link message's header, and the signatures' C."""
-    in_order = sorted((*bridge.bounds, *_bounds_of_link(bridge)), key=lambda one: (one.file, one.message, one.field))
+    in_order = sorted(
+        (*bridge.bounds, *_bounds_of_link(bridge)), key=lambda bound: (bound.file, bound.message, bound.field)
+    )
     for file, bounds in itertools.groupby(in_order, lambda bound: bound.file):
         lines = [f"{bound.message}.{bound.field} {_options(bound)}" for bound in bounds]
         yield f"generated/nanopb/{options_file_of(file)}", "\n".join([header(bridge.table), "", *lines, ""])

@@ -77,7 +77,7 @@ def _parameters(bridge: ir.Bridge) -> dict[str, dict[str, Any]]:
     """Return the declarations of the parameters that the node of a table has, without those of the peers, by name."""
     declared = node_parameters()
     if bridge.link is None:
-        return {name: one for name, one in declared.items() if not one.get("of_link")}
+        return {name: parameter for name, parameter in declared.items() if not parameter.get("of_link")}
     return declared | {"link_policy": {**declared["link_policy"], "default": bridge.link.on_mismatch}}
 
 

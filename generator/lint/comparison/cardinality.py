@@ -51,7 +51,9 @@ def is_map_entry(message: ProtoMessage) -> bool:
     if message.file:
         return message.map_entry
     form = [(1, "key"), (2, "value")]
-    return message.full_name.endswith("Entry") and sorted((one.number, one.name) for one in message.fields) == form
+    return (
+        message.full_name.endswith("Entry") and sorted((field.number, field.name) for field in message.fields) == form
+    )
 
 
 def broken_by_cardinality(old: str, new: str) -> bool:

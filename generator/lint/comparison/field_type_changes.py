@@ -22,10 +22,10 @@ from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 # The guide also calls a message compatible with bytes that contain its encoding. It is reported here: the other side
 # gets bytes that its code does not decode.
 _VARINTS = frozenset({"int32", "int64", "uint32", "uint64", "bool"})
-_ENUM_LIKE = frozenset({"enum", "int32", "int64", "uint32", "uint64"})
+ENUM_LIKE = frozenset({"enum", "int32", "int64", "uint32", "uint64"})
 _SAME_BYTES = (
     _VARINTS,
-    _ENUM_LIKE,
+    ENUM_LIKE,
     frozenset({"sint32", "sint64"}),
     frozenset({"fixed32", "sfixed32"}),
     frozenset({"fixed64", "sfixed64"}),
@@ -107,7 +107,7 @@ class _Comparison:
         There is one check for each old field: it fails if the new message lacks the field's number, or has another type
         there that reads the bytes differently. The last check fails if a new field is required.
         """
-        fields = {one.number: one for one in after.fields}
+        fields = {field.number: field for field in after.fields}
         for old in before.fields:
             new = fields.pop(old.number, None)
             # Unlike in the field's own message, a deleted field counts as broken here: it shows that the two types are

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from roverlink.generator.lint.comparison.cardinality import broken_by_cardinality, only_required, shown
-from roverlink.generator.lint.comparison.field_type_changes import broken_by_kind
+from roverlink.generator.lint.comparison.field_type_changes import ENUM_LIKE, broken_by_kind
 from roverlink.generator.lint.names.name_units import Measure, disagree, factor, measure
 from roverlink.generator.lint.names.name_words import words
 from roverlink.generator.lint.names.similar_names import Likeness, compare_names, is_telling
@@ -26,8 +26,7 @@ from roverlink.generator.protos.parser import SCALARS, map_types
 ENUM_VALUE = "enum value"
 NAMED = "message or enum"
 
-_ENUM_LIKE = frozenset({"enum", "int32", "int64", "uint32", "uint64"})
-_OF_NAMED = frozenset({NAMED, "message", "group"}) | _ENUM_LIKE
+_OF_NAMED = frozenset({NAMED, "message", "group"}) | ENUM_LIKE
 _WITHOUT_UNIT = frozenset({"string", "bytes", "bool", "enum", ENUM_VALUE})
 _FEWEST = 3  # with fewer fields, each one may have changed on its own
 _PROOF = 2
@@ -159,12 +158,12 @@ def _had_another_number(new: Part) -> Judgement:
 
 def least(judgements: Iterable[Judgement]) -> Judgement:
     """Return the least grave of some judgements."""
-    return min(judgements, key=lambda one: _GRAVITY.index(one.meaning))
+    return min(judgements, key=lambda judgement: _GRAVITY.index(judgement.meaning))
 
 
 def gravest(judgements: Iterable[Judgement]) -> Judgement:
     """Return the gravest of some judgements."""
-    return max(judgements, key=lambda one: _GRAVITY.index(one.meaning))
+    return max(judgements, key=lambda judgement: _GRAVITY.index(judgement.meaning))
 
 
 def _judge_alone(old: Part, new: Part, shared: frozenset[str] = frozenset()) -> Judgement:
@@ -190,7 +189,7 @@ def _broken(old: str, new: str) -> bool:
     old_map, new_map = map_types(old), map_types(new)
     if old_map and new_map:
         inner = zip(old_map, new_map, strict=True)
-        return any(_broken(*(one if one in SCALARS else NAMED for one in pair)) for pair in inner)
+        return any(_broken(*(type if type in SCALARS else NAMED for type in pair)) for pair in inner)
     old, new = "message" if old_map else old, "message" if new_map else new
     if NAMED in (old, new):
         return not {old, new} <= _OF_NAMED
@@ -252,7 +251,7 @@ def compare_parts(old: TypeState, new: TypeState) -> Kept:
     kept = telling = retyped = replaced = 0
     for part in old.parts:
         found = [(_judge_alone(part, other, shared), other) for other in after.get(part.number, ())]
-        if any(not one.certain for one, _ in found):
+        if any(not judgement.certain for judgement, _ in found):
             kept += 1
             telling += is_telling(part.name, shared)
         elif any(other.name == part.name for _, other in found):

@@ -25,7 +25,7 @@ def partners(message: ProtoMessage, field: ProtoField) -> set[int]:
     """Return the numbers of the other members of the field's oneof; empty if the field is in no oneof."""
     if not field.oneof:
         return set()
-    return {one.number for one in message.fields if one.oneof == field.oneof} - {field.number}
+    return {member.number for member in message.fields if member.oneof == field.oneof} - {field.number}
 
 
 def moved_text(pair: FieldPair) -> str:

@@ -101,12 +101,12 @@ def fields(change: SchemaChange) -> Iterator[FieldPair]:
     The key and the value of a map are left out if the number of the map's field changed.
     """
     for pair in messages(change):
-        for one in fields_of_messages(pair):
+        for field_pair in fields_of_messages(pair):
             # An entry message has the name of its map (`ScalesEntry` of `scales`). So a pair of entries may belong to
             # maps with different numbers, and no receiver reads the bytes of one map as the other.
-            by_hand = written(one)
+            by_hand = written(field_pair)
             if by_hand.old.number == by_hand.new.number:
-                yield one
+                yield field_pair
     before = extensions_by_number(change.before)
     for key, new in extensions_by_number(change.after).items():
         if key in before:

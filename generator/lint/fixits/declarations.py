@@ -70,7 +70,7 @@ def type_of(field: ProtoField, schema: Schema, owner: str) -> str:
     """
     entry = schema.messages.get(field.type_name)
     if entry is not None and is_map(field, schema):
-        key, value = sorted(entry.fields, key=lambda one: one.number)
+        key, value = sorted(entry.fields, key=lambda field: field.number)
         return f"map<{key.type}, {type_of(value, schema, owner)}>"
     return from_within(owner, field.type_name) if field.type_name else field.type
 

@@ -45,7 +45,7 @@ def reserve(new: ProtoMessage | ProtoEnum, syntax: Syntax, numbers: Iterable[Ran
 
     Numbers and names that are already reserved are left out, and so are names that are in use.
     """
-    left = [part for one in numbers for part in missing(one, new.reserved)]
+    left = [part for number in numbers for part in missing(number, new.reserved)]
     free = [name for name in names if name not in new.reserved_names and name not in names_in_use(new)]
     of_numbers = f"reserved {spelled(left)};" if left else ""
     return " ".join(filter(None, (of_numbers, reserve_names(free, syntax) if free else "")))
@@ -59,7 +59,7 @@ def reserve_names(names: Iterable[str], syntax: Syntax) -> str:
 
 def names_in_use(new: ProtoMessage | ProtoEnum) -> dict[str, int]:
     """Return the names of a message's fields or of an enum's values, each with its number."""
-    return {one.name: one.number for one in (new.fields if isinstance(new, ProtoMessage) else new.values)}
+    return {part.name: part.number for part in (new.fields if isinstance(new, ProtoMessage) else new.values)}
 
 
 def put_back_or_reserve(pair: MessagePair, field: ProtoField) -> str:
@@ -112,6 +112,6 @@ def _in_place_of(new: ProtoMessage | ProtoEnum, number: int, names: Iterable[str
     """
     used = names_in_use(new)
     moved = [f"{name} = {used[name]}" for name in names if name in used]
-    held = [str(number)] * covers(new.reserved, number) + [f'"{one}"' for one in names if one in new.reserved_names]
+    held = [str(number)] * covers(new.reserved, number) + [f'"{name}"' for name in names if name in new.reserved_names]
     found = moved + [f"`reserved` of {' and '.join(held)}"] * bool(held)
     return f" in place of {', and '.join(found)}" if found else ""

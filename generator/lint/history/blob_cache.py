@@ -41,13 +41,13 @@ class BlobCache:
         The result is empty if the file cannot be read, or was written by another version of the program.
         """
         try:
-            said, _, body = self._file.read_bytes().partition(b"\n")
+            checksum, _, body = self._file.read_bytes().partition(b"\n")
             # The time of the file is the time of its last use, for `_remove_oldest`. The access time does not tell:
             # most systems mount with relatime, and update it once a day (mount(8)).
             os.utime(self._file)
         except OSError:
             return {}
-        return dict(_decoded(body, pool)) if said == _checksum(body) else {}
+        return dict(_decoded(body, pool)) if checksum == _checksum(body) else {}
 
     def save(self, known: Mapping[str, NumberedTypes]) -> None:
         """Replace the cache file. If this is not possible, the next run reads the history from git again.
@@ -118,8 +118,14 @@ def _encoded(known: Mapping[str, NumberedTypes]) -> bytes:
         for blob, declared in known.items()
     ]
     listed = [
-        [[facts.setdefault(fact, len(facts)) for fact in one.facts], one.offsets, one.line, one.broken, one.enum]
-        for one in types
+        [
+            [facts.setdefault(fact, len(facts)) for fact in declared.facts],
+            declared.offsets,
+            declared.line,
+            declared.broken,
+            declared.enum,
+        ]
+        for declared in types
     ]
     return b"\n".join([_json(list(facts)), *map(_json, [len(listed), *listed]), *blobs])
 

@@ -34,8 +34,8 @@ def default_branch(refs: Sequence[Ref]) -> str | None:
     # `git clone` writes refs/remotes/<remote>/HEAD: a symbolic ref to the default branch of the remote (git-remote(1),
     # set-head). A repository that was made with `git init` has none, and then the usual names decide.
     heads = {ref.name: ref.target for ref in refs if ref.name.startswith(_REMOTE) and ref.name.endswith("/HEAD")}
-    told = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
-    return next((name for name in (*told, *_DEFAULTS) if name in names), None)
+    of_remotes = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
+    return next((name for name in (*of_remotes, *_DEFAULTS) if name in names), None)
 
 
 def branch_name(ref: str) -> str:
@@ -64,11 +64,12 @@ class Branches:
         the branches are compared. The local and the remote copy of a branch are not compared with each other. If one
         branch was built upon another, the two have no collision.
         """
-        found = [(owners, one) for owners in self._changed() for one in self._collisions_of(owners)]
+        found = [(owners, collision) for owners in self._changed() for collision in self._collisions_of(owners)]
         if found:
             inside = {id for node in set(self._open.values()) for id in self._record.reachable(envelopes, node)}
             yield from sorted(
-                (one for owners, one in found if not inside.isdisjoint(owners)), key=lambda one: (one.owner, one.number)
+                (collision for owners, collision in found if not inside.isdisjoint(owners)),
+                key=lambda collision: (collision.owner, collision.number),
             )
 
     def _changed(self) -> list[set[int]]:
@@ -78,7 +79,7 @@ class Branches:
         """
         tips = [self._record.lineage.tips[node] for node in set(self._open.values())]
         # Branches share the mapping of a type that none of them has changed, so that its identity tells most of it.
-        changed = {id for one in tips for id in one if any(other.get(id) is not one[id] for other in tips)}
+        changed = {id for tip in tips for id in tip if any(other.get(id) is not tip[id] for other in tips)}
         names = {id: self._names(id) for id in sorted(changed)}
         ids: dict[str, set[int]] = {}
         for id, of_id in names.items():

@@ -99,8 +99,8 @@ class PastRepository(Repository):
     def refs(self) -> list[Ref]:
         """Return all refs with their commits, sorted by name. If HEAD is on no branch, HEAD comes first."""
         # `*objectname` is the object that an annotated tag points to (git-for-each-ref(1)).
-        said = self._run("for-each-ref", "--format=%(refname)%00%(objectname)%00%(*objectname)%00%(symref)")
-        fields = [line.split("\0") for line in said.splitlines()]
+        output = self._run("for-each-ref", "--format=%(refname)%00%(objectname)%00%(*objectname)%00%(symref)")
+        fields = [line.split("\0") for line in output.splitlines()]
         refs = [Ref(name, peeled or id, target) for name, id, peeled, target in fields]
         try:
             head = self.resolve("HEAD")

@@ -118,7 +118,8 @@ class _Matching:
             for one, other in self._with_common_name(outer):
                 groups.setdefault((one.path, other.path, *_scopes(one.name, other.name)), []).append((one, other))
             judged = [(_sum(self._agreement(*pair) for pair in pairs), key, pairs) for key, pairs in groups.items()]
-            for agreement, key, pairs in sorted(judged, key=lambda each: (-each[0].ratio, -each[0].agreed, each[1])):
+            judged.sort(key=lambda group: (-group[0].ratio, -group[0].agreed, group[1]))
+            for agreement, key, pairs in judged:
                 if self._is_move(agreement, *key):
                     for one, other in pairs:
                         self._take(one, other)
@@ -251,10 +252,10 @@ def _agree(fact: Fact, name: str, other: Fact, other_name: str) -> bool:
 def _sum(agreements: Iterable[_Agreement]) -> _Agreement:
     all = list(agreements)
     return _Agreement(
-        sum(one.agreed for one in all),
-        sum(one.weight for one in all),
-        sum(one.smaller for one in all),
-        sum(one.larger for one in all),
+        sum(agreement.agreed for agreement in all),
+        sum(agreement.weight for agreement in all),
+        sum(agreement.smaller for agreement in all),
+        sum(agreement.larger for agreement in all),
     )
 
 

@@ -175,7 +175,9 @@ class _Walk:
                 self._assign(state, place, known[0])
                 taken_over.add(place)
         # What another parent has deleted, the merge does not remove itself.
-        own = {place: type for place, type in removed.items() if all(one.id_at(place) is not None for one in others)}
+        own = {
+            place: type for place, type in removed.items() if all(parent.id_at(place) is not None for parent in others)
+        }
         new = {place: type for place, type in added.items() if place not in taken_over}
         continued = continuations(own, new) if own and new else {}
         for place, old in continued.items():
@@ -232,7 +234,7 @@ class _Walk:
     def _is_alive(self, state: _State, id: int) -> bool:
         root = self.root(id)
         held = (state.id_at(place) for place in self._places[root])
-        return any(one is not None and self.root(one) == root for one in held)
+        return any(id is not None and self.root(id) == root for id in held)
 
     def _declared(self, state: _State, name: str, enum: bool) -> Iterator[tuple[str, int]]:
         """Yield path and id of each type with the full name ``name`` that a file declares in a state."""

@@ -150,8 +150,8 @@ class Record:
             if any(place.name == name for place in declared)
         ]
         # The version just before the node, on its own line of history: larger numbers are later.
-        before = max((each for each in versions if self.graph.precedes(each[0], node)), default=None)
-        found = before or min((each for each in versions if self.graph.precedes(node, each[0])), default=None)
+        before = max((version for version in versions if self.graph.precedes(version[0], node)), default=None)
+        found = before or min((version for version in versions if self.graph.precedes(node, version[0])), default=None)
         content = self.content(found[1], found[0]) if found else None
         return replace(content, there=False) if content else None
 
@@ -176,9 +176,9 @@ class Record:
             id = waiting.pop()
             if id not in found:
                 found.add(id)
-                types = {fact.type for one in self.declared(id, node).values() for fact in one.facts}
+                types = {fact.type for type in self.declared(id, node).values() for fact in type.facts}
                 types |= {values for _, values in filter(None, map(map_types, types))}
-                waiting += [one for one in (self.resolve(type, id, node) for type in types) if one is not None]
+                waiting += [other for other in (self.resolve(type, id, node) for type in types) if other is not None]
         return found
 
     # --- facts ------------------------------------------------------------------------------------------------------

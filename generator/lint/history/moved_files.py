@@ -41,9 +41,12 @@ def with_moved_files(revisions: Sequence[Revision], root: str, moves: Moves) -> 
 
     These are the edits of files below ``root``, and of files that a later commit moved there; see `moves_into`.
     """
-    numbers = {commit: number for number, commit in enumerate({one for commits in moves.values() for one in commits})}
+    numbers = {
+        commit: number
+        for number, commit in enumerate({commit_id for commits in moves.values() for commit_id in commits})
+    }
     after = _moves_before(revisions, numbers)
-    masks = {path: sum(1 << numbers[one] for one in commits) for path, commits in moves.items()}
+    masks = {path: sum(1 << numbers[commit] for commit in commits) for path, commits in moves.items()}
 
     def belongs(edit: Edit, commit: str) -> bool:
         if edit.path.startswith(root):
@@ -55,7 +58,7 @@ def with_moved_files(revisions: Sequence[Revision], root: str, moves: Moves) -> 
         kept = (edit for edit in revision.edits if belongs(edit, revision.id))
         return tuple(edit._replace(path=relpath(edit.path, root)) for edit in kept)
 
-    return [replace(one, edits=edits(one)) for one in revisions]
+    return [replace(revision, edits=edits(revision)) for revision in revisions]
 
 
 @dataclass(frozen=True, slots=True)

@@ -74,7 +74,7 @@ def numbered_types(file: File, pool: Pool) -> NumberedTypes:
     heads: dict[str, tuple[int, bool]] = {}
     lines: dict[str, list[tuple[Fact, int]]] = {}
     types: list[ProtoMessage | ProtoEnum] = [*file.messages, *file.enums]
-    for type in sorted(types, key=lambda one: one.span.line):
+    for type in sorted(types, key=lambda declared: declared.span.line):
         heads.setdefault(type.full_name, (type.span.line, isinstance(type, ProtoEnum)))
         lines.setdefault(type.full_name, []).extend(_facts(type))
     for extension in file.extensions:

@@ -69,7 +69,9 @@ def _up_to(last: str, revisions: Sequence[Revision], refs: Sequence[Ref]) -> tup
     for revision in revisions:
         if any(parent == last or parent in later for parent in revision.parents):
             later.add(revision.id)
-    return [one for one in revisions if one.id not in later], [ref for ref in refs if ref.commit not in later]
+    return [revision for revision in revisions if revision.id not in later], [
+        ref for ref in refs if ref.commit not in later
+    ]
 
 
 class History:
@@ -145,7 +147,7 @@ class History:
         """
         stretches = next(traced.stretches for traced in self._traced((id,), False) if traced.usage == usage)
         types: dict[int, None] = {}
-        for owner, node in ((one.owner, one.lifetime.came) for one in reversed(stretches)):
+        for owner, node in ((stretch.owner, stretch.lifetime.came) for stretch in reversed(stretches)):
             resolved = self._record.resolve(usage.type, owner, node)
             found = self._record.once_resolved(usage.type, owner, node) if resolved is None else [resolved]
             types |= dict.fromkeys(found)
@@ -164,9 +166,11 @@ class History:
         """
         graph, newest = self._record.graph, self._record.newest
         for id in self._ids(name):
-            kept = {fact.number for one in self._record.declared(id, newest).values() for fact in one.facts}
+            kept = {fact.number for declared in self._record.declared(id, newest).values() for fact in declared.facts}
             for traced in self._traced((id,), False):
-                lifetimes = [one.lifetime for one in traced.stretches if graph.precedes(one.lifetime.came, newest)]
+                lifetimes = [
+                    stretch.lifetime for stretch in traced.stretches if graph.precedes(stretch.lifetime.came, newest)
+                ]
                 if lifetimes and traced.usage.number not in kept:
                     ends = {node for lifetime in lifetimes for node in lifetime.went if graph.precedes(node, newest)}
                     commits = [graph[node].revision.commit for node in sorted(ends)]

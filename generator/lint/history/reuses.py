@@ -44,12 +44,12 @@ class Reuses:
         self._relations = Relations(record, owner)
         self._numbers = cache(lambda node: _numbers(record.declared(owner, node)))
         self._kept: dict[tuple[Content, Content], Kept] = {}
-        values = [one.usage.name for one in traced if not one.usage.type]
+        values = [usage.usage.name for usage in traced if not usage.usage.type]
         self._shared = shared_words(self._owner.rpartition(".")[2], values) if values else frozenset()
 
     def all(self) -> Iterator[Reuse]:
         """Yield all reuses (changes of meaning) of the numbers of the message or enum, sorted by number."""
-        for _, group in groupby(self._traced, key=lambda one: one.usage.number):
+        for _, group in groupby(self._traced, key=lambda usage: usage.usage.number):
             uses = list(group)
             if len(uses) > 1:
                 yield from self._between(uses)
@@ -194,7 +194,7 @@ def _numbers(declared: Declarations) -> dict[str, set[int]]:
 def _join(classes: list[int], one: int, other: int) -> None:
     """Give two usages the same class, together with all usages that are in their classes."""
     old, new = classes[other], classes[one]
-    classes[:] = [new if each == old else each for each in classes]
+    classes[:] = [new if index == old else index for index in classes]
 
 
 def _alike(uses: Sequence[TracedUsage], classes: Sequence[int], one: int) -> frozenset[Usage]:

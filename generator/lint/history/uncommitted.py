@@ -90,8 +90,8 @@ class CheckedOut(Repository):
 
         New files count, unless git ignores them.
         """
-        said = self._run("diff-files", *_DIFF, "--", PROTOS)
-        before = {edit.path: edit.old for edit in edits_at(said.split("\0"), 0)[0]}
+        output = self._run("diff-files", *_DIFF, "--", PROTOS)
+        before = {edit.path: edit.old for edit in edits_at(output.split("\0"), 0)[0]}
         new = self._run("ls-files", "-z", "--full-name", "--others", "--exclude-standard", "--", PROTOS)
         before |= dict.fromkeys(path for path in new.split("\0") if path)
         top = Path(self._run("rev-parse", "--show-toplevel").removesuffix("\n"))

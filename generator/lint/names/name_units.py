@@ -122,7 +122,7 @@ def factor(old: Measure, new: Measure) -> float | None:
     This is 1000 if the unit was mm and is now m. Returns None if the factor is unknown, or if no factor can convert the
     values.
     """
-    sizes = [_size(one) for one in (old, new)]
+    sizes = [_size(unit) for unit in (old, new)]
     if old.relative != new.relative or sizes[0] is None or sizes[1] is None or sizes[0][0] != sizes[1][0]:
         return None
     return (sizes[1][1] / new.scale) / (sizes[0][1] / old.scale)

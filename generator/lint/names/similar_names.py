@@ -125,8 +125,8 @@ def _subjects(before: Sequence[_Word], after: Sequence[_Word]) -> tuple[list[_Wo
     old, new = _measured(before), _measured(after)
     # The unit of one name may be the quantity of the other one: `item_counts` and `counts`.
     old, new = (
-        old + [word for word in before if word not in old and word.base in {one.base for one in new}],
-        new + [word for word in after if word not in new and word.base in {one.base for one in old}],
+        old + [word for word in before if word not in old and word.base in {other.base for other in new}],
+        new + [word for word in after if word not in new and word.base in {other.base for other in old}],
     )
     telling = [[word for word in name if word.base not in FILLERS] for name in (old, new)]
     return (telling[0], telling[1]) if all(telling) else (old, new)

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from roverlink.generator.protos.parser.parsed_file import (
     LARGEST_ENUM_NUMBER,
-    LARGEST_FIELD_NUMBER,
     File,
     Import,
     Problem,
@@ -26,7 +25,6 @@ from roverlink.generator.protos.parser.type_names import SCALARS, map_types, res
 
 __all__ = [
     "LARGEST_ENUM_NUMBER",
-    "LARGEST_FIELD_NUMBER",
     "SCALARS",
     "File",
     "Import",

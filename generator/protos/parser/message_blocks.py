@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from roverlink.generator.ir.protobuf_facts import LARGEST_FIELD_NUMBER
 from roverlink.generator.protos.parser.blocks import Block, EnumBlock, SkippedBlock, read_option, read_ranges, with_end
 from roverlink.generator.protos.parser.commented_out import claimed_fields
 from roverlink.generator.protos.parser.field_statements import group_name, read_field
-from roverlink.generator.protos.parser.parsed_file import LARGEST_FIELD_NUMBER, LARGEST_MESSAGE_SET_NUMBER
+from roverlink.generator.protos.parser.parsed_file import LARGEST_MESSAGE_SET_NUMBER
 from roverlink.generator.protos.parser.phrases import Range, Words
 from roverlink.generator.protos.parser.source_text import Source
 from roverlink.generator.protos.parser.statements import BLOCKS, VISIBILITIES, Statement

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 from roverlink.generator.protos.schema import ProtoEnum, ProtoExtension, ProtoMessage
 
-LARGEST_FIELD_NUMBER = 2**29 - 1
 """The number that ``max`` means in a range of field numbers, for messages without ``message_set_wire_format``."""
 LARGEST_MESSAGE_SET_NUMBER = 2**31 - 2
 """The number that ``max`` means in a range of field numbers, for messages with ``message_set_wire_format``."""
@@ -63,7 +62,7 @@ class File:
     @property
     def imported(self) -> tuple[str, ...]:
         """Paths of the imported files that protoc has to compile, too. Files of ``import option`` are left out."""
-        return tuple(one.path for one in self.imports if one.kind != "option")
+        return tuple(imported.path for imported in self.imports if imported.kind != "option")
 
     @property
     def outermost(self) -> tuple[ProtoMessage, ...]:

@@ -30,7 +30,7 @@ def text() -> str:
 
 def _definitions(distribution: str) -> dict[str, Any]:
     definitions: dict[str, Any] = importlib.import_module(f"rosbags.typesys.stores.ros2_{distribution}").FIELDDEFS
-    return {name: one for name, one in definitions.items() if name.split("/")[1] == "msg"}
+    return {name: definition for name, definition in definitions.items() if name.split("/")[1] == "msg"}
 
 
 def _lines(name: str, stores: dict[str, dict[str, Any]]) -> Iterator[str]:

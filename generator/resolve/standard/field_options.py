@@ -85,7 +85,7 @@ class Scalings:
                 wanted = "a finite number" if key == "offset" else "a finite number other than 0"
                 message = f"`{key}` of {source.dotted!r} is {value}; it must be {wanted}"
                 help = f"correct or remove `{key}`"
-                self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message, help))
+                self._report(standard_rules.MappingDoesNotFit.at(options.at(key, span), message, help))
                 return None
         scale = options.number("scale", 1)
         if "fixed_point" in options.forms:
@@ -105,14 +105,12 @@ class Scalings:
         unit, to = options.text("unit"), options.text("to")
         if place.unit and to:
             message = f"{place.shown} is always in {place.unit} by its definition, so `to` cannot change it"
-            self._report(standard_rules.WRONG_FORM.at(options.at("to", span), message, "remove `to`"))
+            self._report(standard_rules.MappingDoesNotFit.at(options.at("to", span), message, "remove `to`"))
             return None
         wanted = place.unit or to
         if not wanted and unit:
             message = f"the unit of {place.shown} is not given, so the unit {unit!r} cannot be converted"
-            self._report(
-                standard_rules.UNIT_MISSING.at(options.at("unit", span), message, "add `to`, or remove `unit`")
-            )
+            self._report(standard_rules.UnitMissing.at(options.at("unit", span), message, "add `to`, or remove `unit`"))
             return None
         if not wanted:
             return Scaling()
@@ -123,7 +121,7 @@ class Scalings:
         if not unit:
             message = f"{place.shown} is in {wanted}, but the unit of {source.dotted!r} is not given"
             self._report(
-                standard_rules.UNIT_MISSING.at(
+                standard_rules.UnitMissing.at(
                     span,
                     message,
                     f"add `unit: {wanted}` if {source.dotted!r} is in {wanted}, or else the unit that it has",
@@ -145,12 +143,11 @@ class Scalings:
         if out_of is None or into is None:
             return None
         if out_of.dimension != into.dimension:
-            message = (
-                f"{source.dotted!r} is in {_told(given[0], out_of)}, but {place.shown} is in {_told(wanted[0], into)}"
-            )
+            in_si = _with_si_unit(given[0], out_of), _with_si_unit(wanted[0], into)
+            message = f"{source.dotted!r} is in {in_si[0]}, but {place.shown} is in {in_si[1]}"
             known = "g means gram; write g0 for the acceleration of free fall" if given[0] in ("g", "mg") else ""
             self._report(
-                standard_rules.DIMENSION.at(
+                standard_rules.DimensionDoesNotFit.at(
                     span, message, known or f"use a unit that converts to {wanted[0]}, or another field"
                 )
             )
@@ -161,7 +158,7 @@ class Scalings:
         try:
             return units.parse(text)
         except units.UnitError as error:
-            self._report(standard_rules.UNKNOWN_UNIT.at(span, str(error)))
+            self._report(standard_rules.UnknownUnit.at(span, str(error)))
             return None
 
 
@@ -169,6 +166,6 @@ def _is_usable(value: object, key: str) -> bool:
     return isinstance(value, (int, Fraction)) and (bool(value) or key == "offset")
 
 
-def _told(text: str, unit: units.Unit) -> str:
+def _with_si_unit(text: str, unit: units.Unit) -> str:
     """Return a unit as text for a diagnostic, followed by its SI base units if they differ: ``N (m kg s^-2)``."""
     return text if text == unit.in_si else f"{text} ({unit.in_si})"

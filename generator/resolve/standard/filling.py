@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir.interfaces import Constant, Expression, InterfaceType, Moment, Path, Rotation, Taken, Unset
 from roverlink.generator.resolve import units
 from roverlink.generator.resolve.standard import standard_rules
@@ -20,6 +20,7 @@ from roverlink.generator.resolve.standard.message_fields import Place, Places
 from roverlink.generator.resolve.standard.payload_fields import Sources
 from roverlink.generator.table import Form
 from roverlink.generator.table.keys import OPTIONS
+from roverlink.suggestions import nearest
 
 _TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 _QUATERNION = "geometry_msgs/msg/Quaternion"
@@ -69,7 +70,9 @@ class Filling:
             if other[: len(path)] == path or path[: len(other)] == other:
                 also = [(self.spans[other], f"'{'.'.join(other)}' is filled here")]
                 message = f"the field '{'.'.join(path)}' is filled twice"
-                self._report(standard_rules.SET_TWICE.at(span, message, "keep only one of the two entries", also))
+                self._report(
+                    standard_rules.TargetFieldSetTwice.at(span, message, "keep only one of the two entries", also)
+                )
                 return
         self.expressions[path] = expression
 
@@ -166,7 +169,7 @@ class Filling:
         if set(entries) != {"from", "unit"}:
             message = f"{place.shown} is a {place.type}: write {{from: a proto field, unit: ms}}"
             self._report(
-                standard_rules.WRONG_FORM.at(
+                standard_rules.MappingDoesNotFit.at(
                     form.span, message, "or write `receive` for the time at which the datagram arrived"
                 )
             )
@@ -177,7 +180,7 @@ class Filling:
             return None
         if source.type in ("string", "bool", "bytes") or source.enum or source.repeated or source.optional:
             message = f"{place.shown} needs a single number that is never absent; {source.dotted!r} is not such a field"
-            self._report(standard_rules.WRONG_FORM.at(entries["from"].span, message))
+            self._report(standard_rules.MappingDoesNotFit.at(entries["from"].span, message))
             return None
         # In nanoseconds: builtin_interfaces/Time has whole seconds and whole nanoseconds.
         return Moment(source, seconds * 10**9)
@@ -190,11 +193,11 @@ class Filling:
         try:
             unit = units.parse(str(form.value))
         except units.UnitError as error:
-            self._report(standard_rules.UNKNOWN_UNIT.at(form.span, str(error)))
+            self._report(standard_rules.UnknownUnit.at(form.span, str(error)))
             return None
         if unit.dimension != _SECOND.dimension:
             message = f"{place.shown} is a time, but {form.value!r} is not a unit of time"
-            self._report(standard_rules.DIMENSION.at(form.span, message, "use a unit of time: s, ms, us, ns"))
+            self._report(standard_rules.DimensionDoesNotFit.at(form.span, message, "use a unit of time: s, ms, us, ns"))
             return None
         return unit.factor
 
@@ -209,11 +212,11 @@ class Filling:
         if others := [name for name in entries if name not in OPTIONS]:
             help = nearest(others[0], OPTIONS, f"known here: {', '.join(OPTIONS)}")
             message = f"{place.shown} is a {place.type}, which has no part {others[0]!r}"
-            self._report(standard_rules.UNKNOWN_TARGET.at(entries[others[0]].span, message, help))
+            self._report(standard_rules.UnknownTargetField.at(entries[others[0]].span, message, help))
             return None
         if ("from" in entries) == ("value" in entries) or "euler" in entries or "axes" in entries:
             message = f"{place.shown} needs either `from` (a proto field) or `value` (a constant)"
-            self._report(standard_rules.WRONG_FORM.at(form.span, message))
+            self._report(standard_rules.MappingDoesNotFit.at(form.span, message))
             return None
         own = options.within(form)
         if "value" in entries:
@@ -223,7 +226,7 @@ class Filling:
         return self._leaves.taken(place, str(entries["from"].value), own, entries["from"].span)
 
     def _wrong(self, span: Span, message: str, path: Path) -> None:
-        self._report(standard_rules.WRONG_FORM.at(span, message))
+        self._report(standard_rules.MappingDoesNotFit.at(span, message))
         if path:
             self.put(path, None, span)
 

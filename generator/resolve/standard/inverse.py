@@ -26,7 +26,7 @@ from roverlink.generator.ir.interfaces import (
 # - A rotation can: its three angles follow from the quaternion. So can a time.
 # - Constants and unset fields tell nothing about the payload.
 #
-# What remains is a check that the payload is determined: all of its fields are found (`told`), and at most one member
+# What remains is a check that the payload is determined: all of its fields are found (`found`), and at most one member
 # of each oneof.
 
 
@@ -37,7 +37,7 @@ class Inverse:
     recovered: tuple[Recovered, ...]
     obstacle: str
     """Reason why the payload cannot be computed from the message; empty if it can."""
-    told: tuple[str, ...]
+    found: tuple[str, ...]
     """Paths of the payload's fields that can be computed from the message, with dots: ``accel.x``."""
 
 
@@ -47,22 +47,22 @@ def invert(fields: Iterable[TargetField]) -> Inverse:
     If two fields of the message contain the same field of the payload, the first one is used.
     """
     recovered: list[Recovered] = []
-    told: dict[str, Source] = {}
+    found: dict[str, Source] = {}
     obstacle = ""
     for path, field in _leaves(fields, ()):
         value = field.value
-        sources = [source for source in _sources(value) if source.dotted not in told]
+        sources = [source for source in _sources(value) if source.dotted not in found]
         if not sources or not isinstance(value, (Taken, Chosen, Rotation, Moment)):
             continue
         obstacle = obstacle or _obstacle(value, path)
         recovered.append(Recovered(path, field.type, value))
-        told |= {source.dotted: source for source in sources}
-    oneofs = Counter(source.oneof for source in told.values() if source.oneof)
+        found |= {source.dotted: source for source in sources}
+    oneofs = Counter(source.oneof for source in found.values() if source.oneof)
     if not obstacle and (shared := next((name for name, count in oneofs.items() if count > 1), "")):
         obstacle = f"the mapping uses several members of the oneof {shared!r}, but only one of them can be set"
     if obstacle:
         return Inverse((), obstacle, ())
-    return Inverse(tuple(recovered), "", tuple(told))
+    return Inverse(tuple(recovered), "", tuple(found))
 
 
 def _leaves(fields: Iterable[TargetField], path: Path) -> Iterator[tuple[Path, TargetField]]:

@@ -11,13 +11,15 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir.interfaces import Case, Chosen, Constant, Interface, Source, Taken
-from roverlink.generator.resolve.standard import numeric_ranges, standard_rules
+from roverlink.generator.resolve import numeric_ranges
+from roverlink.generator.resolve.standard import standard_rules
 from roverlink.generator.resolve.standard.field_options import Options, Scalings
 from roverlink.generator.resolve.standard.message_fields import Place, short
 from roverlink.generator.resolve.standard.payload_fields import Sources
 from roverlink.generator.table import Form
+from roverlink.suggestions import nearest
 
 
 class Leaves:
@@ -48,11 +50,11 @@ class Leaves:
             values = ", ".join(f"{name}: ..." for name in self._sources.values_of(source.enum))
             help = f"add the result for each value: `enum: {{{values}}}`"
             message = f"{source.dotted!r} is an enum, whose numbers have no meaning in {place.shown}"
-            self._report(standard_rules.WRONG_FORM.at(span, message, help))
+            self._report(standard_rules.MappingDoesNotFit.at(span, message, help))
             return None
         if why := self._misfit(source, place):
             help = f"use a proto field that fits a {place.type}, or fill another field of the message"
-            self._report(standard_rules.WRONG_FORM.at(span, why, help))
+            self._report(standard_rules.MappingDoesNotFit.at(span, why, help))
             return None
         if not _is_number(source.type):
             return self._unscaled(source, place, options, span)
@@ -77,7 +79,7 @@ class Leaves:
         if key or options.negated:
             sign = f"`{key}`" if key else "the minus sign"
             message = f"{source.dotted!r} is a {source.type}, so {sign} has no meaning for it"
-            self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message, f"remove {sign}"))
+            self._report(standard_rules.MappingDoesNotFit.at(options.at(key, span), message, f"remove {sign}"))
             return None
         return self._with_default(Taken(source), place, options, span)
 
@@ -92,7 +94,7 @@ class Leaves:
                 f"write `{{from: {source.dotted}, narrow: true}}` to allow it; values are then rounded, "
                 "and a datagram with a value outside of the range is dropped"
             )
-            self._report(standard_rules.NARROWING.at(span, message, help))
+            self._report(standard_rules.LossyNarrowing.at(span, message, help))
             return None
         rounded = not numeric_ranges.is_float(target) and not (source.is_integer and scaling.is_whole)
         return self._with_default(Taken(source, scaling, rounded), place, options, span)
@@ -104,7 +106,7 @@ class Leaves:
         if "default" not in options.forms:
             message = f"{source.dotted!r} may be absent, but no `default` gives the value of {place.shown} in this case"
             self._report(
-                standard_rules.ABSENCE_UNSAID.at(
+                standard_rules.AbsenceUnsaid.at(
                     span, message, "add a default: `{from: " + source.dotted + ", default: 0}`"
                 )
             )
@@ -122,17 +124,13 @@ class Leaves:
         if form.items is None:
             if place.type.is_many:
                 message = f"{place.shown} is a {place.type}, so a single value does not fit; write a list"
-                self._report(standard_rules.WRONG_FORM.at(form.span, message))
+                self._report(standard_rules.MappingDoesNotFit.at(form.span, message))
                 return None
             return self._value(place, form, negated)
-        length, bound = place.type.length, place.type.bound
-        if not place.type.is_many or len(form.items) != (len(form.items) if length is None else length):
-            message = f"{place.shown} is a {place.type}, but the constant has {len(form.items)} items"
-            self._report(standard_rules.WRONG_FORM.at(form.span, message))
-            return None
-        if bound is not None and len(form.items) > bound:
-            message = f"{place.shown} is a {place.type}, but the constant has {len(form.items)} items"
-            self._report(standard_rules.WRONG_FORM.at(form.span, message))
+        count, length, bound = len(form.items), place.type.length, place.type.bound
+        if not place.type.is_many or length not in (None, count) or (bound is not None and count > bound):
+            message = f"{place.shown} is a {place.type}, but the constant has {count} items"
+            self._report(standard_rules.MappingDoesNotFit.at(form.span, message))
             return None
         items = [self._value(place, item) for item in form.items]
         values = [value for item in items if item is not None and not isinstance(value := item.value, tuple)]
@@ -157,7 +155,7 @@ class Leaves:
                 return Constant(number)
         shown = _shown(value)
         message = f"the value {shown} does not fit {place.shown}, which is a {type}"
-        self._report(standard_rules.WRONG_FORM.at(form.span, message, f"write a value of the type {type}"))
+        self._report(standard_rules.MappingDoesNotFit.at(form.span, message, f"write a value of the type {type}"))
         return None
 
     def _constant_of(self, place: Place, name: str, span: Span) -> Constant | None:
@@ -166,7 +164,7 @@ class Leaves:
         if name in constants:
             return Constant(constants[name], name, holder.name)
         help = nearest(name, constants, f"known constants: {', '.join(constants) or 'none'}")
-        self._report(standard_rules.UNKNOWN_VALUE.at(span, f"{short(holder.name)} has no constant {name!r}", help))
+        self._report(standard_rules.UnknownEnumValue.at(span, f"{short(holder.name)} has no constant {name!r}", help))
         return None
 
     # --- enums ---
@@ -183,7 +181,7 @@ class Leaves:
                 message = (
                     f"`enum` converts a single enum value, but {source.dotted!r} or {place.shown} has another type"
                 )
-                self._report(standard_rules.WRONG_FORM.at(span, message, "remove `enum`"))
+                self._report(standard_rules.MappingDoesNotFit.at(span, message, "remove `enum`"))
             return None
         declared, cases = self._sources.values_of(source.enum), []
         for name, entry in (form.entries or {}).items():
@@ -191,7 +189,7 @@ class Leaves:
             if name not in declared:
                 help = nearest(name, declared, f"known values: {', '.join(declared)}")
                 message = f"{source.enum.name!r} has no value {name!r}"
-                self._report(standard_rules.UNKNOWN_VALUE.at(entry.span, message, help))
+                self._report(standard_rules.UnknownEnumValue.at(entry.span, message, help))
             elif counterpart is not None:
                 cases.append(Case(declared[name], name, counterpart))
         default = self._value(place, options.forms["default"]) if "default" in options.forms else None
@@ -199,7 +197,7 @@ class Leaves:
         missing = [name for name, number in declared.items() if number not in numbers_given]
         if not form.entries:
             self._report(
-                standard_rules.ENUM_TABLE.at(
+                standard_rules.EnumTableIncomplete.at(
                     span, f"`enum` of {place.shown} is empty, so no value of {source.dotted!r} can be converted"
                 )
             )
@@ -208,7 +206,7 @@ class Leaves:
                 f"`enum` of {place.shown} has no entry for {', '.join(map(repr, missing))} of {source.enum.name!r}"
             )
             self._report(
-                standard_rules.ENUM_TABLE.at(
+                standard_rules.EnumTableIncomplete.at(
                     span, message, "add the missing entries, or a `default` for all other values"
                 )
             )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import StandardTopic
 from roverlink.generator.ir.interfaces import Constant, Interface, Moment
 from roverlink.generator.protos.schema import Schema
@@ -16,6 +16,7 @@ from roverlink.generator.resolve.standard.message_fields import Places, short
 from roverlink.generator.resolve.standard.payload_fields import Sources
 from roverlink.generator.resolve.standard.unset import Tree
 from roverlink.generator.table import Row, StandardTopicSettings, Table
+from roverlink.suggestions import nearest
 
 _HEADER = "std_msgs/msg/Header"
 
@@ -61,7 +62,9 @@ class StandardTopics:
         fields = Tree(filling, settings, self._report).fields()
         self._check_ignored(settings, sources)
         back = invert(fields)
-        lost = [path for path in sources.paths() if not _covers(back.told, path) and not _covers(settings.ignore, path)]
+        lost = [
+            path for path in sources.paths() if not _covers(back.found, path) and not _covers(settings.ignore, path)
+        ]
         if not row.inbound:
             self._check_inverse(row, settings, back.obstacle, lost)
         file = self._schema.messages[row.proto].file
@@ -84,7 +87,7 @@ class StandardTopics:
             if key in row.spans:
                 message = f"`{key}` is for standard messages, but {row.ros!r} is not a standard message"
                 help = "write a message with its package under `ros`, or move the key to an entry of `also`"
-                self._report(standard_rules.KEY_WITHOUT_STANDARD.at(row.at(key), message, help))
+                self._report(standard_rules.KeyWithoutStandardMessage.at(row.at(key), message, help))
 
     # --- definitions ---
 
@@ -101,10 +104,10 @@ class StandardTopics:
                 return root
         except definitions.DistributionsDisagreeError as error:
             help = "if every machine has the same distribution, set `distro` under `ros`"
-            self._report(standard_rules.DISTRIBUTIONS_DISAGREE.at(span, str(error), help))
+            self._report(standard_rules.DistributionsDisagree.at(span, str(error), help))
             return None
         help = nearest(settings.ros, definitions.names(), "for example sensor_msgs/Imu or geometry_msgs/Twist")
-        self._report(standard_rules.UNKNOWN_MESSAGE.at(span, f"unknown standard message {settings.ros!r}", help))
+        self._report(standard_rules.UnknownStandardMessage.at(span, f"unknown standard message {settings.ros!r}", help))
         return None
 
     def _add_definition(self, interface: Interface) -> None:
@@ -125,14 +128,14 @@ class StandardTopics:
             for key, given in (("frame_id", settings.frame_id), ("stamp", settings.stamp)):
                 if given is not None:
                     message = f"{short(root.name)} has no header, so it has no `{key}`"
-                    self._report(standard_rules.WRONG_FORM.at(settings.at(key), message, f"remove `{key}`"))
+                    self._report(standard_rules.MappingDoesNotFit.at(settings.at(key), message, f"remove `{key}`"))
             return
         if settings.frame_id is not None or ("header", "frame_id") not in filling.expressions:
             filling.put(("header", "frame_id"), Constant(settings.frame_id or ""), settings.at("frame_id"))
             if settings.frame_id is None and row.inbound:
                 message = f"{short(root.name)} has a header, but the coordinate frame of its values is not given"
                 help, rests_on = "add `frame_id`, for example imu_link", [row.at("direction")]
-                self._report(standard_rules.FRAME_ID_MISSING.at(settings.span, message, help, rests_on=rests_on))
+                self._report(standard_rules.FrameIdMissing.at(settings.span, message, help, rests_on=rests_on))
         if settings.stamp is not None or ("header", "stamp") not in filling.expressions:
             self._add_stamp(settings, filling)
 
@@ -157,7 +160,7 @@ class StandardTopics:
             if not _covers(ignored, path) and path not in used:
                 message = f"no topic of the row {row.name!r} publishes the field {path!r}"
                 help = f"use {path!r} in an entry under `fields`, or list it under `ignore`"
-                self._report(standard_rules.UNUSED_SOURCE.at(row.at("fields"), message, help, rests_on=rests_on))
+                self._report(standard_rules.SourceFieldUnused.at(row.at("fields"), message, help, rests_on=rests_on))
 
     def _check_inverse(self, row: Row, settings: StandardTopicSettings, obstacle: str, lost: list[str]) -> None:
         """Report a standard message from which the payload, or a field of the payload, cannot be computed.
@@ -169,20 +172,20 @@ class StandardTopics:
         if obstacle:
             message = f"{settings.ros!r} on the topic {settings.topic!r} cannot be converted to the payload: {obstacle}"
             help = f"change the entries under `fields`, or write `direction: {row.peer}_to_ros`"
-            self._report(standard_rules.NO_WAY_BACK.at(span, message, help, rests_on=rests_on))
+            self._report(standard_rules.NoWayBack.at(span, message, help, rests_on=rests_on))
         elif lost:
             fields = ", ".join(map(repr, lost))
             message = f"{settings.ros!r} on the topic {settings.topic!r} has no value for {fields} of the payload"
             help = f"map {fields} under `fields`, or list it under `ignore`, or write `direction: {row.peer}_to_ros`"
-            self._report(standard_rules.UNUSED_SOURCE.at(span, message, help, rests_on=rests_on))
+            self._report(standard_rules.SourceFieldUnused.at(span, message, help, rests_on=rests_on))
 
     def _check_ignored(self, settings: StandardTopicSettings, sources: Sources) -> None:
         for path in settings.ignore:
             if not sources.leads_somewhere(path):
                 span = settings.spans.get(f"ignore.{path}", settings.span)
-                help = nearest(path, sources.paths())
+                help = nearest(path, sources.paths(), "")
                 self._report(
-                    standard_rules.UNKNOWN_SOURCE.at(
+                    standard_rules.UnknownSourceField.at(
                         span, f"the proto message {sources.proto!r} has no field {path!r}", help
                     )
                 )

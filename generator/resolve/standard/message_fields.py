@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir.interfaces import Interface, InterfaceType, Path
 from roverlink.generator.resolve.interfaces import meanings
-from roverlink.generator.resolve.standard.standard_rules import UNKNOWN_TARGET
+from roverlink.generator.resolve.standard.standard_rules import UnknownTargetField
+from roverlink.suggestions import nearest
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,13 +64,13 @@ class Places:
                     name, known := [field.name for field in interface.fields], f"known fields: {', '.join(known)}"
                 )
                 message = f"{short(interface.name)} has no field {name!r}"
-                self._report(UNKNOWN_TARGET.at(span, message, help))
+                self._report(UnknownTargetField.at(span, message, help))
                 return None
             if depth == len(path) - 1:
                 return Place(path, field.type, tuple(holders))
             if not field.type.is_message or field.type.is_many:
                 message = f"'{'.'.join(path[: depth + 1])}' is a {field.type}, which has no fields"
-                self._report(UNKNOWN_TARGET.at(span, message))
+                self._report(UnknownTargetField.at(span, message))
                 return None
             interface = self.definition(field.type.name)
             holders.append(interface.name)

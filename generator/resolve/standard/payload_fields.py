@@ -5,11 +5,12 @@ from __future__ import annotations
 import keyword
 from collections.abc import Callable, Iterator
 
-from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir.interfaces import Path, Source, SourceEnum
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.resolve import well_known
-from roverlink.generator.resolve.standard.standard_rules import UNKNOWN_SOURCE
+from roverlink.generator.resolve.standard.standard_rules import UnknownSourceField
+from roverlink.suggestions import nearest
 
 _TYPES = {**well_known.SCALARS, "bytes": "bytes", "enum": "int32"}
 
@@ -32,10 +33,10 @@ class Sources:
         """
         fields = self._along(dotted.split("."))
         if fields is None:
-            help = nearest(dotted, self.paths())
-            self._report(UNKNOWN_SOURCE.at(span, f"the proto message {self.proto!r} has no field {dotted!r}", help))
+            help = nearest(dotted, self.paths(), "")
+            self._report(UnknownSourceField.at(span, f"the proto message {self.proto!r} has no field {dotted!r}", help))
         elif why := _obstacle(fields):
-            self._report(UNKNOWN_SOURCE.at(span, f"the field {dotted!r} {why}"))
+            self._report(UnknownSourceField.at(span, f"the field {dotted!r} {why}"))
         else:
             return self._source(fields)
         return None

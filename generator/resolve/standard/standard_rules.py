@@ -4,545 +4,511 @@ from __future__ import annotations
 
 from roverlink.generator.diagnostics import Rule
 
-KEY_WITHOUT_STANDARD = Rule(
-    "STD101",
-    "key-without-standard-message",
+
+class KeyWithoutStandardMessage(Rule, id="STD101"):
     """A row has `frame_id`, `stamp` or `unset`, but its own message is not a standard message.
 
-These keys fill the header of a standard message, such as sensor_msgs/Imu, or leave fields of it unset. A generated ROS
-message has exactly the fields of the payload, so the keys cannot apply to it.
+    These keys fill the header of a standard message, such as sensor_msgs/Imu, or leave fields of it unset. A generated
+    ROS message has exactly the fields of the payload, so the keys cannot apply to it.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, frame_id: imu_link}
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, frame_id: imu_link}
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: imu/x, ros: std_msgs/Float32, fields: {data: x}}]
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: imu/x, ros: std_msgs/Float32, fields: {data: x}}]
+    """
 
-UNKNOWN_MESSAGE = Rule(
-    "STD102",
-    "unknown-standard-message",
+
+class UnknownStandardMessage(Rule, id="STD102"):
     """`ros` names a message of another package, but not one of the standard messages that roverlink knows.
 
-roverlink only knows the definitions of ROS 2's common interfaces. It cannot check the fields of other messages.
+    roverlink only knows the definitions of ROS 2's common interfaces. It cannot check the fields of other messages.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Flaot32, fields: {data: x}}]
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Flaot32, fields: {data: x}}]
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+    """
 
-DISTRIBUTIONS_DISAGREE = Rule(
-    "STD103",
-    "distributions-disagree",
+
+class DistributionsDisagree(Rule, id="STD103"):
     """A standard message differs between ROS 2 Humble and Jazzy, and `ros.distro` names neither.
 
-Two machines with different distributions could not exchange the message. If every machine has the same distribution,
-set it with `distro`.
+    Two machines with different distributions could not exchange the message. If every machine has the same
+    distribution, set it with `distro`.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: sensor_msgs/Range, frame_id: sonar,
-               unset: [radiation_type, field_of_view, min_range, max_range], fields: {range: x}}]
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: sensor_msgs/Range, frame_id: sonar,
+                   unset: [radiation_type, field_of_view, min_range, max_range], fields: {range: x}}]
 
-Good::
+    Good::
 
-    # mapping.yaml
-    ros: {package: rover, distro: humble}
-    messages:
-      - number: 1
-        name: imu
-        proto: Imu
-        topic: imu
-        direction: board_to_ros
-        also: [{topic: out, ros: sensor_msgs/Range, frame_id: sonar,
-                 unset: [radiation_type, field_of_view, min_range, max_range], fields: {range: {from: x, unit: m}}}]
-""",
-)
+        # mapping.yaml
+        ros: {package: rover, distro: humble}
+        messages:
+          - number: 1
+            name: imu
+            proto: Imu
+            topic: imu
+            direction: board_to_ros
+            also: [{topic: out, ros: sensor_msgs/Range, frame_id: sonar,
+                     unset: [radiation_type, field_of_view, min_range, max_range], fields: {range: {from: x, unit: m}}}]
+    """
 
-UNKNOWN_TARGET = Rule(
-    "STD104",
-    "unknown-target-field",
+
+class UnknownTargetField(Rule, id="STD104"):
     """A path under `fields` or `unset` names no field of the standard message.
 
-The value would not be published.
+    The value would not be published.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {dat: x}}]
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {dat: x}}]
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+    """
 
-UNKNOWN_SOURCE = Rule(
-    "STD105",
-    "unknown-source-field",
+
+class UnknownSourceField(Rule, id="STD105"):
     """A path names no field of the payload, or a field that cannot be used, such as a whole message.
 
-The field of the standard message would have no value.
+    The field of the standard message would have no value.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {data: z}}]
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {data: z}}]
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+    """
 
-UNSET_TARGET = Rule(
-    "STD106",
-    "target-field-unset",
+
+class TargetFieldUnset(Rule, id="STD106"):
     """No entry fills a field of a standard message, and subscribers would read its zero as a value.
 
-A subscriber cannot distinguish an unfilled field from a measured zero. Fill the field, give it a constant, or list it
-under `unset`.
+    A subscriber cannot distinguish an unfilled field from a measured zero. Fill the field, give it a constant, or list
+    it under `unset`.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: geometry_msgs/Vector3, fields: {x: x, y: x}}]
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: geometry_msgs/Vector3, fields: {x: x, y: x}}]
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: geometry_msgs/Vector3, fields: {x: x, y: x, z: 0}}]
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: geometry_msgs/Vector3, fields: {x: x, y: x, z: 0}}]
+    """
 
-UNUSED_SOURCE = Rule(
-    "STD107",
-    "source-field-unused",
+
+class SourceFieldUnused(Rule, id="STD107"):
     """A field of the payload is missing in the row's standard messages.
 
-For a row from a peer, the field reaches no topic. For a row to a peer, no field of the standard message sets the field
-of the payload, so the peer would get zero. Perhaps the direction is wrong.
+    For a row from a peer, the field reaches no topic. For a row to a peer, no field of the standard message sets the
+    field of the payload, so the peer would get zero. Perhaps the direction is wrong.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imu, ros: std_msgs/Float32, topic: imu, direction: ros_to_board, fields: {data: x}}
-    # proto/imu.proto
-    message Imu { float x = 1; float y = 2; }
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imu, ros: std_msgs/Float32, topic: imu, direction: ros_to_board,
+           fields: {data: x}}
+        # proto/imu.proto
+        message Imu { float x = 1; float y = 2; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imu, ros: std_msgs/Float32, topic: imu, direction: ros_to_board,
-       ignore: [y], fields: {data: x}}
-    # proto/imu.proto
-    message Imu { float x = 1; float y = 2; }
-""",
-)
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imu, ros: std_msgs/Float32, topic: imu, direction: ros_to_board,
+           ignore: [y], fields: {data: x}}
+        # proto/imu.proto
+        message Imu { float x = 1; float y = 2; }
+    """
 
-SET_TWICE = Rule(
-    "STD108",
-    "target-field-set-twice",
+
+class TargetFieldSetTwice(Rule, id="STD108"):
     """Two entries fill the same field, or an entry fills a field that `unset` names.
 
-One of the two values would be lost.
+    One of the two values would be lost.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: geometry_msgs/Vector3, unset: [z], fields: {x: x, y: x, z: 0}}]
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: geometry_msgs/Vector3, unset: [z], fields: {x: x, y: x, z: 0}}]
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: geometry_msgs/Vector3, fields: {x: x, y: x, z: 0}}]
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: geometry_msgs/Vector3, fields: {x: x, y: x, z: 0}}]
+    """
 
-WRONG_FORM = Rule(
-    "STD109",
-    "mapping-does-not-fit",
+
+class MappingDoesNotFit(Rule, id="STD109"):
     """An entry does not fit the standard message or its field, such as a text for a number, or one value for a list.
 
-The two types cannot be converted, or an option such as `scale`, `to` or `axes` has no meaning for this field.
+    The two types cannot be converted, or an option such as `scale`, `to` or `axes` has no meaning for this field.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
-    # proto/imu.proto
-    message Imu { string x = 1; }
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+        # proto/imu.proto
+        message Imu { string x = 1; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/String, fields: {data: x}}]
-    # proto/imu.proto
-    message Imu { string x = 1; }
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/String, fields: {data: x}}]
+        # proto/imu.proto
+        message Imu { string x = 1; }
+    """
 
-UNKNOWN_UNIT = Rule(
-    "STD110",
-    "unknown-unit",
+
+class UnknownUnit(Rule, id="STD110"):
     """An entry names a unit that roverlink does not know.
 
-Units are written like `m/s^2`, `deg/s`, `kPa` or `degC`; other spellings are not accepted.
+    Units are written like `m/s^2`, `deg/s`, `kPa` or `degC`; other spellings are not accepted.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, unit: metre, to: m}}}]
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, unit: metre, to: m}}}]
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, unit: cm, to: m}}}]
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, unit: cm, to: m}}}]
+    """
 
-UNIT_MISSING = Rule(
-    "STD111",
-    "unit-missing",
+
+class UnitMissing(Rule, id="STD111"):
     """The unit of the proto field or of the ROS field is known, but the unit of the other field is not given.
 
-The value could be wrong by any factor. Give the unit, even if both fields have the same one.
+    The value could be wrong by any factor. Give the unit, even if both fields have the same one.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: geometry_msgs/Point, fields: {x: x, y: x, z: 0}}]
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: geometry_msgs/Point, fields: {x: x, y: x, z: 0}}]
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: geometry_msgs/Point, fields: {x: {from: x, unit: m}, y: {from: x, unit: cm}, z: 0}}]
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: geometry_msgs/Point, fields: {x: {from: x, unit: m}, y: {from: x, unit: cm}, z: 0}}]
+    """
 
-DIMENSION = Rule(
-    "STD112",
-    "dimension-does-not-fit",
+
+class DimensionDoesNotFit(Rule, id="STD112"):
     """The unit of the proto field and the unit of the ROS field have different dimensions.
 
-For example, no factor converts a speed to a length.
+    For example, no factor converts a speed to a length.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: geometry_msgs/Point, fields: {x: {from: x, unit: m/s}, y: 0, z: 0}}]
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: geometry_msgs/Point, fields: {x: {from: x, unit: m/s}, y: 0, z: 0}}]
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: geometry_msgs/Point, fields: {x: {from: x, unit: mm}, y: 0, z: 0}}]
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: geometry_msgs/Point, fields: {x: {from: x, unit: mm}, y: 0, z: 0}}]
+    """
 
-NARROWING = Rule(
-    "STD113",
-    "lossy-narrowing",
+
+class LossyNarrowing(Rule, id="STD113"):
     """The ROS field's type has less range or precision than the payload's type, and the entry does not allow that.
 
-Values would lose digits or not fit. With `narrow: true`, a datagram whose value does not fit is dropped.
+    Values would lose digits or not fit. With `narrow: true`, a datagram whose value does not fit is dropped.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
-    # proto/imu.proto
-    message Imu { double x = 1; }
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+        # proto/imu.proto
+        message Imu { double x = 1; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, narrow: true}}}]
-    # proto/imu.proto
-    message Imu { double x = 1; }
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, narrow: true}}}]
+        # proto/imu.proto
+        message Imu { double x = 1; }
+    """
 
-FRAME_ID_MISSING = Rule(
-    "STD114",
-    "frame-id-missing",
+
+class FrameIdMissing(Rule, id="STD114"):
     """A standard message from a peer has a header, but no `frame_id` gives the frame of its values.
 
-Without a frame, tf2 cannot transform the values.
+    Without a frame, tf2 cannot transform the values.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: sensor_msgs/Temperature, fields: {temperature: {from: x, unit: degC}}}]
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: sensor_msgs/Temperature, fields: {temperature: {from: x, unit: degC}}}]
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: sensor_msgs/Temperature, frame_id: imu_link,
-               fields: {temperature: {from: x, unit: degC}}}]
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: sensor_msgs/Temperature, frame_id: imu_link,
+                   fields: {temperature: {from: x, unit: degC}}}]
+    """
 
-ENUM_TABLE = Rule(
-    "STD115",
-    "enum-table-incomplete",
+
+class EnumTableIncomplete(Rule, id="STD115"):
     """The key `enum` of an entry leaves out a value of the enum, and the entry has no `default`.
 
-The bridge could not convert a payload with that value.
+    The bridge could not convert a payload with that value.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OFF: 0, ON: 1}}}}]
-    # proto/imu.proto
-    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
-    message Imu { Mode mode = 1; }
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OFF: 0, ON: 1}}}}]
+        # proto/imu.proto
+        enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+        message Imu { Mode mode = 1; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OFF: 0, ON: 1}, default: 2}}}]
-    # proto/imu.proto
-    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
-    message Imu { Mode mode = 1; }
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OFF: 0, ON: 1}, default: 2}}}]
+        # proto/imu.proto
+        enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+        message Imu { Mode mode = 1; }
+    """
 
-UNKNOWN_VALUE = Rule(
-    "STD116",
-    "unknown-enum-value",
+
+class UnknownEnumValue(Rule, id="STD116"):
     """An entry names a value that the enum does not have, or a constant that the standard message does not have.
 
-The name is probably misspelt, and the entry would never be used.
+    The name is probably misspelt, and the entry would never be used.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OF: 0}, default: 1}}}]
-    # proto/imu.proto
-    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
-    message Imu { Mode mode = 1; }
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OF: 0}, default: 1}}}]
+        # proto/imu.proto
+        enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+        message Imu { Mode mode = 1; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OFF: 0}, default: 1}}}]
-    # proto/imu.proto
-    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
-    message Imu { Mode mode = 1; }
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OFF: 0}, default: 1}}}]
+        # proto/imu.proto
+        enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+        message Imu { Mode mode = 1; }
+    """
 
-ABSENCE_UNSAID = Rule(
-    "STD117",
-    "absence-unsaid",
+
+class AbsenceUnsaid(Rule, id="STD117"):
     """A field of the payload may be absent, but no `default` gives the value for this case.
 
-A zero that was never sent looks like a measured zero.
+    A zero that was never sent looks like a measured zero.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
-    # proto/imu.proto
-    message Imu { optional float x = 1; }
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+        # proto/imu.proto
+        message Imu { optional float x = 1; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, default: -1}}}]
-    # proto/imu.proto
-    message Imu { optional float x = 1; }
-""",
-)
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, default: -1}}}]
+        # proto/imu.proto
+        message Imu { optional float x = 1; }
+    """
 
-NO_WAY_BACK = Rule(
-    "STD118",
-    "no-way-back",
+
+class NoWayBack(Rule, id="STD118"):
     """The standard message of a row to a peer cannot be converted back to the payload.
 
-Several payloads would become the same standard message, so the bridge cannot tell which payload to send to the peer.
+    Several payloads would become the same standard message, so the bridge cannot tell which payload to send to the
+    peer.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imu, ros: std_msgs/Int8, topic: imu, direction: ros_to_board,
-       fields: {data: {from: mode, enum: {OFF: 0, ON: 1, AUTO: 1}}}}
-    # proto/imu.proto
-    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
-    message Imu { Mode mode = 1; }
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imu, ros: std_msgs/Int8, topic: imu, direction: ros_to_board,
+           fields: {data: {from: mode, enum: {OFF: 0, ON: 1, AUTO: 1}}}}
+        # proto/imu.proto
+        enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+        message Imu { Mode mode = 1; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    - {number: 1, name: imu, proto: Imu, ros: std_msgs/Int8, topic: imu, direction: ros_to_board,
-       fields: {data: {from: mode, enum: {OFF: 0, ON: 1, AUTO: 2}}}}
-    # proto/imu.proto
-    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
-    message Imu { Mode mode = 1; }
-""",
-)
+        # mapping.yaml
+        - {number: 1, name: imu, proto: Imu, ros: std_msgs/Int8, topic: imu, direction: ros_to_board,
+           fields: {data: {from: mode, enum: {OFF: 0, ON: 1, AUTO: 2}}}}
+        # proto/imu.proto
+        enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+        message Imu { Mode mode = 1; }
+    """

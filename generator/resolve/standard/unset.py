@@ -39,7 +39,7 @@ class Tree:
                 if filled[: len(path)] == path or path[: len(filled)] == filled:
                     also = [(self._filling.spans[filled], f"'{'.'.join(filled)}' is filled here")]
                     self._report(
-                        standard_rules.SET_TWICE.at(
+                        standard_rules.TargetFieldSetTwice.at(
                             span,
                             f"{dotted!r} is listed under `unset`, but also filled",
                             "keep only one of the two entries",
@@ -64,7 +64,7 @@ class Tree:
             message = f"{place.shown} is not filled, and subscribers would read its zero as a value"
             help = f"fill it with a proto field or a constant under `fields`, or list {place.dotted!r} under `unset`"
             span, rests_on = self._settings.at("fields"), self._filling.unplaced
-            self._report(standard_rules.UNSET_TARGET.at(span, message, help, rests_on=rests_on))
+            self._report(standard_rules.TargetFieldUnset.at(span, message, help, rests_on=rests_on))
             return Unset()
         nested = self._filling.places.definition(place.type.name)
         return Parts(self._fields(nested, place.path, (*place.holders, nested.name)))

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from functools import cache
 
-from roverlink.generator.diagnostics import nearest
 from roverlink.generator.resolve.units import known
 from roverlink.generator.resolve.units.unit import Unit
+from roverlink.suggestions import nearest
 
 # The grammar, in which a product is read from left to right:
 #

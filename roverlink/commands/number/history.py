@@ -9,13 +9,14 @@ from posixpath import normpath
 from roverlink.completion import complete, numbers
 from roverlink.console import FINDINGS, UNABLE, Subparsers, command, counted
 from roverlink.diagnostic_text import show_error
-from roverlink.generator.diagnostics import DiagnosticsError, nearest_names
+from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.git import Repository
 from roverlink.generator.lint.history import History, Usage, whereabouts
 from roverlink.generator.lint.project import Question
 from roverlink.lint_scope import add_subject, folder_of, linted, print_limits, type_and_number
 from roverlink.progress import progress
-from roverlink.runtime.core.errors import SetupError, nearest
+from roverlink.runtime.core.errors import SetupError
+from roverlink.suggestions import nearest, nearest_names
 
 
 def add(commands: Subparsers) -> None:

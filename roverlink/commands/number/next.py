@@ -8,9 +8,9 @@ import sys
 from roverlink.console import UNABLE, Subparsers, command
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
+from roverlink.generator.ir.protobuf_facts import LARGEST_FIELD_NUMBER
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.project import Question
-from roverlink.generator.table import LARGEST_NUMBER
 from roverlink.lint_scope import add_subject, folder_of, in_repository, linted, print_limits
 from roverlink.progress import progress
 
@@ -45,12 +45,12 @@ def run(arguments: argparse.Namespace) -> int:
     if found.context.past is None:
         print("not a git repository, so the history was not checked", file=sys.stderr)
     envelope, schema = found.context.table.envelope, found.context.schema
-    if schema and envelope.message in schema.messages and not envelope.oneof:
+    if envelope.message in schema.messages and not envelope.oneof:
         print(f"{envelope.message!r} has no oneof, so all its fields count as payloads", file=sys.stderr)
     print_skipped(found.context)
     number = found.context.next_number()
-    if number > LARGEST_NUMBER:
-        print(f"no number is left: numbers end at {LARGEST_NUMBER}", file=sys.stderr)
+    if number > LARGEST_FIELD_NUMBER:
+        print(f"no number is left: numbers end at {LARGEST_FIELD_NUMBER}", file=sys.stderr)
         return UNABLE
     print(number)
     return code

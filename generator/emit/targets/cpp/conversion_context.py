@@ -26,7 +26,7 @@ class Context:
 
     def ros_field(self, message: str, field: str) -> ir.RosField:
         """Return a field of a generated ROS message, by the names of the message and the field."""
-        return next(one for one in self._messages[message].fields if one.name == field)
+        return next(declared for declared in self._messages[message].fields if declared.name == field)
 
     def struct(self, message: str) -> str:
         """Return the C++ struct of a message in the generated ROS 2 package."""

@@ -197,15 +197,15 @@ def fields_of(conversion: ir.Conversion, context: Context) -> Fields:
     """Return the data from which the template writes the functions of a conversion."""
     holders = _holders(conversion)
 
-    def field_of(one: ir.FieldConversion) -> Field:
-        value = Value(one, f'"{conversion.ros}.{one.ros.name}"', context)
-        holder = holders.get(one.proto_path[:-1])
-        by_name = {member.proto_path[-1]: member for member in conversion.fields if member.which == one.ros.name}
+    def field_of(converted: ir.FieldConversion) -> Field:
+        value = Value(converted, f'"{conversion.ros}.{converted.ros.name}"', context)
+        holder = holders.get(converted.proto_path[:-1])
+        by_name = {member.proto_path[-1]: member for member in conversion.fields if member.which == converted.ros.name}
         members = tuple(
             (f"{context.struct(conversion.ros)}::{choice.constant}", field_of(by_name[choice.proto]))
-            for choice in one.choices
+            for choice in converted.choices
         )
-        return Field(one, value, holder.name if holder else "payload", members)
+        return Field(converted, value, holder.name if holder else "payload", members)
 
     return Fields(tuple(holders.values()), tuple(map(field_of, conversion.fields)))
 

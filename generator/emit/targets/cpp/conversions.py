@@ -11,8 +11,7 @@ from roverlink.generator.emit.targets.cpp.conversion_context import Context, Con
 from roverlink.generator.emit.targets.cpp.conversion_fields import fields_of
 from roverlink.generator.emit.targets.cpp.cpp_files import CppFile
 from roverlink.generator.emit.targets.cpp.literals import comment_lines
-
-_ANY = "google.protobuf.Any"
+from roverlink.generator.resolve import well_known
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +56,7 @@ def emit(bridge: ir.Bridge, context: Context) -> Files:
         yield from file.source("conversion", conversion=view, fields=fields, headers=fields.headers - {file.include})
     for any in bridge.anys:
         file = _file(bridge, any.ros, f"{bridge.table} ({any.source})")
-        view = _conversion(context, any.ros, _ANY, any.source, "google/protobuf/any.pb.h", [])
+        view = _conversion(context, any.ros, well_known.ANY, any.source, "google/protobuf/any.pb.h", [])
         yield from file.header("conversion", conversion=view)
         yield from file.source("any", conversion=view, ros=any.ros, **_members(bridge, any, context))
 

@@ -80,9 +80,11 @@ def handlers_of(bridge: ir.Bridge) -> list[Handler]:
             file = f"handlers/{cpp_names.handler_file(route)}"
             found.append(_handler(bridge, route, source, file, cpp_names.handler_class(route)))
         found += [
-            _handler(bridge, one.route, one.standard, f"extra_topics/{one.file}", one.name)
-            for one in extra
-            if one.route.number == route.number
+            _handler(
+                bridge, extra_topic.route, extra_topic.standard, f"extra_topics/{extra_topic.file}", extra_topic.name
+            )
+            for extra_topic in extra
+            if extra_topic.route.number == route.number
         ]
     return found
 
@@ -99,7 +101,7 @@ def _handler(
 
 def emit(bridge: ir.Bridge, context: Context) -> Files:
     """Yield the header and the source file of each handler."""
-    has_required = any(field.label == "required" for one in bridge.wire_messages for field in one.fields)
+    has_required = any(field.label == "required" for message in bridge.wire_messages for field in message.fields)
     for handler in handlers_of(bridge):
         comment = comment_lines(handler.route.comment)
         yield from handler.file.header("handler", handler=handler, comment=comment)

@@ -52,7 +52,7 @@ def _runtime() -> Files:
     The generated code gets a copy because roverlink may not be installed on the machine that compiles it.
     """
     library = shipped("cpp")
-    for path in sorted(found for pattern in _COPIED for found in library.glob(pattern)):
+    for path in sorted(file for pattern in _COPIED for file in library.glob(pattern)):
         name = path.relative_to(library).as_posix()
         mark = header(f"roverlink's cpp/{name}", "//" if path.suffix in (".c", ".h", ".cpp", ".hpp") else "#")
         yield f"{FOLDER}/roverlink/{name}", f"{mark}\n\n{path.read_text(encoding='utf-8')}"

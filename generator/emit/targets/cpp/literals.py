@@ -13,7 +13,9 @@ def text_literal(text: str) -> str:
     >>> print(text_literal('5 "°"'))
     "5 \"°\""
     """
-    escaped = (_ESCAPES.get(one) or (one if one.isprintable() else _octal(one)) for one in text)
+    escaped = (
+        _ESCAPES.get(character) or (character if character.isprintable() else _octal(character)) for character in text
+    )
     return f'"{"".join(escaped)}"'
 
 

@@ -249,8 +249,8 @@ def _first_each(recalled: Iterable[Recalled]) -> Iterable[Recalled]:
     Two fields of the ROS message may come from the same field of the payload.
     """
     found: dict[str, Recalled] = {}
-    for one in recalled:
-        found.setdefault(one.target, one)
+    for item in recalled:
+        found.setdefault(item.target, item)
     return found.values()
 
 

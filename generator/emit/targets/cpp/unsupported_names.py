@@ -12,29 +12,28 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Rule, 
 from roverlink.generator.emit.targets.cpp import cpp_names
 from roverlink.generator.ir import ros_names
 
-CPP_NAME = Rule(
-    "CPP101",
-    "cpp-name",
+
+class CppName(Rule, id="CPP101"):
     """A name in the protos cannot be used in C++, or gets different accessors from different versions of protobuf.
 
-The generated C++ would compile on one machine and fail on another. The encoding contains no names, except in a
-google.protobuf.Any, which contains the name of its message. So the name can usually be changed.
+    The generated C++ would compile on one machine and fail on another. The encoding contains no names, except in a
+    google.protobuf.Any, which contains the name of its message. So the name can usually be changed.
 
-Bad::
+    Bad::
 
-    # mapping.yaml
-    targets: [python, cpp]
-    # proto/imu.proto
-    message Imu { float requires = 1; }
+        # mapping.yaml
+        targets: [python, cpp]
+        # proto/imu.proto
+        message Imu { float requires = 1; }
 
-Good::
+    Good::
 
-    # mapping.yaml
-    targets: [python, cpp]
-    # proto/imu.proto
-    message Imu { float required_force = 1; }
-""",
-)
+        # mapping.yaml
+        targets: [python, cpp]
+        # proto/imu.proto
+        message Imu { float required_force = 1; }
+    """
+
 
 _RUNTIME = "roverlink"
 _KNOWN_SINCE_22 = frozenset(
@@ -63,14 +62,14 @@ def check(bridge: ir.Bridge) -> None:
     findings: list[Diagnostic] = []
     if bridge.package == _RUNTIME:
         fault = f"the package {_RUNTIME!r} would have the same C++ namespace and headers as the C++ runtime library"
-        findings.append(CPP_NAME.at(Span(bridge.table), fault, "give the ROS 2 package another name"))
+        findings.append(CppName.at(Span(bridge.table), fault, "give the ROS 2 package another name"))
     for message in bridge.wire_messages:
         if message.map_entry or message.name.startswith("google.protobuf."):
             continue
         span = Span(files.get(message.name, bridge.table))
         why = [_of_message(bridge, message.name), *_of_fields(message)]
         findings += [
-            CPP_NAME.at(
+            CppName.at(
                 span,
                 fault,
                 "rename the message or field; names are not sent, so the encoding does not change",

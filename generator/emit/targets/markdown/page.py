@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from roverlink.generator import ir
 from roverlink.generator.emit import extra_topic_text
-from roverlink.generator.emit.targets.markdown.diagram import Diagram, diagram
 from roverlink.generator.emit.targets.markdown.examples import Example, Examples
 from roverlink.generator.emit.targets.markdown.payloads import Payload, Payloads, Value, cell
 from roverlink.generator.ir.msg_types import msg_type
@@ -29,22 +29,14 @@ class Topic:
 class Row:
     """Section of docs/messages.md for a row of the table."""
 
-    number: int
-    name: str
+    route: ir.Route
     comment: str
     anchor: str
     sender: str
     receiver: str
-    forward: tuple[str, ...]
     topic: Topic
     extra_topics: tuple[Topic, ...]
-    proto: str
     file: str
-    size: ir.WireSize | None
-    max_rate: int | None
-    expect_rate: int | None
-    priority: int
-    deadman: ir.Deadman | None
     payload: Payload | None
     """Payload of the row; None if the section of an earlier row shows the same payload."""
     payload_anchor: str
@@ -54,7 +46,7 @@ class Row:
     @property
     def receivers(self) -> tuple[str, ...]:
         """Receiver of the row, and the peers to which the row is forwarded."""
-        return (self.receiver, *self.forward)
+        return (self.receiver, *self.route.forward)
 
     @property
     def topics(self) -> tuple[Topic, ...]:
@@ -84,11 +76,8 @@ class Helper:
 class Page:
     """Content of the whole page docs/messages.md."""
 
-    table: str
-    package: str
+    bridge: ir.Bridge
     default_qos: str
-    envelope: ir.Envelope
-    peers: tuple[ir.Peer, ...]
     diagram: Diagram
     rows: tuple[Row, ...]
     nested: tuple[Payload, ...]
@@ -98,7 +87,7 @@ class Page:
     @property
     def names_hosts(self) -> bool:
         """True if the table names the host of a peer or of a board."""
-        return any(end.host for peer in self.peers for end in peer.ends)
+        return any(end.host for peer in self.bridge.peers for end in peer.ends)
 
 
 def page(bridge: ir.Bridge) -> Page:
@@ -108,11 +97,8 @@ def page(bridge: ir.Bridge) -> Page:
     shown = [message for message in bridge.wire_messages if message.name != bridge.envelope.message]
     own = [message for message in shown if not message.map_entry and not message.name.startswith("google.protobuf.")]
     return Page(
-        table=bridge.table,
-        package=bridge.package,
+        bridge=bridge,
         default_qos=_qos_words(ir.Qos()),
-        envelope=bridge.envelope,
-        peers=bridge.peers,
         diagram=diagram(bridge),
         rows=tuple(_rows(bridge, payloads)),
         nested=tuple(payloads.of(message.name) for message in own if message.name not in carried),
@@ -137,22 +123,14 @@ def _rows(bridge: ir.Bridge, payloads: Payloads) -> Iterator[Row]:
 def _row(route: ir.Route, package: str, file: str, payloads: Payloads, examples: Examples, *, new: bool) -> Row:
     ends = (route.peer, "ROS 2") if route.inbound else ("ROS 2", route.peer)
     return Row(
-        number=route.number,
-        name=route.name,
+        route=route,
         comment=payloads.comment(route.proto),
         anchor=payloads.anchor_of_row(route),
         sender=ends[0],
         receiver=ends[1],
-        forward=route.forward,
         topic=_topic(route, package),
         extra_topics=tuple(_extra_topic(standard) for standard in route.extra_topics),
-        proto=route.proto,
         file=file,
-        size=route.size,
-        max_rate=route.max_rate,
-        expect_rate=route.expect_rate,
-        priority=route.priority,
-        deadman=route.deadman,
         payload=payloads.of(route.proto) if new else None,
         payload_anchor=payloads.anchor(route.proto),
         example=examples.of(route),
@@ -185,3 +163,74 @@ def _helpers(bridge: ir.Bridge) -> Iterator[Helper]:
         if message.name not in converted:
             fields = ", ".join(f"`{msg_type(field.type)} {field.name}`" for field in message.fields)
             yield Helper(message.name, fields, message.source)
+
+
+_SHOWN = 12  # rows of a group; more would make the diagram too high
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """Sender or receiver in the diagram: a board, a whole peer, or ROS 2."""
+
+    id: str
+    label: str
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Rows with the same sender and the same receivers."""
+
+    id: str
+    rows: tuple[ir.Route, ...]
+    """Rows that the diagram shows; the others are only counted in `more`."""
+    more: int
+    """Number of further rows in the group, which the diagram does not show."""
+    sender: End
+    receiver: End
+    """Box of the diagram for all receivers of the rows. Forwarded rows get one box, because several arrows would cross.
+    """
+
+
+@dataclass(frozen=True, slots=True)
+class Diagram:
+    """Content of the diagram from left to right."""
+
+    senders: tuple[End, ...]
+    groups: tuple[Group, ...]
+    receivers: tuple[End, ...]
+
+
+def diagram(bridge: ir.Bridge) -> Diagram:
+    """Return the diagram. Rows with the same sender and receivers share a group, so that the diagram has few arrows."""
+    grouped: dict[tuple[bool, End, tuple[str, ...]], list[ir.Route]] = {}
+    for route in sorted(bridge.routes, key=lambda route: not route.inbound):
+        end = _end(route)
+        grouped.setdefault((route.inbound, end, route.forward), []).append(route)
+    groups = []
+    for index, ((inbound, end, forward), rows) in enumerate(grouped.items()):
+        sender, receiver = (end, _forwarded(_ROS, forward)) if inbound else (_ROS, end)
+        ends = _as("from", sender), _as("to", receiver)
+        groups.append(Group(f"rows_{index}", tuple(rows[:_SHOWN]), max(0, len(rows) - _SHOWN), *ends))
+    senders = dict.fromkeys(group.sender for group in groups)
+    return Diagram(tuple(senders), tuple(groups), tuple(dict.fromkeys(group.receiver for group in groups)))
+
+
+_ROS = End("ros", "ROS 2")
+
+
+def _forwarded(end: End, forward: tuple[str, ...]) -> End:
+    if not forward:
+        return end
+    return End("_".join((end.id, *forward)), f"{end.label}<br>forwarded to {', '.join(forward)}")
+
+
+def _as(role: str, end: End) -> End:
+    return End(f"{role}_{end.id}", end.label)
+
+
+def _end(route: ir.Route) -> End:
+    """Return the diagram's box for the peer's end of a row: its board, or the whole peer if the row has no board."""
+    peer = route.peer
+    if not route.board:
+        return End(peer, peer)
+    return End(f"{peer}_{re.sub(r'[^A-Za-z0-9]', '_', route.board)}", f"{peer}: {route.board}")

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from roverlink.generator import ir
 from roverlink.generator.emit.targets.python.imports import Import
 from roverlink.generator.ir import ros_names
-from roverlink.generator.ir.pb2_paths import module_path
+from roverlink.generator.ir.protobuf_facts import module_path
 
 _ANNOTATIONS = {
     "bool": "Bool",

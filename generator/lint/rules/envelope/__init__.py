@@ -1,1 +1,0 @@
-"""Rules about the numbers of the envelope."""

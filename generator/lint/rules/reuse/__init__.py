@@ -1,1 +1,0 @@
-"""Rules about numbers and names that had another meaning in the past."""

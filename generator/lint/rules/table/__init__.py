@@ -1,1 +1,0 @@
-"""Rules about rows, names and topics of the table."""

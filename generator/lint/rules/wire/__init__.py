@@ -1,1 +1,0 @@
-"""Rules about changes that make two versions misread each other's bytes."""
