@@ -10,10 +10,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
-
-from rich.console import Console
-from rich.live import Live
+from typing import TYPE_CHECKING, Any
 
 from roverlink import topic_types
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, isolate_ros, project_folder, seconds
@@ -33,6 +30,9 @@ from roverlink.simulation.demo_parts import ENTRY_POINTS, STEP_NS, DemoPart, Dem
 from roverlink.simulation.pace import Pace
 from roverlink.simulation.peers import on_loopback
 from roverlink.simulation.simulated_keys import make_throw_away_keys
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 _RATE_HZ = 20.0
 _REFRESH_HZ = 4
@@ -75,6 +75,8 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the bridge with simulated peers, and show its traffic. The exit code is 1 if a row had no bridged message."""
+    from rich.console import Console  # here: --help needs no rich
+
     project = project_folder(arguments.project)
     registry = load_project(project)
     console = Console()
@@ -207,6 +209,8 @@ class _Rig:
 
 
 def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
+    from rich.live import Live
+
     pace, steps = Pace(1.0, lambda _: console.print("this computer is too slow: the simulated time has paused")), 0
     start = time.monotonic()
     next_send = next_report = start

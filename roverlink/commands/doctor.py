@@ -7,9 +7,6 @@ import json
 import sys
 from pathlib import Path
 
-from rich.console import Console
-from rich.text import Text
-
 from roverlink import doctor_checks
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_project, command, project_folder
 from roverlink.diagnostic_text import show_error
@@ -66,6 +63,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps([diagnosis.as_dict() for diagnosis in found], indent=2))
     else:
+        from rich.console import Console  # here: --help needs no rich
+        from rich.text import Text
+
         console = Console(highlight=False, soft_wrap=True)
         for diagnosis in found:
             verdict = Text(f"{diagnosis.verdict:<8}", _STYLES[diagnosis.verdict])

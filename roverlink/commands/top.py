@@ -12,10 +12,7 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from rich.console import Console
-from rich.live import Live
-
-from roverlink import link_page, top_screen, topic_types
+from roverlink import link_page, topic_types
 from roverlink.console import FINDINGS, OK, Subparsers, add_middleware, command, print_note, seconds
 from roverlink.heard_bridges import QUIET_S, HeardBridges, has_problems
 from roverlink.keyboard import Keyboard
@@ -138,6 +135,10 @@ def _show(arrived: queue.Queue[bytes], heard: HeardBridges, as_json: bool) -> in
         for bridge in heard.bridges:
             print(json.dumps(bridge.page, indent=2))
     else:
+        from rich.console import Console  # here: --help needs no rich
+
+        from roverlink import top_screen
+
         console = Console()
         console.print(top_screen.printed(heard.bridges, console.width))
     warnings = heard.warnings()
@@ -163,6 +164,11 @@ def _tell_new(warnings: Sequence[str], told: set[str]) -> None:
 
 
 def _follow(arrived: queue.Queue[bytes], heard: HeardBridges) -> int:
+    from rich.console import Console  # here: --help needs no rich
+    from rich.live import Live
+
+    from roverlink import top_screen
+
     view, console = top_screen.View(), Console()
     with Keyboard() as keyboard, Live(console=console, screen=True, auto_refresh=False) as live:
         while True:

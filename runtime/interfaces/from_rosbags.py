@@ -30,7 +30,7 @@ def full_name(type_name: str) -> str:
 def message_type(type_name: str) -> type[Message]:
     """Return the class of a standard message by its full name.
 
-    Raises `SetupError` if rosbags is not installed or does not know the type.
+    Raises `SetupError` if rosbags does not know the type.
     """
     store = _store()
     if type_name not in store.fielddefs:
@@ -47,12 +47,8 @@ def message_type(type_name: str) -> type[Message]:
 
 @cache
 def _store() -> Typestore:
-    try:
-        from rosbags.typesys import Stores, get_typestore
-    except ImportError as error:
-        raise SetupError(
-            "standard ROS 2 types need the rosbags package; install it with `pip install 'rosbags>=0.11'`"
-        ) from error
+    from rosbags.typesys import Stores, get_typestore  # here: it is an optional package
+
     # Some standard messages differ between distributions, and with them their type hashes.
     distribution = os.environ.get("ROS_DISTRO", "humble").upper()
     return get_typestore(getattr(Stores, f"ROS2_{distribution}", Stores.ROS2_HUMBLE))

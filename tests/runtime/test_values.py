@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import runpy
-import sys
 from typing import Any
 
 import pytest
@@ -122,17 +120,6 @@ def test_an_unknown_type_leads_to_the_nearest() -> None:
     """A type that is not among ROS 2's common interfaces leads to the one that was probably meant."""
     with pytest.raises(SetupError, match=r"unknown ROS 2 type 'sensor_msgs/msg/Imus'; did you mean '.*/Imu'\?"):
         from_rosbags.message_type("sensor_msgs/msg/Imus")
-
-
-def test_without_rosbags_standard_types_say_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The definitions come with an optional package, which is named where it is missing."""
-    for name in [name for name in sys.modules if name.partition(".")[0] == "rosbags"]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "rosbags", None)
-    monkeypatch.delitem(sys.modules, from_rosbags.__name__)
-    fresh = runpy.run_module(from_rosbags.__name__)
-    with pytest.raises(SetupError, match=r"pip install 'rosbags>=0.11'"):
-        fresh["message_type"]("std_msgs/msg/String")
 
 
 def test_what_json_has_no_form_for_is_shown_field_by_field() -> None:

@@ -7,9 +7,6 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-from rich.table import Table
-
 from roverlink.console import OK, Subparsers, command
 
 if TYPE_CHECKING:
@@ -82,6 +79,9 @@ def _facts(recording: Recording) -> dict[str, Any]:
 
 
 def _print(facts: dict[str, Any], jumps: list[ClockJump]) -> None:
+    from rich.console import Console  # here: --help needs no rich
+    from rich.table import Table
+
     from roverlink.runtime.recording.clocks import local_time
 
     console = Console(highlight=False, markup=False, soft_wrap=True)
