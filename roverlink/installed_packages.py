@@ -13,8 +13,13 @@ from pathlib import Path
 
 _PACKAGES = {
     **{name: name for name in ("argcomplete", "black", "jinja2", "mcap", "pyarrow", "rich", "rosbags")},
-    **{"foxglove": "foxglove-sdk", "google": "protobuf", "grpc_tools": "grpcio-tools", "yaml": "pyyaml"},
-    **{"lz4": "mcap", "prometheus_client": "prometheus-client", "zstandard": "mcap"},
+    "foxglove": "foxglove-sdk",
+    "google": "protobuf",
+    "grpc_tools": "grpcio-tools",
+    "yaml": "pyyaml",
+    "lz4": "mcap",
+    "prometheus_client": "prometheus-client",
+    "zstandard": "mcap",
 }
 """Packages that roverlink imports, by the first part of a module's name."""
 

@@ -31,8 +31,6 @@ from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
-from roverlink.runtime.core.errors import SetupError
-
 # A file, from its beginning to its end (MCAP specification, File Structure):
 #
 #     magic, Header, Metadata
