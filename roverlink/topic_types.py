@@ -48,7 +48,7 @@ def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[typ
     if type_name is not None:
         return _named_type(registry, type_name), Qos()
     known = registry.by_topic.values()
-    handler = next((one for one in known if full_topic(one.route.topic) == full_topic(topic)), None)
+    handler = next((handler for handler in known if full_topic(handler.route.topic) == full_topic(topic)), None)
     if handler is None:
         hint = nearest(topic.removeprefix("/"), registry.by_topic)
         raise SetupError(

@@ -103,8 +103,8 @@ def _print_row(said: dict[str, Any]) -> None:
         _line("", ros["type_hash"])
     _line("topic", f"{said['topic']} ({', '.join(_qos(said['qos']))})")
     _line("direction", f"{said['direction']}; {_peer(peer)}")
-    for one in said["forward"]:
-        _line("forwarded", f"raw to {_peer(one)}")
+    for target in said["forward"]:
+        _line("forwarded", f"raw to {_peer(target)}")
     _line("size", _size(said["size"], peer))
     _line("published", "; ".join(said["published"]) or "never, according to mapping.lock")
     for usage in said["history"] or []:

@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
     except DiagnosticsError as error:
         show_error(error, Path.cwd(), sys.stderr)
         print("nothing was written", file=sys.stderr)
-        return UNABLE if any(one.severity is Severity.FATAL for one in error.findings) else FINDINGS
+        return UNABLE if any(finding.severity is Severity.FATAL for finding in error.findings) else FINDINGS
     return OK
 
 
@@ -155,7 +155,10 @@ def _print_adoption(adoption: Adoption) -> None:
     _print_findings(adoption)
     added = sum(change.verb == "added" for change in adoption.changes)
     others = [change for change in adoption.changes if change.verb != "added"]
-    print(f"wrote {TABLE} and {added - 1} generated files" + "".join(f"; {one.verb} {one.path}" for one in others))
+    print(
+        f"wrote {TABLE} and {added - 1} generated files"
+        + "".join(f"; {change.verb} {change.path}" for change in others)
+    )
     print("next:")
     directions = f"{counted(guessed, 'direction')} and " if guessed else ""
     print(f"  check {TABLE}: {directions}the peers' ports are guessed")

@@ -244,7 +244,7 @@ class LinkExchange:
 
     def _new_sender(self, session: int, now: float) -> _Sender:
         if len(self._senders) >= _MOST_SENDERS:
-            del self._senders[min(self._senders, key=lambda one: self._senders[one].heard)]
+            del self._senders[min(self._senders, key=lambda sender: self._senders[sender].heard)]
         return _Sender(session, now)
 
     def _end_of(self, numbers: Collection[int]) -> EndName | None:
@@ -260,7 +260,7 @@ class LinkExchange:
         """Return the end to which the bridge sends what concerns an end: boards may share the address of their peer."""
         if end in self._writers:
             return end
-        return next(one for one in self._writers if one.peer == end.peer)
+        return next(writer for writer in self._writers if writer.peer == end.peer)
 
     def _received_from(self, end: EndName) -> int:
         return sum(self._received[row] for row in self._own[end]) + self._received_links[end]

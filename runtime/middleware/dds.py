@@ -169,7 +169,7 @@ class DdsMiddleware:
         condition = ReadCondition(reader, EVERYTHING)
         raw_reader = RawReader(reader)
         read = ServedTopic(raw_reader, callback, priority)
-        self._topics = tuple(sorted((*self._topics, read), key=lambda one: one.priority, reverse=True))
+        self._topics = tuple(sorted((*self._topics, read), key=lambda topic: topic.priority, reverse=True))
         # The package deletes an entity in DDS when Python collects it (see `cyclone`), so everything is kept here.
         self._conditions.append(condition)
         self._waitset.attach(condition)
@@ -177,7 +177,7 @@ class DdsMiddleware:
 
         def close() -> None:
             with self._serving:
-                self._topics = tuple(one for one in self._topics if one is not read)
+                self._topics = tuple(topic for topic in self._topics if topic is not read)
                 self._announcer.remove_reader(reader)
                 self._waitset.detach(condition)
                 self._conditions.remove(condition)

@@ -65,7 +65,7 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
         ({"peer": peer, "board": board, "event": event}, count)
         for (peer, board, event), count in sorted(state.link_events.items())
     ]
-    ends = [({"peer": one.end.peer, "board": one.end.board}, one) for one in state.ends]
+    ends = [({"peer": end_state.end.peer, "board": end_state.end.board}, end_state) for end_state in state.ends]
     yield "link_ok", "1 if the address of the peer or board is known and reachable, else 0.", [
         (labels, end.link == "ok") for labels, end in ends
     ]

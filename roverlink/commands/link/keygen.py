@@ -38,8 +38,8 @@ def run(arguments: argparse.Namespace) -> int:
     path = arguments.out or Path(f"{arguments.name}{SUFFIX}")
     now = datetime.now(timezone.utc)
     keys = (add_keys if arguments.rotate else make_key_file)(path, arguments.name, now)
-    for one in keys:
-        print(f"{path}: new key {one.key.id} from {one.key.sender} to {one.receiver}")
+    for file_key in keys:
+        print(f"{path}: new key {file_key.key.id} from {file_key.key.sender} to {file_key.receiver}")
     if arguments.rotate:
         print("copy the file to the other end and restart both; then mark the new keys with `send_with = yes`")
     else:
