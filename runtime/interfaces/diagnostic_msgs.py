@@ -11,12 +11,6 @@ from typing import ClassVar
 from roverlink.runtime.core.messages import Byte, Message
 from roverlink.runtime.interfaces import std_msgs
 
-__all__ = [
-    "DiagnosticArray",
-    "DiagnosticStatus",
-    "KeyValue",
-]
-
 
 @dataclass(slots=True)
 class KeyValue(Message):

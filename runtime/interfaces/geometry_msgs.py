@@ -11,21 +11,6 @@ from typing import Annotated, ClassVar
 from roverlink.runtime.core.messages import Float64, Length, Message
 from roverlink.runtime.interfaces import std_msgs
 
-__all__ = [
-    "Point",
-    "Pose",
-    "PoseStamped",
-    "PoseWithCovariance",
-    "PoseWithCovarianceStamped",
-    "Quaternion",
-    "Transform",
-    "TransformStamped",
-    "Twist",
-    "TwistStamped",
-    "TwistWithCovariance",
-    "Vector3",
-]
-
 
 @dataclass(slots=True)
 class Point(Message):

@@ -11,11 +11,6 @@ from typing import ClassVar
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import geometry_msgs, std_msgs
 
-__all__ = [
-    "Odometry",
-    "Path",
-]
-
 
 @dataclass(slots=True)
 class Odometry(Message):

@@ -21,30 +21,6 @@ from roverlink.runtime.core.messages import (
 )
 from roverlink.runtime.interfaces import Time
 
-__all__ = [
-    "DescribeParametersRequest",
-    "DescribeParametersResponse",
-    "FloatingPointRange",
-    "GetParameterTypesRequest",
-    "GetParameterTypesResponse",
-    "GetParametersRequest",
-    "GetParametersResponse",
-    "IntegerRange",
-    "ListParametersRequest",
-    "ListParametersResponse",
-    "ListParametersResult",
-    "Log",
-    "Parameter",
-    "ParameterDescriptor",
-    "ParameterEvent",
-    "ParameterValue",
-    "SetParametersAtomicallyRequest",
-    "SetParametersAtomicallyResponse",
-    "SetParametersRequest",
-    "SetParametersResponse",
-    "SetParametersResult",
-]
-
 
 @dataclass(slots=True)
 class FloatingPointRange(Message):

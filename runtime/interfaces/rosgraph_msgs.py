@@ -11,10 +11,6 @@ from typing import ClassVar
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import Time
 
-__all__ = [
-    "Clock",
-]
-
 
 @dataclass(slots=True)
 class Clock(Message):

@@ -20,16 +20,6 @@ from roverlink.runtime.core.messages import (
 )
 from roverlink.runtime.interfaces import geometry_msgs, std_msgs
 
-__all__ = [
-    "CameraInfo",
-    "CompressedImage",
-    "Image",
-    "Imu",
-    "NavSatFix",
-    "NavSatStatus",
-    "RegionOfInterest",
-]
-
 
 @dataclass(slots=True)
 class RegionOfInterest(Message):

@@ -11,11 +11,6 @@ from typing import ClassVar
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import Time
 
-__all__ = [
-    "Header",
-    "String",
-]
-
 
 @dataclass(slots=True)
 class Header(Message):

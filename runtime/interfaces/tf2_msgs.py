@@ -11,10 +11,6 @@ from typing import ClassVar
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import geometry_msgs
 
-__all__ = [
-    "TFMessage",
-]
-
 
 @dataclass(slots=True)
 class TFMessage(Message):

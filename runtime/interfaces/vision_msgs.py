@@ -11,19 +11,6 @@ from typing import ClassVar
 from roverlink.runtime.core.messages import Float64, Message
 from roverlink.runtime.interfaces import geometry_msgs, std_msgs
 
-__all__ = [
-    "BoundingBox2D",
-    "BoundingBox3D",
-    "Detection2D",
-    "Detection2DArray",
-    "Detection3D",
-    "Detection3DArray",
-    "ObjectHypothesis",
-    "ObjectHypothesisWithPose",
-    "Point2D",
-    "Pose2D",
-]
-
 
 @dataclass(slots=True)
 class Point2D(Message):

@@ -141,7 +141,7 @@ def module(
         uses_dataclasses=any("dataclasses." in field.default for field in fields),
         typing="Annotated, ClassVar" if any("Annotated[" in field.annotation for field in fields) else "ClassVar",
         imports=import_lines(imports),
-        names=sorted(_class(interface.local_name) for interface in interfaces),
+        names=sorted(_class(interface.local_name) for interface in interfaces) if imported else [],
         messages=messages,
     )
 
