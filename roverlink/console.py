@@ -109,6 +109,15 @@ def add_key_file(parser: argparse.ArgumentParser, help: str) -> None:
     parser.add_argument("--key-file", type=Path, action="append", default=[], metavar="FILE", help=help)
 
 
+def add_destination(parser: argparse._ActionsContainer, what: str = "address of the bridge") -> None:
+    """Add the option ``--to`` to a parser or a group of options: the address of a bridge, which ``what`` describes."""
+    from roverlink.runtime.ros_arguments.parameters import LISTEN_PORT  # here: few commands need the parameters
+
+    parser.add_argument(
+        "--to", default=f"127.0.0.1:{LISTEN_PORT}", metavar="HOST:PORT", help=f"{what} (default: %(default)s)"
+    )
+
+
 def add_table(parser: argparse.ArgumentParser) -> None:
     """Add the option ``--table`` to a parser: the path of mapping.yaml."""
     parser.add_argument(

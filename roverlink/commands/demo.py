@@ -20,16 +20,16 @@ from roverlink.installed_packages import entry_points
 from roverlink.runtime import Registry
 from roverlink.runtime.client import BlockingPeer, Received
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.registry import AnyHandler
-from roverlink.runtime.middleware import Middleware, Publisher
+from roverlink.runtime.middleware import Middleware
 from roverlink.runtime.text.values import message_to_values, payload_to_values
 from roverlink.simulation import crossings
-from roverlink.simulation.bridge_host import bridge_with
+from roverlink.simulation.bridge_host import MIDDLEWARES, bridge_with
 from roverlink.simulation.crossings import Crossing
 from roverlink.simulation.demo_parts import ENTRY_POINTS, STEP_NS, DemoPart, DemoSetting, OpenParts
 from roverlink.simulation.pace import Pace
 from roverlink.simulation.peers import on_loopback
 from roverlink.simulation.simulated_keys import make_throw_away_keys
+from roverlink.simulation.simulated_nodes import SimulatedNodes
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -65,7 +65,7 @@ def add(commands: Subparsers) -> None:
     )
     parser.add_argument(
         "--middleware",
-        choices=("dds", "rclpy", "memory"),
+        choices=MIDDLEWARES,
         default="dds" if importlib.util.find_spec("cyclonedds") else "memory",
         help="connection between the bridge and the ROS 2 node. dds, rclpy: the bridge is a separate process in ROS 2; "
         "memory: bridge and node run in one process, without ROS 2 (default: %(default)s)",
@@ -140,39 +140,19 @@ class _Rig:
         rows but those of the ``parts``.
         """
         self._peers, self._parts = peers, parts
-        self._elsewhere = {row for part in parts for row in part.rows}
-        self._publishers: list[tuple[AnyHandler, Publisher]] = []
+        elsewhere = {row for part in parts for row in part.rows}
         self._inbound = [
-            handler
-            for handler in registry.handlers
-            if handler.route.inbound and handler.route.name not in self._elsewhere
+            handler for handler in registry.handlers if handler.route.inbound and handler.route.name not in elsewhere
         ]
+        self._nodes = SimulatedNodes(registry, middleware, elsewhere)
         self.crossings = [Crossing(handler) for handler in registry.handlers]
         self.forwarded = 0
         self._by_number = {crossing.handler.route.number: crossing for crossing in self.crossings}
         for crossing in self.crossings:
-            self._join(crossing, middleware)
+            if crossing.handler.route.inbound:
+                _subscribe(crossing, middleware)
         for part in parts:
             part.join(middleware)
-
-    def _join(self, crossing: Crossing, middleware: Middleware) -> None:
-        """Create the ROS 2 node's subscriber for a row that comes from a peer, or its publisher for a row to a peer."""
-        handler = crossing.handler
-        topic = topic_types.full_topic(handler.route.topic)
-        if not handler.route.inbound:
-            if handler.route.name in self._elsewhere:
-                return
-            self._publishers.append((handler, middleware.publisher(topic, handler.message_type, handler.route.qos)))
-            return
-
-        def values(data: bytes) -> dict[str, Any]:
-            return message_to_values(cdr.decode(handler.message_type, data))
-
-        def seen(messages: Sequence[bytes]) -> None:
-            for data in messages:
-                crossing.add(partial(values, data))
-
-        middleware.subscribe(topic, handler.message_type, handler.route.qos, seen)
 
     def send(self, seconds: float) -> None:
         """Send one datagram for each row that comes from a peer; publish one message for each row that goes to a peer.
@@ -182,8 +162,7 @@ class _Rig:
         """
         for handler in self._inbound:
             self._peers[handler.route.peer].send(payload_at(handler.payload_type, seconds), handler.route.name)
-        for handler, publisher in self._publishers:
-            publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
+        self._nodes.publish(seconds)
 
     def step(self) -> None:
         """Read the payloads that have arrived, and advance the time of the parts by a step.
@@ -206,6 +185,21 @@ class _Rig:
             self.forwarded += 1
         else:
             crossing.add(partial(payload_to_values, received.payload))
+
+
+def _subscribe(crossing: Crossing, middleware: Middleware) -> None:
+    """Count the messages on the topic of a row that comes from a peer."""
+    handler = crossing.handler
+
+    def values(data: bytes) -> dict[str, Any]:
+        return message_to_values(cdr.decode(handler.message_type, data))
+
+    def seen(messages: Sequence[bytes]) -> None:
+        for data in messages:
+            crossing.add(partial(values, data))
+
+    topic = topic_types.full_topic(handler.route.topic)
+    middleware.subscribe(topic, handler.message_type, handler.route.qos, seen)
 
 
 def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:

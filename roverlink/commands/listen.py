@@ -15,7 +15,6 @@ from roverlink.runtime.net import udp
 from roverlink.runtime.text.values import payload_to_values
 
 _RECEIVE_BUFFER = 1024 * 1024
-_LARGEST = 65_536
 _EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # boards are other machines, so loopback is not enough
 
 
@@ -53,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     with udp.bind(arguments.address, arguments.port, _RECEIVE_BUFFER) as sock:
         print(f"listening on UDP port {sock.getsockname()[1]}", file=sys.stderr)
         while arguments.count is None or seen < arguments.count:
-            datagram, (host, port) = sock.recvfrom(_LARGEST)
+            datagram, (host, port) = sock.recvfrom(udp.LARGEST)
             print(json.dumps({"from": f"{host}:{port}", **_line(registry, translator, datagram)}), flush=True)
             seen += 1
     return OK

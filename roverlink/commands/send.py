@@ -5,14 +5,23 @@ from __future__ import annotations
 import argparse
 import time
 
-from roverlink.console import OK, Subparsers, add_key_file, add_project, command, count, project_folder, rate
+from roverlink.console import (
+    OK,
+    Subparsers,
+    add_destination,
+    add_key_file,
+    add_project,
+    command,
+    count,
+    project_folder,
+    rate,
+)
 from roverlink.generated_code import load_project
 from roverlink.runtime import ConversionError, Registry, SetupError
 from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core.errors import nearest
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.net import udp
-from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.text.assignments import payload_from_assignments
 
 
@@ -36,12 +45,7 @@ def add(commands: Subparsers) -> None:
         metavar="field=value",
         help="a field of the payload and its value; all other fields are zero",
     )
-    parser.add_argument(
-        "--to",
-        default=f"127.0.0.1:{parameters.LISTEN_PORT}",
-        metavar="HOST:PORT",
-        help="address of the bridge (default: %(default)s)",
-    )
+    add_destination(parser)
     parser.add_argument(
         "--count", type=count, default=1, metavar="N", help="number of datagrams to send (default: %(default)s)"
     )

@@ -16,10 +16,12 @@ from typing import IO, Any, Protocol, cast
 
 from roverlink.runtime import NODE, Bridge, Registry, SetupError
 from roverlink.runtime.bridge.signed_peers import open_links
-from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
+from roverlink.runtime.middleware import NAMES, Middleware, NodeIdentity, open_middleware
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.ros_arguments import parameters
 
+MIDDLEWARES = tuple(name for name in NAMES if name != "auto")
+"""Middlewares with which `bridge_with` starts a bridge."""
 _STOP_TIMEOUT_S = 20.0  # on a busy machine it may take long to handle the datagrams that have arrived
 
 

@@ -111,7 +111,6 @@ class LinkExchange:
         policy: str,
         account: Account,
         warnings: ThrottledWarnings,
-        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Exchange link messages with the ends in ``sends``, each with the function that sends datagrams to it.
 
@@ -121,7 +120,7 @@ class LinkExchange:
         ``account``.
         """
         self._hashes, self._registry = hashes, registry
-        self._warnings, self._clock = warnings, clock
+        self._warnings = warnings
         self._sends, self._refuse, self._policy = sends, refuse, policy
         self._own = _own_rows(registry)
         in_turn = {end: link_message.rows_in_turn(registry, end) for end in self._own}
@@ -131,9 +130,9 @@ class LinkExchange:
             end: LinkWriter(registry.envelope, session, {number: hashes[number] for number in in_turn[end]})
             for end in sends
         }
-        self._due = dict.fromkeys(sends, clock())
+        self._due = dict.fromkeys(sends, time.monotonic())
         self._asked: set[EndName] = set(sends)  # ends that need the hashes of all rows at once
-        self._began_us = time.time_ns() // 1000 - int(clock() * 1e6)
+        self._began_us = time.time_ns() // 1000 - int(time.monotonic() * 1e6)
         self._senders: dict[int, _Sender] = {}
         self._restarts: Counter[EndName] = Counter()
         self._received: Counter[str | None] = Counter()  # by row
@@ -170,7 +169,7 @@ class LinkExchange:
 
     def _now_us(self) -> int:
         # Of the monotonic clock, so that nobody can set it; it starts at the system's time, which peers may want.
-        return self._began_us + int(self._clock() * 1e6)
+        return self._began_us + int(time.monotonic() * 1e6)
 
     # --- receiving ---
 
@@ -202,7 +201,7 @@ class LinkExchange:
 
     def _take(self, message: LinkMessage, peers: frozenset[str] | None) -> EndName | None:
         """Take a link message. Return its end if the message itself tells it, not only earlier ones of its session."""
-        now, arrived_us = self._clock(), self._now_us()
+        now, arrived_us = time.monotonic(), self._now_us()
         with self._lock:
             sender = self._senders.get(message.session)
             is_new = sender is None
@@ -323,7 +322,7 @@ class LinkExchange:
         A peer with boards is listed in their place if one program speaks for the whole peer.
         """
         with self._lock:
-            now, wall_us = self._clock(), time.time_ns() // 1000
+            now, wall_us = time.monotonic(), time.time_ns() // 1000
             reports = []
             whole = {sender.end for sender in self._senders.values() if sender.end and not sender.end.board}
             for end in self._own:

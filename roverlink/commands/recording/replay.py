@@ -6,7 +6,7 @@ import argparse
 import socket
 import sys
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from roverlink.console import (
     FINDINGS,
     OK,
     Subparsers,
+    add_destination,
     add_middleware,
     add_project,
     add_recording,
@@ -30,16 +31,14 @@ from roverlink.runtime import Qos, SetupError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.rosgraph_msgs import Clock
-from roverlink.runtime.middleware import Middleware, Publisher, open_middleware
+from roverlink.runtime.middleware import Middleware, open_middleware
 from roverlink.runtime.net import udp
-from roverlink.runtime.ros_arguments import parameters
 
 if TYPE_CHECKING:
     from roverlink.runtime.recording.playback import Playback
     from roverlink.runtime.recording.reader import Recording
     from roverlink.runtime.recording.replaying import BoardReplay, RosReplay, Timed
 
-_FLUSH_S = 0.2  # a reliable reader may still ask for a lost sample
 _TICK_S = 0.025  # 40 a second, the rate at which rosbag2 publishes /clock
 _SEEK_S = {"left": -10.0, "right": 10.0, "down": -60.0, "up": 60.0}
 _CLOCK_END_NS = (1 << 31) * 1_000_000_000  # builtin_interfaces/msg/Time has 32 bits for the seconds
@@ -75,12 +74,7 @@ def add(commands: Subparsers) -> None:
         help="board: send the recorded datagrams to a bridge, as the boards did; ros: publish the recorded topics, as "
         "the bridge did (default: %(default)s)",
     )
-    parser.add_argument(
-        "--to",
-        default=f"127.0.0.1:{parameters.LISTEN_PORT}",
-        metavar="HOST:PORT",
-        help="with --as board: address of the bridge (default: %(default)s)",
-    )
+    add_destination(parser, "with --as board: address of the bridge")
     parser.add_argument(
         "--topic",
         action="append",
@@ -110,13 +104,7 @@ def add(commands: Subparsers) -> None:
         help="begin S seconds after the start of the recording (default: 0)",
     )
     parser.add_argument("--loop", action="store_true", help="replay again and again, until Ctrl-C")
-    parser.add_argument(
-        "--wait",
-        type=seconds,
-        default=3.0,
-        metavar="S",
-        help="with --as ros: wait at most S seconds for a subscriber, then publish anyway (default: 3)",
-    )
+    topic_types.add_wait(parser, "with --as ros: ")
     add_middleware(parser)
     parser.set_defaults(run=run, runs_until_stopped=True)
 
@@ -254,24 +242,11 @@ def _to_topics(replay: RosReplay, middleware: Middleware, wait: float, stack: Ex
         topic: middleware.publisher(topic, endpoint.message_type, endpoint.qos)
         for topic, endpoint in replay.endpoints.items()
     }
-    _wait_for_subscriber(publishers.values(), wait)
+    topic_types.wait_for_subscriber(publishers.values(), wait, "none of the topics has a subscriber yet")
     # Registered after the middleware, so it runs before the middleware closes.
-    stack.callback(time.sleep, _FLUSH_S)
+    stack.callback(time.sleep, topic_types.FLUSH_S)
 
     def send(message: Timed) -> None:
         publishers[message.topic].publish([message.data])
 
     return send
-
-
-def _wait_for_subscriber(publishers: Collection[Publisher], seconds: float) -> None:
-    """Wait until one of the topics has a subscriber, but at most ``seconds`` seconds.
-
-    Messages that are published before a subscriber is there are lost.
-    """
-    deadline = time.monotonic() + seconds
-    while not any(publisher.has_subscribers() for publisher in publishers):
-        if time.monotonic() > deadline:
-            print("none of the topics has a subscriber yet; publishing anyway", file=sys.stderr)
-            return
-        time.sleep(0.02)
