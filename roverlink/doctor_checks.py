@@ -6,7 +6,6 @@ Each check examines one thing and returns its result as a `Diagnosis`. It change
 from __future__ import annotations
 
 import dataclasses
-import importlib
 import os
 import platform
 import re
@@ -28,7 +27,7 @@ from roverlink.installed_packages import installed_version
 from roverlink.runtime import MiddlewareError, Registry, RoverlinkError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
-from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.middleware import NodeIdentity, can_import, open_middleware
 from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.net import hosts, udp
 from roverlink.runtime.ros_arguments import parameters
@@ -36,7 +35,7 @@ from roverlink.runtime.ros_arguments.parameters import Parameters
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.runtime.text.host_names import LEARN
 
-_NEEDED = ("protobuf", "pyyaml", "jinja2", "rich")
+_NEEDED = ("protobuf", "pyyaml", "jinja2", "black", "rich", "grpcio-tools")
 _EXTRAS = {
     "mcap": "record",
     "foxglove-sdk": "foxglove",
@@ -289,7 +288,7 @@ def _multicast() -> Iterator[Diagnosis]:
 def _ros(registry: Registry | None) -> Iterator[Diagnosis]:
     distribution = os.environ.get("ROS_DISTRO", "")
     domain = os.environ.get("ROS_DOMAIN_ID", "0")
-    rclpy = _imports("rclpy")
+    rclpy = can_import("rclpy")
     if distribution and not rclpy:
         says = f"ROS 2 {distribution} is sourced, but this Python {platform.python_version()} cannot import rclpy"
         environment = "/usr/bin/python3 -m venv --system-site-packages .venv"
@@ -306,14 +305,6 @@ def _ros(registry: Registry | None) -> Iterator[Diagnosis]:
         yield Diagnosis("error", "ROS 2", says, cure)
     elif not rclpy:
         yield _joins(str(dds), domain)
-
-
-def _imports(module: str) -> bool:
-    try:
-        importlib.import_module(module)
-    except ImportError:
-        return False
-    return True
 
 
 def _joins(version: str, domain: str) -> Diagnosis:

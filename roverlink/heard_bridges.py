@@ -15,6 +15,7 @@ from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, Diagno
 
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
 """Names of the levels of a status, by their numbers in diagnostic_msgs/DiagnosticStatus."""
+_BADNESS = ("OK", "WARN", "STALE", "ERROR")
 DROPPED = "dropped."
 """Prefix of the values that count drops by reason."""
 QUIET_S = 3.0
@@ -197,6 +198,11 @@ def _number(text: str) -> float | None:
             continue
         return number if math.isfinite(number) else None
     return None
+
+
+def badness(level: str) -> int:
+    """Return a number that is greater the worse a level is; a level of which nothing is known is the worst."""
+    return _BADNESS.index(level) if level in _BADNESS else len(_BADNESS)
 
 
 def has_problems(page: dict[str, Any]) -> bool:

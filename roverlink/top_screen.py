@@ -12,10 +12,19 @@ from rich.cells import cell_len
 from rich.console import RenderableType
 from rich.text import Text
 
-from roverlink.heard_bridges import DROPPED, LEVELS, QUIET_S, HeardBridge, HeardBridges, full_name, instance, place
+from roverlink.heard_bridges import (
+    DROPPED,
+    LEVELS,
+    QUIET_S,
+    HeardBridge,
+    HeardBridges,
+    badness,
+    full_name,
+    instance,
+    place,
+)
 
 _STYLES = {"OK": "green", "WARN": "yellow", "ERROR": "bold red", "STALE": "magenta"}
-_BADNESS = {"WARN": 1, "STALE": 2, "ERROR": 3}
 _MISMATCHES = "qos_mismatches."
 _PANEL = 70  # least width of a bridge beside others
 _GAP = 3  # between two bridges
@@ -113,7 +122,7 @@ def _dropped(entry: dict[str, Any]) -> int:
 SORTS: dict[str, Callable[[dict[str, Any]], Any]] = {
     "number": lambda row: row["number"],
     "name": lambda row: row["name"],
-    "level": lambda row: (-_BADNESS.get(row["level"], 0), row["number"]),
+    "level": lambda row: (-badness(row["level"]), row["number"]),
     "rate": lambda row: (-row["rate"], row["number"]),
     "age": lambda row: (-row.get("age", math.inf), row["number"]),
     "dropped": lambda row: (-_dropped(row), row["number"]),

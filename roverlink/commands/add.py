@@ -8,7 +8,7 @@ from pathlib import Path
 
 from roverlink.commands.generate import print_changes, report
 from roverlink.commands.number.next import print_skipped
-from roverlink.console import OK, Subparsers, add_table, command, table_file
+from roverlink.console import OK, Subparsers, add_table, command, print_note, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
 from roverlink.generator.lint.context import Context
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         sys.stdout.writelines(change.diff() for change in changes)
     else:
         print_changes(compiled, changes)
-    print(f"{arguments.name} {'would have' if arguments.dry_run else 'has'} the number {number}", file=sys.stderr)
+    print_note(f"{arguments.name} {'would have' if arguments.dry_run else 'has'} the number {number}")
     return OK
 
 

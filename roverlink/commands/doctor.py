@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
 from roverlink import doctor_checks
@@ -58,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         found = doctor_checks.examine(arguments.project, ros, arguments.pins)
     except DiagnosticsError as error:
-        show_error(error, project_folder(arguments.project), sys.stderr)
+        show_error(error, project_folder(arguments.project))
         return UNABLE
     if arguments.json:
         print(json.dumps([diagnosis.as_dict() for diagnosis in found], indent=2))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import math
 import queue
-import sys
 import time
 from collections.abc import Sequence
 
@@ -89,9 +88,8 @@ def run(arguments: argparse.Namespace) -> int:
             try:
                 data = arrived.get(timeout=None if deadline is None else max(0.0, deadline - time.monotonic()))
             except queue.Empty:
-                print(
+                print_note(
                     f"stopped after {arguments.timeout} s: only {counted(seen, 'message')} came on {arguments.topic}",
-                    file=sys.stderr,
                 )
                 return FINDINGS
             values = message_to_values(cdr.decode(message_type, data))

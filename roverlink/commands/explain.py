@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from typing import Any
 
 from roverlink.console import FINDINGS, OK, Subparsers, add_table, command, table_file
@@ -77,7 +76,7 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
     try:
         project = Project(table, history=arguments.history)
     except DiagnosticsError as error:
-        show_error(error, table.parent, sys.stderr)
+        show_error(error, table.parent)
         return FINDINGS
     row = project.find(what)
     if row is None and (taken := project.taken(what)):

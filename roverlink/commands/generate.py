@@ -7,7 +7,7 @@ import os
 import sys
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, counted, table_file
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, counted, print_note, table_file
 from roverlink.diagnostic_text import Sources, show, show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
 from roverlink.generator.emit.writer import Change, write
@@ -89,7 +89,7 @@ def _check(table: Path, changes: list[Change]) -> int:
     for change in changes:
         sys.stdout.write(change.diff())
     if changes:
-        print(f"{counted(len(changes), 'file')} out of date with {table}; run `roverlink generate`", file=sys.stderr)
+        print_note(f"{counted(len(changes), 'file')} out of date with {table}; run `roverlink generate`")
         return FINDINGS
     print(f"all files are up to date with {table}")
     return OK
@@ -99,6 +99,6 @@ def report(table: Path, error: DiagnosticsError) -> int:
     """Print the diagnostics of an error because of which no file was written, and return the exit code."""
     severities = [finding.severity for finding in error.findings]
     errors = sum(severity.rank <= Severity.ERROR.rank for severity in severities)
-    show_error(error, table.parent, sys.stderr)
-    print(f"{counted(errors, 'error')} in {table}; nothing was written", file=sys.stderr)
+    show_error(error, table.parent)
+    print_note(f"{counted(errors, 'error')} in {table}; nothing was written")
     return UNABLE if Severity.FATAL in severities else FINDINGS

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted, finish_interrupted
+from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted, finish_interrupted, print_note
 from roverlink.diagnostic_text import Sources, show, show_error
 from roverlink.generator.adopt import Adoption, AdoptionRequest, adopt
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
@@ -96,8 +96,8 @@ def run(arguments: argparse.Namespace) -> int:
         if _write(adoption.changes, arguments.dry_run):
             _print_adoption(adoption)
     except DiagnosticsError as error:
-        show_error(error, Path.cwd(), sys.stderr)
-        print("nothing was written", file=sys.stderr)
+        show_error(error, Path.cwd())
+        print_note("nothing was written")
         return UNABLE if any(finding.severity is Severity.FATAL for finding in error.findings) else FINDINGS
     return OK
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from typing import Any
 
-from roverlink.console import OK, Subparsers, add_project, command, count, port, project_folder
+from roverlink.console import OK, Subparsers, add_project, command, count, port, print_note, project_folder
 from roverlink.generated_code import load_project
 from roverlink.runtime import DatagramError, Registry, Translator
 from roverlink.runtime.core.envelope import payload_numbers, restore
@@ -50,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     translator = Translator(registry)
     seen = 0
     with udp.bind(arguments.address, arguments.port, _RECEIVE_BUFFER) as sock:
-        print(f"listening on UDP port {sock.getsockname()[1]}", file=sys.stderr)
+        print_note(f"listening on UDP port {sock.getsockname()[1]}")
         while arguments.count is None or seen < arguments.count:
             datagram, (host, port) = sock.recvfrom(udp.LARGEST)
             print(json.dumps({"from": f"{host}:{port}", **_line(registry, translator, datagram)}), flush=True)

@@ -115,10 +115,9 @@ def run(arguments: argparse.Namespace) -> int:
             page = _next_page(arrived, heard, arguments.timeout - _HEAR_S)
         if page is None:
             bridges = " or ".join(f"named {name!r}" for name in arguments.node)
-            print(
+            print_note(
                 f"no messages of a bridge{bridges and f' {bridges}'} on {diagnostic_array.TOPIC} within "
                 f"{arguments.timeout:g} s; check that the bridge runs in this ROS 2 domain, without --no-diagnostics",
-                file=sys.stderr,
             )
             return FINDINGS
         if arguments.web is not None:

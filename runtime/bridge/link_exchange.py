@@ -16,7 +16,7 @@ import threading
 import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.core import link_message
@@ -347,12 +347,9 @@ class LinkExchange:
         statistics = senders[0].statistics
         alone = len(senders) == 1
         offset = statistics.clock_offset_us
-        return EndReport(
-            end,
-            report.schema,
-            report.differing,
-            report.untold,
-            {rows[number]: hash for number, hash in senders[0].hashes.items() if number in rows},
+        return replace(
+            report,
+            told={rows[number]: hash for number, hash in senders[0].hashes.items() if number in rows},
             senders=len(senders),
             restarts=self._restarts[end],
             age=now - senders[0].heard,

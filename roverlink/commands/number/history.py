@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from posixpath import normpath
 
 from roverlink.console import FINDINGS, UNABLE, Subparsers, command, counted
@@ -50,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
             question = Question(history=True, envelope=not named, report=report)
             found = linted(arguments, question)
     except DiagnosticsError as error:
-        show_error(error, folder_of(arguments), sys.stderr)
+        show_error(error, folder_of(arguments))
         return UNABLE
     context = found.context
     owner = named or context.table.envelope.message

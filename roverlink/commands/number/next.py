@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
-from roverlink.console import UNABLE, Subparsers, command
+from roverlink.console import UNABLE, Subparsers, command, print_note
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.lint.context import Context
@@ -39,18 +38,18 @@ def run(arguments: argparse.Namespace) -> int:
             question = Question(branches=in_repository(folder_of(arguments)), envelope=True, report=report)
             found = linted(arguments, question)
     except DiagnosticsError as error:
-        show_error(error, folder_of(arguments), sys.stderr)
+        show_error(error, folder_of(arguments))
         return UNABLE
     code = print_limits(found, found.context.table.envelope.message)
     if found.context.past is None:
-        print("not a git repository, so the history was not checked", file=sys.stderr)
+        print_note("not a git repository, so the history was not checked")
     envelope, schema = found.context.table.envelope, found.context.schema
     if schema and envelope.message in schema.messages and not envelope.oneof:
-        print(f"{envelope.message!r} has no oneof, so all its fields count as payloads", file=sys.stderr)
+        print_note(f"{envelope.message!r} has no oneof, so all its fields count as payloads")
     print_skipped(found.context)
     number = found.context.next_number()
     if number > LARGEST_NUMBER:
-        print(f"no number is left: numbers end at {LARGEST_NUMBER}", file=sys.stderr)
+        print_note(f"no number is left: numbers end at {LARGEST_NUMBER}")
         return UNABLE
     print(number)
     return code
@@ -61,4 +60,4 @@ def print_skipped(context: Context) -> None:
     largest, number = context.largest_number(), context.next_number()
     for start in [largest + 1] if number > largest else [largest + 1, 1]:
         for first, last, why in context.occupied(start):
-            print(f"{first if first == last else f'{first} to {last}'} {why}", file=sys.stderr)
+            print_note(f"{first if first == last else f'{first} to {last}'} {why}")

@@ -21,6 +21,7 @@ from roverlink.console import (
     add_recording,
     command,
     counted,
+    print_note,
     project_folder,
     rate,
     seconds,
@@ -135,7 +136,7 @@ def run(arguments: argparse.Namespace) -> int:
                 ticks.append(_clock(middleware, recording))
             send = _to_topics(ros, middleware, arguments.wait, stack)
         for note in replay.notes:
-            print(note, file=sys.stderr)
+            print_note(note)
         start = recording.start + int(arguments.start * 1e9)
         keyboard = stack.enter_context(Keyboard())
         if sys.stderr.isatty():
@@ -146,7 +147,7 @@ def run(arguments: argparse.Namespace) -> int:
     what = "datagrams" if arguments.role == "board" else "messages"
     print(f"replayed {sent} {what} in {took:.1f} s")
     for reason, count in replay.refused.items():
-        print(f"skipped {counted(count, 'message')}: {reason}", file=sys.stderr)
+        print_note(f"skipped {counted(count, 'message')}: {reason}")
     return FINDINGS if replay.refused else OK
 
 
@@ -234,9 +235,8 @@ def _to_bridge(destination: tuple[str, int], stack: ExitStack) -> Send:
 
 def _to_topics(replay: RosReplay, middleware: Middleware, wait: float, stack: ExitStack) -> Send:
     if replay.left_out:
-        print(
+        print_note(
             f"skipped because they command the rover: {', '.join(replay.left_out)}; --commands publishes them",
-            file=sys.stderr,
         )
     publishers = {
         topic: middleware.publisher(topic, endpoint.message_type, endpoint.qos)
