@@ -14,11 +14,11 @@ from typing import Any
 
 import yaml
 
+from roverlink import standard_types
 from roverlink.console import print_note, seconds
 from roverlink.runtime import NODE, Qos, Registry, SetupError
 from roverlink.runtime.core.errors import nearest
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.middleware import NodeIdentity, Publisher
 
 FLUSH_S = 0.2
@@ -88,12 +88,12 @@ def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[typ
 
 
 def _named_type(registry: Registry, type_name: str) -> type[Message]:
-    wanted = from_rosbags.full_name(type_name)
+    wanted = standard_types.full_name(type_name)
     for handler in registry.by_topic.values():
         if handler.message_type.__msgtype__ == wanted:
             own: type[Message] = handler.message_type
             return own
-    return from_rosbags.message_type(wanted)
+    return standard_types.message_type(wanted)
 
 
 def full_topic(topic: str) -> str:

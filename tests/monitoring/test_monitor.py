@@ -15,7 +15,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from rich.console import Console
 
 from generated.registry import REGISTRY
-from roverlink import top_screen
+from roverlink import standard_types, top_screen
 from roverlink.console import LOG_FORMATS
 from roverlink.heard_bridges import HeardBridge, HeardBridges, has_problems, page_of
 from roverlink.link_page.link_alarms import peers_of
@@ -27,7 +27,6 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.core.link_message import LinkMessage
 from roverlink.runtime.core.link_statistics import LinkStatistics
 from roverlink.runtime.core.registry import EndName
-from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, KeyValue
 from roverlink.runtime.monitoring import diagnostic_array, prometheus
 from roverlink.runtime.monitoring.histogram import BOUNDS_S, LatencyProbe
@@ -388,7 +387,7 @@ def test_rows_are_sorted_and_filtered() -> None:
 def test_diagnostics_are_those_of_ros2() -> None:
     """The bytes are what the definition of diagnostic_msgs, as rosbags has it, reads."""
     array = diagnostic_array.array_of(_busy(), _STAMP, {})
-    theirs = cdr.decode(from_rosbags.message_type("diagnostic_msgs/msg/DiagnosticArray"), cdr.encode(array))
+    theirs = cdr.decode(standard_types.message_type("diagnostic_msgs/msg/DiagnosticArray"), cdr.encode(array))
     assert message_to_values(theirs) == message_to_values(array)
     values = message_to_values(theirs)
     assert values["header"]["stamp"] == {"sec": 1_700_000_000, "nanosec": 250_000_000}
