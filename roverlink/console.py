@@ -74,6 +74,21 @@ def command(commands: Subparsers, name: str, help: str, example: str, descriptio
     return parser
 
 
+def documented_command(
+    commands: Subparsers, module: str, documentation: str | None, more: str = ""
+) -> argparse.ArgumentParser:
+    """Add the subcommand that a module is to the command line, and return its parser.
+
+    ``module`` is the name of the module. ``documentation`` is its docstring: the line about the subcommand in the help
+    of the whole command line, then the description in the subcommand's own help, and after ``Example:`` a command line.
+    ``more`` are lines at the end of the description.
+    """
+    text, _, example = (documentation or "").rstrip().rpartition("\n\nExample: ")
+    help, _, description = text.partition("\n\n")
+    name = module.rpartition(".")[2].replace("_", "-")
+    return command(commands, name, f"{help[:1].lower()}{help[1:-1]}", example, f"{description}{more}")
+
+
 def command_group(
     commands: Subparsers,
     name: str,

@@ -1,4 +1,20 @@
-"""``roverlink demo``: run the bridge with simulated boards and a simulated basestation, and show the traffic live."""
+"""Run the bridge with simulated boards and a simulated basestation, and show the traffic live.
+
+Run the bridge with simulated boards, a simulated basestation and a ROS 2 node on this computer, to see what
+roverlink does without a rover. No message leaves this computer. If roverkit is installed, a simulated rover
+drives as the messages on drive_motor say; its wheels slip, and its boards measure. With OpenCV, the images
+of its camera are rendered, and its position is computed from the markers in them. With ONNX Runtime,
+another camera detects the parts of a rendered panel. With PyAV, a page in the browser shows the video of
+the rover's camera, as it arrives at the basestation, and a map with the true path of the rover, the path
+that its camera gives, and that of its wheel odometry.
+
+The live table has a row for each message of mapping.yaml: its number, its direction, messages a second,
+messages since the start, and the last value. The last lines say how many of these messages were bridged,
+and what the bridge counted. Exit code 0: each message of mapping.yaml was bridged at least once; 1: one or
+more were not.
+
+Example: roverlink demo --seconds 5
+"""
 
 from __future__ import annotations
 
@@ -13,7 +29,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from roverlink import topic_types
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, isolate_ros, project_folder, seconds
+from roverlink.console import (
+    FINDINGS,
+    OK,
+    Subparsers,
+    add_project,
+    documented_command,
+    isolate_ros,
+    project_folder,
+    seconds,
+)
 from roverlink.generated_code import load_project
 from roverlink.generator.example_payloads import payload_at
 from roverlink.installed_packages import entry_points
@@ -42,23 +67,7 @@ _SHOWN_COUNTERS = ("received", "published", "sent", "forwarded", "dropped", "ker
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "demo",
-        "run the bridge with simulated boards and a simulated basestation, and show the traffic live",
-        "roverlink demo --seconds 5",
-        "Run the bridge with simulated boards, a simulated basestation and a ROS 2 node on this computer, to see what\n"
-        "roverlink does without a rover. No message leaves this computer. If roverkit is installed, a simulated rover\n"
-        "drives as the messages on drive_motor say; its wheels slip, and its boards measure. With OpenCV, the images\n"
-        "of its camera are rendered, and its position is computed from the markers in them. With ONNX Runtime,\n"
-        "another camera detects the parts of a rendered panel. With PyAV, a page in the browser shows the video of\n"
-        "the rover's camera, as it arrives at the basestation, and a map with the true path of the rover, the path\n"
-        "that its camera gives, and that of its wheel odometry.\n\n"
-        "The live table has a row for each message of mapping.yaml: its number, its direction, messages a second,\n"
-        "messages since the start, and the last value. The last lines say how many of these messages were bridged,\n"
-        "and what the bridge counted. Exit code 0: each message of mapping.yaml was bridged at least once; 1: one or\n"
-        "more were not.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     parser.add_argument(
         "--seconds", type=seconds, default=15.0, metavar="S", help="stop after S seconds (default: %(default)s)"

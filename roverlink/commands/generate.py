@@ -1,4 +1,13 @@
-"""``roverlink generate``: compile mapping.yaml and write the generated files."""
+"""Write all files that depend on mapping.yaml: Python handlers, ROS 2 messages, envelope, docs.
+
+Read mapping.yaml and the .proto files, and write all files that are made from them: the Python handlers
+that convert messages, the envelope's .proto file, a ROS 2 package with .msg files, mapping.lock, and
+docs. Run it after each change of mapping.yaml or of a .proto file. The output lists the changed files.
+If there is an error in mapping.yaml or in a .proto file, the command prints it and writes nothing (exit
+code 1). A file that roverlink did not generate is never replaced, unless you give --overwrite.
+
+Example: roverlink generate --check
+"""
 
 from __future__ import annotations
 
@@ -7,7 +16,17 @@ import os
 import sys
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, counted, print_note, table_file
+from roverlink.console import (
+    FINDINGS,
+    OK,
+    UNABLE,
+    Subparsers,
+    add_table,
+    counted,
+    documented_command,
+    print_note,
+    table_file,
+)
 from roverlink.diagnostic_text import Sources, show, show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
 from roverlink.generator.emit.writer import Change, write
@@ -16,17 +35,7 @@ from roverlink.generator.pipeline import Compiled, compile_table
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "generate",
-        "write all files that depend on mapping.yaml: Python handlers, ROS 2 messages, envelope, docs",
-        "roverlink generate --check",
-        "Read mapping.yaml and the .proto files, and write all files that are made from them: the Python handlers\n"
-        "that convert messages, the envelope's .proto file, a ROS 2 package with .msg files, mapping.lock, and\n"
-        "docs. Run it after each change of mapping.yaml or of a .proto file. The output lists the changed files.\n"
-        "If there is an error in mapping.yaml or in a .proto file, the command prints it and writes nothing (exit\n"
-        "code 1). A file that roverlink did not generate is never replaced, unless you give --overwrite.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_table(parser)
     parser.add_argument(
         "--check",

@@ -1,4 +1,11 @@
-"""``roverlink pub``: publish a message on a ROS 2 topic, as ``ros2 topic pub`` does, without a ROS installation."""
+"""Publish messages on a topic, as `ros2 topic pub` does, without a ROS installation.
+
+Publish a message on a topic once a second until Ctrl-C (see --count and --rate), as `ros2 topic pub` does,
+without a ROS installation. Use it to command a board through a running bridge. Careful: the rover may
+move! Each published message gives a line such as `published 1 on drive_motor`.
+
+Example: roverlink pub drive_motor '{distance_to_go: 1.5}' --count 1
+"""
 
 from __future__ import annotations
 
@@ -6,7 +13,16 @@ import argparse
 import time
 
 from roverlink import topic_types
-from roverlink.console import OK, Subparsers, add_middleware, add_project, command, count, project_folder, rate
+from roverlink.console import (
+    OK,
+    Subparsers,
+    add_middleware,
+    add_project,
+    count,
+    documented_command,
+    project_folder,
+    rate,
+)
 from roverlink.generated_code import load_project
 from roverlink.runtime import SetupError
 from roverlink.runtime.core import cdr
@@ -17,15 +33,7 @@ from roverlink.runtime.text.values import message_from_values
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "pub",
-        "publish messages on a topic, as `ros2 topic pub` does, without a ROS installation",
-        "roverlink pub drive_motor '{distance_to_go: 1.5}' --count 1",
-        "Publish a message on a topic once a second until Ctrl-C (see --count and --rate), as `ros2 topic pub` does,\n"
-        "without a ROS installation. Use it to command a board through a running bridge. Careful: the rover may\n"
-        "move! Each published message gives a line such as `published 1 on drive_motor`.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     topic_types.add_topic(parser)
     parser.add_argument(

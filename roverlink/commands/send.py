@@ -1,4 +1,12 @@
-"""``roverlink send``: send a datagram with one payload to a bridge, as a board does."""
+"""Send a datagram with one payload to the bridge, as a board does.
+
+Send a datagram to the bridge, as a board or the basestation does, to test the bridge without a board. The
+datagram is an envelope: the protobuf message that holds one payload in a oneof. Write nested fields with
+dots (imu_sensor.accel_x=1), enum values by name, lists as [1, 2, 3], and bytes in hexadecimal.
+`roverlink echo TOPIC` shows the message that the bridge makes of it.
+
+Example: roverlink send imu_info accel_x=0.12 accel_y=-9.81 --to 127.0.0.1:5000 --count 10 --rate 100
+"""
 
 from __future__ import annotations
 
@@ -11,8 +19,8 @@ from roverlink.console import (
     add_destination,
     add_key_file,
     add_project,
-    command,
     count,
+    documented_command,
     project_folder,
     rate,
 )
@@ -27,16 +35,7 @@ from roverlink.runtime.text.assignments import payload_from_assignments
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "send",
-        "send a datagram with one payload to the bridge, as a board does",
-        "roverlink send imu_info accel_x=0.12 accel_y=-9.81 --to 127.0.0.1:5000 --count 10 --rate 100",
-        "Send a datagram to the bridge, as a board or the basestation does, to test the bridge without a board. The\n"
-        "datagram is an envelope: the protobuf message that holds one payload in a oneof. Write nested fields with\n"
-        "dots (imu_sensor.accel_x=1), enum values by name, lists as [1, 2, 3], and bytes in hexadecimal.\n"
-        "`roverlink echo TOPIC` shows the message that the bridge makes of it.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     parser.add_argument("name", nargs="?", help="name of the payload's row in mapping.yaml, such as imu_info")
     parser.add_argument(

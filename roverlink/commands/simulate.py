@@ -1,4 +1,22 @@
-"""``roverlink simulate``: send the datagrams of simulated boards and a simulated basestation to a bridge."""
+"""Test a bridge with the datagrams of simulated boards, also with faults such as losses.
+
+Send the datagrams that the boards and the basestation of mapping.yaml would send, to test a bridge, or the
+ROS 2 nodes that use it, without boards. The values in the messages change with the time.
+
+With --to, the datagrams go to a running bridge. At the end, the command prints how many datagrams it sent,
+and the result that the bridge should count for them, such as 57 published, 3 malformed.
+
+With --bridge, the command starts a bridge, and stops it at the end. It then prints how many datagrams the
+bridge published, forwarded and dropped. The exit code is 1 if these numbers do not add up to the number of
+datagrams sent, or if the memory of the bridge grows.
+
+Peers that must sign (table key `sign`) use the keys in the files of --key-file. With --bridge, the bridge
+gets these files, too; without --key-file, the command makes keys for this run alone.
+
+scenarios:
+
+Example: roverlink simulate --scenario lossy --scenario padded --seed 7 --to 127.0.0.1:5000
+"""
 
 from __future__ import annotations
 
@@ -22,7 +40,7 @@ from roverlink.console import (
     add_destination,
     add_key_file,
     add_project,
-    command,
+    documented_command,
     isolate_ros,
     project_folder,
     rate,
@@ -52,21 +70,8 @@ _TIMEOUT_S = 20.0
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "simulate",
-        "test a bridge with the datagrams of simulated boards, also with faults such as losses",
-        "roverlink simulate --scenario lossy --scenario padded --seed 7 --to 127.0.0.1:5000",
-        "Send the datagrams that the boards and the basestation of mapping.yaml would send, to test a bridge, or the\n"
-        "ROS 2 nodes that use it, without boards. The values in the messages change with the time.\n\n"
-        "With --to, the datagrams go to a running bridge. At the end, the command prints how many datagrams it sent,\n"
-        "and the result that the bridge should count for them, such as 57 published, 3 malformed.\n\n"
-        "With --bridge, the command starts a bridge, and stops it at the end. It then prints how many datagrams the\n"
-        "bridge published, forwarded and dropped. The exit code is 1 if these numbers do not add up to the number of\n"
-        "datagrams sent, or if the memory of the bridge grows.\n\n"
-        "Peers that must sign (table key `sign`) use the keys in the files of --key-file. With --bridge, the bridge\n"
-        "gets these files, too; without --key-file, the command makes keys for this run alone.\n\n"
-        "scenarios:\n" + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
+    parser = documented_command(
+        commands, __name__, __doc__, "".join(f"\n  {name:<12}{_summary(name)}" for name in SCENARIOS)
     )
     add_project(parser)
     target = parser.add_mutually_exclusive_group()

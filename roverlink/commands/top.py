@@ -1,4 +1,32 @@
-"""``roverlink top``: show the live state of bridges on the terminal."""
+"""Show the state of a running bridge live: message rates, time since the last message, drops, queues.
+
+Show the state of all running bridges live, to see which messages arrive and which are lost. The command
+reads the topic /diagnostics, so a bridge may run on any machine of the same ROS 2 domain.
+
+The first lines count the datagrams of the whole bridge. The table has these columns for each row of
+mapping.yaml:
+  level    OK; WARN: too few messages, a loss, or a QoS that does not match; STALE: expected messages do not
+           come; ERROR: messages are dropped, and none is bridged
+  rate     messages a second, in the last two seconds
+  min      messages a second that the table expects at least (key expect_rate)
+  age      time since the last message
+  count    messages bridged since the start
+  dropped  messages that were not bridged
+  stops    stops that the bridge sent because the topic was silent (table key deadman)
+  message  reason for the level; on a narrow terminal it stands below the table, for the selected row
+Several bridges are shown side by side if the terminal is wide enough.
+
+Keys:
+  up, down, page up, page down, home, end (or k, j, g, G)   select a row, and scroll
+  s, S   sort by the next or the last of: number, name, level, rate, age, dropped
+  /      show only rows with a text in their name, topic, direction or level
+  p      show only rows with a problem: another level than OK, drops, or a stopped peer
+  Esc    show all rows again
+  Tab    select the next bridge
+  q      quit
+
+Example: roverlink top
+"""
 
 from __future__ import annotations
 
@@ -13,7 +41,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from roverlink import link_page, topic_types
-from roverlink.console import FINDINGS, OK, Subparsers, add_middleware, command, print_note, seconds
+from roverlink.console import FINDINGS, OK, Subparsers, add_middleware, documented_command, print_note, seconds
 from roverlink.heard_bridges import QUIET_S, HeardBridges, has_problems
 from roverlink.keyboard import Keyboard
 from roverlink.link_page.followed_bridges import FollowedBridges
@@ -32,34 +60,7 @@ _HEAR_S = 1.5  # each bridge publishes its state once a second
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "top",
-        "show the state of a running bridge live: message rates, time since the last message, drops, queues",
-        "roverlink top",
-        "Show the state of all running bridges live, to see which messages arrive and which are lost. The command\n"
-        "reads the topic /diagnostics, so a bridge may run on any machine of the same ROS 2 domain.\n\n"
-        "The first lines count the datagrams of the whole bridge. The table has these columns for each row of\n"
-        "mapping.yaml:\n"
-        "  level    OK; WARN: too few messages, a loss, or a QoS that does not match; STALE: expected messages do not\n"
-        "           come; ERROR: messages are dropped, and none is bridged\n"
-        "  rate     messages a second, in the last two seconds\n"
-        "  min      messages a second that the table expects at least (key expect_rate)\n"
-        "  age      time since the last message\n"
-        "  count    messages bridged since the start\n"
-        "  dropped  messages that were not bridged\n"
-        "  stops    stops that the bridge sent because the topic was silent (table key deadman)\n"
-        "  message  reason for the level; on a narrow terminal it stands below the table, for the selected row\n"
-        "Several bridges are shown side by side if the terminal is wide enough.\n\n"
-        "Keys:\n"
-        "  up, down, page up, page down, home, end (or k, j, g, G)   select a row, and scroll\n"
-        "  s, S   sort by the next or the last of: number, name, level, rate, age, dropped\n"
-        "  /      show only rows with a text in their name, topic, direction or level\n"
-        "  p      show only rows with a problem: another level than OK, drops, or a stopped peer\n"
-        "  Esc    show all rows again\n"
-        "  Tab    select the next bridge\n"
-        "  q      quit",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument(
         "--node",
         action="append",

@@ -1,10 +1,20 @@
-"""``roverlink number next``: print the number that the next payload of the envelope should get."""
+"""Print the envelope number for the next payload, and why other numbers are skipped.
+
+Print the number for the next payload of the envelope, the protobuf message that holds each payload in a
+oneof. Use it if you write a row of mapping.yaml yourself; `roverlink add` uses this number on its own.
+
+The number is greater than all numbers in use, and it was never used before: it is not in mapping.yaml or
+mapping.lock, not reserved or commented out in the envelope, not in git's history, and not on another
+branch. If numbers are skipped, the reasons are printed on standard error.
+
+Example: roverlink number next
+"""
 
 from __future__ import annotations
 
 import argparse
 
-from roverlink.console import UNABLE, Subparsers, command, print_note
+from roverlink.console import UNABLE, Subparsers, documented_command, print_note
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.lint.context import Context
@@ -16,17 +26,7 @@ from roverlink.progress import progress
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "next",
-        "print the envelope number for the next payload, and why other numbers are skipped",
-        "roverlink number next",
-        "Print the number for the next payload of the envelope, the protobuf message that holds each payload in a\n"
-        "oneof. Use it if you write a row of mapping.yaml yourself; `roverlink add` uses this number on its own.\n\n"
-        "The number is greater than all numbers in use, and it was never used before: it is not in mapping.yaml or\n"
-        "mapping.lock, not reserved or commented out in the envelope, not in git's history, and not on another\n"
-        "branch. If numbers are skipped, the reasons are printed on standard error.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_subject(parser)
     parser.set_defaults(run=run)
 

@@ -1,4 +1,19 @@
-"""``roverlink recording replay``: send a recording to a bridge, or publish it for ROS 2 nodes."""
+"""Replay the datagrams of a recording to a bridge, or its topics to ROS 2.
+
+Replay a recording of `roverlink record`, with the original time between its messages. With --as board, the
+recorded datagrams of the peers go to a bridge again, so a bridge can be tested without boards. With
+--as ros, the recorded topics are published again, so ROS 2 nodes can be tested without a bridge. Order and
+pace are right even if the clock of the computer was set during the recording.
+
+On a terminal, a line shows the progress. Keys: space pauses and continues; the left and right arrows go
+10 s of the recording back and forward, the down and up arrows 60 s.
+
+If the table (mapping.yaml) has changed since the recording, each message is converted to the message types
+of the present table. Messages that have another meaning in the present table are reported and skipped
+(exit code 1).
+
+Example: roverlink recording replay run.mcap --speed 2 --as board --to 127.0.0.1:5000
+"""
 
 from __future__ import annotations
 
@@ -19,8 +34,8 @@ from roverlink.console import (
     add_middleware,
     add_project,
     add_recording,
-    command,
     counted,
+    documented_command,
     print_note,
     project_folder,
     rate,
@@ -50,21 +65,7 @@ Tick = Callable[["Playback"], None]
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "replay",
-        "replay the datagrams of a recording to a bridge, or its topics to ROS 2",
-        "roverlink recording replay run.mcap --speed 2 --as board --to 127.0.0.1:5000",
-        "Replay a recording of `roverlink record`, with the original time between its messages. With --as board, the\n"
-        "recorded datagrams of the peers go to a bridge again, so a bridge can be tested without boards. With\n"
-        "--as ros, the recorded topics are published again, so ROS 2 nodes can be tested without a bridge. Order and\n"
-        "pace are right even if the clock of the computer was set during the recording.\n\n"
-        "On a terminal, a line shows the progress. Keys: space pauses and continues; the left and right arrows go\n"
-        "10 s of the recording back and forward, the down and up arrows 60 s.\n\n"
-        "If the table (mapping.yaml) has changed since the recording, each message is converted to the message types\n"
-        "of the present table. Messages that have another meaning in the present table are reported and skipped\n"
-        "(exit code 1).",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     add_recording(parser)
     parser.add_argument(
