@@ -103,7 +103,11 @@ def command_group(
     Each of the ``subcommands`` is a module of ``package``, whose function ``add`` adds it. The name has ``-`` where the
     module has ``_``.
     """
-    parser = command(commands, name, help, example, description)
+    add_subcommands(command(commands, name, help, example, description), package, subcommands)
+
+
+def add_subcommands(parser: argparse.ArgumentParser, package: str, subcommands: Iterable[str]) -> None:
+    """Add the ``subcommands`` to the parser of a command; each is a module of ``package`` with a function ``add``."""
     choices = parser.add_subparsers(required=True, metavar="command")
     for module in subcommands:
         importlib.import_module(f"{package}.{module}").add(choices)
