@@ -61,15 +61,15 @@ def run(arguments: argparse.Namespace) -> int:
         show_error(error, project_folder(arguments.project))
         return UNABLE
     if arguments.json:
-        print(json.dumps([diagnosis.as_dict() for diagnosis in found], indent=2))
+        print(json.dumps([result.as_dict() for result in found], indent=2))
     else:
         from rich.console import Console  # here: --help needs no rich
         from rich.text import Text
 
         console = Console(highlight=False, soft_wrap=True)
-        for diagnosis in found:
-            verdict = Text(f"{diagnosis.verdict:<8}", _STYLES[diagnosis.verdict])
-            console.print(Text.assemble(verdict, f"{diagnosis.check}: {diagnosis.says}"))
-            if diagnosis.cure:
-                console.print(Text(f"        help: {diagnosis.cure}"))
-    return FINDINGS if any(diagnosis.verdict == "error" for diagnosis in found) else OK
+        for result in found:
+            verdict = Text(f"{result.verdict:<8}", _STYLES[result.verdict])
+            console.print(Text.assemble(verdict, f"{result.check}: {result.says}"))
+            if result.cure:
+                console.print(Text(f"        help: {result.cure}"))
+    return FINDINGS if any(result.verdict == "error" for result in found) else OK

@@ -110,11 +110,11 @@ def run(arguments: argparse.Namespace) -> int:
 
     with open_middleware(arguments.middleware, topic_types.identity("top")) as middleware:
         middleware.subscribe(diagnostic_array.TOPIC, DiagnosticArray, diagnostic_array.QOS, keep)
-        page = _next_page(arrived, heard, min(_HEAR_S, arguments.timeout))
-        if page is None and arguments.timeout > _HEAR_S:
+        state = _next_state(arrived, heard, min(_HEAR_S, arguments.timeout))
+        if state is None and arguments.timeout > _HEAR_S:
             print_note(f"waiting for a bridge, at most {arguments.timeout:g} s")
-            page = _next_page(arrived, heard, arguments.timeout - _HEAR_S)
-        if page is None:
+            state = _next_state(arrived, heard, arguments.timeout - _HEAR_S)
+        if state is None:
             bridges = " or ".join(f"named {name!r}" for name in arguments.node)
             print_note(
                 f"no messages of a bridge{bridges and f' {bridges}'} on {diagnostic_array.TOPIC} within "
@@ -125,7 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
             return _serve(arrived, heard, arguments, middleware)
         if arguments.once:
             return _show(arrived, heard, arguments.json)
-        return _print_json(arrived, heard, page) if arguments.json else _follow(arrived, heard)
+        return _print_json(arrived, heard, state) if arguments.json else _follow(arrived, heard)
 
 
 def _show(arrived: queue.Queue[bytes], heard: HeardBridges, as_json: bool) -> int:
@@ -133,7 +133,7 @@ def _show(arrived: queue.Queue[bytes], heard: HeardBridges, as_json: bool) -> in
     _hear_all(arrived, heard)
     if as_json:
         for bridge in heard.bridges:
-            print(json.dumps(bridge.page, indent=2))
+            print(json.dumps(bridge.state, indent=2))
     else:
         from rich.console import Console  # here: --help needs no rich
 
@@ -144,17 +144,17 @@ def _show(arrived: queue.Queue[bytes], heard: HeardBridges, as_json: bool) -> in
     warnings = heard.warnings()
     for warning in warnings:
         print_note(f"warning: {warning}")
-    return FINDINGS if warnings or any(has_problems(bridge.page) for bridge in heard.bridges) else OK
+    return FINDINGS if warnings or any(has_problems(bridge.state) for bridge in heard.bridges) else OK
 
 
-def _print_json(arrived: queue.Queue[bytes], heard: HeardBridges, page: dict[str, Any]) -> int:
+def _print_json(arrived: queue.Queue[bytes], heard: HeardBridges, state: dict[str, Any]) -> int:
     told: set[str] = set()
     while True:
-        print(json.dumps(page), flush=True)
+        print(json.dumps(state), flush=True)
         _tell_new(heard.warnings(), told)
-        while (next_page := _next_page(arrived, heard, QUIET_S)) is None:
+        while (next_state := _next_state(arrived, heard, QUIET_S)) is None:
             pass
-        page = next_page
+        state = next_state
 
 
 def _tell_new(warnings: Sequence[str], told: set[str]) -> None:
@@ -178,7 +178,7 @@ def _follow(arrived: queue.Queue[bytes], heard: HeardBridges) -> int:
             view.bridge = min(view.bridge, len(bridges) - 1)
             live.update(top_screen.live(bridges, heard, view, *console.size), refresh=True)
             for key in keyboard.keys(_REFRESH_S):
-                if not view.press(key, [bridge.page for bridge in bridges]):
+                if not view.press(key, [bridge.state for bridge in bridges]):
                     return OK
 
 
@@ -203,7 +203,7 @@ def _serve(
         link_page.serve(page, arguments.web, arguments.page_token, stack, logger)
         while True:
             _tell_new(heard.warnings(), told)
-            _next_page(arrived, heard, QUIET_S)
+            _next_state(arrived, heard, QUIET_S)
             bridges.update()
 
 
@@ -211,10 +211,10 @@ def _hear_all(arrived: queue.Queue[bytes], heard: HeardBridges) -> None:
     """Wait until each running bridge has published its state."""
     deadline = time.monotonic() + _HEAR_S
     while (left := deadline - time.monotonic()) > 0:
-        _next_page(arrived, heard, left)
+        _next_state(arrived, heard, left)
 
 
-def _next_page(arrived: queue.Queue[bytes], heard: HeardBridges, seconds: float) -> dict[str, Any] | None:
+def _next_state(arrived: queue.Queue[bytes], heard: HeardBridges, seconds: float) -> dict[str, Any] | None:
     """Return the next state that a bridge publishes; None if no state comes within ``seconds`` seconds."""
     deadline = time.monotonic() + seconds
     # Other nodes publish on /diagnostics too, so a message may be from another node.
@@ -223,6 +223,6 @@ def _next_page(arrived: queue.Queue[bytes], heard: HeardBridges, seconds: float)
             message = arrived.get(timeout=left)
         except queue.Empty:
             return None
-        if page := heard.take(message):
-            return page
+        if state := heard.take(message):
+            return state
     return None

@@ -1,6 +1,6 @@
 """Judgement of a bridge's state for its page: which peers are alive, which stops are active, and latched alarms.
 
-The state is a result of `roverlink.heard_bridges.page_of`. Times are in seconds of a monotonic clock.
+The state is a result of `roverlink.heard_bridges.state_of`. Times are in seconds of a monotonic clock.
 """
 
 from __future__ import annotations

@@ -102,7 +102,9 @@ class Subscription(Protocol):
 class Middleware(Protocol):
     """Connection to the ROS 2 graph as one node. A context manager: on exit the node leaves the graph."""
 
-    def check_types(self, message_types: Iterable[type[Message]]) -> None:  # noqa: ARG002  # for middlewares with packages
+    def check_types(
+        self, message_types: Iterable[type[Message]]
+    ) -> None:  # noqa: ARG002  # for middlewares with packages
         """Raise `MiddlewareError` if ROS 2 lacks a message type, or has one with other fields.
 
         A middleware that needs no interface packages accepts all message types.
