@@ -12,6 +12,7 @@ SOAK_FAULTS := $(addprefix --scenario ,reboot old-schema malformed padded lossy)
 FUZZ_SECONDS ?= 60
 # Without the compiled modules, each program that a test starts compiles all of roverlink again.
 unexport PYTHONDONTWRITEBYTECODE
+RUNTIME_INTERFACES := roverlink.generator.emit.targets.python.runtime_interfaces
 HAND_WRITTEN := generator runtime roverlink rover check_launch bench tests docs conftest.py
 
 .PHONY: help demo test test-all exhaustive test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision bench-video mutation pictures generate docs docs-reference clean
@@ -66,6 +67,7 @@ lint: $(VENV)/ready-full  ## ruff, black, mypy --strict, whether generated/ is w
 	$(BIN)/black --quiet --check --diff $(HAND_WRITTEN)
 	$(BIN)/black --quiet --check --diff --line-length 88 generated
 	$(BIN)/mypy
+	$(BIN)/python -m $(RUNTIME_INTERFACES) --check
 	$(BIN)/roverlink generate --check
 	$(BIN)/roverlink lint
 
@@ -86,7 +88,8 @@ pictures: $(VENV)/ready-bench-vision  ## the pictures and the recording in rover
 	$(BIN)/python -m rover.bench.vision.page_pictures
 	$(BIN)/python -m bench.link_page_pictures
 
-generate: $(VENV)/ready  ## compile mapping.yaml
+generate: $(VENV)/ready  ## compile mapping.yaml, and write the classes of runtime/interfaces
+	$(BIN)/python -m $(RUNTIME_INTERFACES)
 	$(BIN)/roverlink generate
 
 docs: $(VENV)/ready-docs  ## build the documentation site in build/site; fails on dead links

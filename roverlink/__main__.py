@@ -39,6 +39,15 @@ def main(argv: "Sequence[str] | None" = None) -> int:
                 signal.signal(signal.SIGINT, signal.SIG_IGN if argv is None else signal.default_int_handler)
     except KeyboardInterrupt:
         return _INTERRUPTED
+    except ImportError as error:
+        import sys
+
+        from roverlink import installed_packages
+
+        if (cure := installed_packages.cure(error)) is None:
+            raise
+        print(f"roverlink: {cure}", file=sys.stderr)
+        return 2
 
 
 def _end_at_once(*_: object) -> None:

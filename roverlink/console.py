@@ -74,6 +74,21 @@ def command(commands: Subparsers, name: str, help: str, example: str, descriptio
     return parser
 
 
+def documented_command(
+    commands: Subparsers, module: str, documentation: str | None, more: str = ""
+) -> argparse.ArgumentParser:
+    """Add the subcommand that a module is to the command line, and return its parser.
+
+    ``module`` is the name of the module. ``documentation`` is its docstring: the line about the subcommand in the help
+    of the whole command line, then the description in the subcommand's own help, and after ``Example:`` a command line.
+    ``more`` are lines at the end of the description.
+    """
+    text, _, example = (documentation or "").rstrip().rpartition("\n\nExample: ")
+    help, _, description = text.partition("\n\n")
+    name = module.rpartition(".")[2].replace("_", "-")
+    return command(commands, name, f"{help[:1].lower()}{help[1:-1]}", example, f"{description}{more}")
+
+
 def command_group(
     commands: Subparsers,
     name: str,
@@ -88,7 +103,11 @@ def command_group(
     Each of the ``subcommands`` is a module of ``package``, whose function ``add`` adds it. The name has ``-`` where the
     module has ``_``.
     """
-    parser = command(commands, name, help, example, description)
+    add_subcommands(command(commands, name, help, example, description), package, subcommands)
+
+
+def add_subcommands(parser: argparse.ArgumentParser, package: str, subcommands: Iterable[str]) -> None:
+    """Add the ``subcommands`` to the parser of a command; each is a module of ``package`` with a function ``add``."""
     choices = parser.add_subparsers(required=True, metavar="command")
     for module in subcommands:
         importlib.import_module(f"{package}.{module}").add(choices)
@@ -107,6 +126,15 @@ def add_project(parser: argparse.ArgumentParser) -> None:
 def add_key_file(parser: argparse.ArgumentParser, help: str) -> None:
     """Add the option ``--key-file`` to a parser: files with keys for signatures; ``help`` says what they are for."""
     parser.add_argument("--key-file", type=Path, action="append", default=[], metavar="FILE", help=help)
+
+
+def add_destination(parser: argparse._ActionsContainer, what: str = "address of the bridge") -> None:
+    """Add the option ``--to`` to a parser or a group of options: the address of a bridge, which ``what`` describes."""
+    from roverlink.runtime.ros_arguments.parameters import LISTEN_PORT  # here: few commands need the parameters
+
+    parser.add_argument(
+        "--to", default=f"127.0.0.1:{LISTEN_PORT}", metavar="HOST:PORT", help=f"{what} (default: %(default)s)"
+    )
 
 
 def add_table(parser: argparse.ArgumentParser) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
@@ -86,12 +87,12 @@ def show(findings: Iterable[Diagnostic], sources: Sources, stream: TextIO) -> No
         console.print(Text("\n").join([*_lines(finding, sources, width), Text()]))
 
 
-def show_error(error: DiagnosticsError, folder: Path, stream: TextIO) -> None:
-    """Print the diagnostics of an error because of which a command cannot continue.
+def show_error(error: DiagnosticsError, folder: Path) -> None:
+    """Print the diagnostics of an error because of which a command cannot continue, on standard error.
 
     ``folder`` is the folder of the table or of the .proto files. The paths in the diagnostics are relative to it.
     """
-    show(error.findings, Sources(folder, error.texts), stream)
+    show(error.findings, Sources(folder, error.texts), sys.stderr)
 
 
 def _lines(finding: Diagnostic, sources: Sources, width: int) -> Iterator[Text]:

@@ -1,12 +1,11 @@
 """Checks of ``roverlink doctor``: Python packages, generated code, UDP port, firewall, multicast, and ROS 2.
 
-Each check examines one thing and returns its result as a `Diagnosis`. It changes nothing on the machine.
+Each check examines one thing and returns its result as a `CheckResult`. It changes nothing on the machine.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import importlib
 import os
 import platform
 import re
@@ -28,7 +27,7 @@ from roverlink.installed_packages import installed_version
 from roverlink.runtime import MiddlewareError, Registry, RoverlinkError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
-from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.middleware import NodeIdentity, can_import, open_middleware
 from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.net import hosts, udp
 from roverlink.runtime.ros_arguments import parameters
@@ -36,7 +35,7 @@ from roverlink.runtime.ros_arguments.parameters import Parameters
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.runtime.text.host_names import LEARN
 
-_NEEDED = ("protobuf", "pyyaml", "jinja2", "rich")
+_NEEDED = ("protobuf", "pyyaml", "jinja2", "black", "rich", "grpcio-tools")
 _EXTRAS = {
     "mcap": "record",
     "foxglove-sdk": "foxglove",
@@ -51,7 +50,7 @@ _COMMAND_S = 5.0
 
 
 @dataclass(frozen=True)
-class Diagnosis:
+class CheckResult:
     """Result of one check of ``roverlink doctor``."""
 
     verdict: str
@@ -68,7 +67,7 @@ class Diagnosis:
         return dataclasses.asdict(self)
 
 
-def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = ()) -> list[Diagnosis]:
+def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = ()) -> list[CheckResult]:
     """Run all checks and return their results. A check that fails is a result, not an exception.
 
     ``project`` is the folder of the project; None for the nearest one, from the current folder upwards. ``ros`` holds
@@ -85,29 +84,29 @@ def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = ()) 
     try:
         registry = load_project(project_folder(project))
         messages, fingerprint = len(registry.handlers), registry.fingerprint[:12]
-        found.append(Diagnosis("ok", examined, f"{messages} messages, fingerprint of the table {fingerprint}"))
+        found.append(CheckResult("ok", examined, f"{messages} messages, fingerprint of the table {fingerprint}"))
         found += _table(project_folder(project))
         examined = "parameters"
         settings = parameters.read(registry, ros.parameters)
     except RoverlinkError as error:
-        found.append(Diagnosis("error", examined, str(error)))
+        found.append(CheckResult("error", examined, str(error)))
         says = "UDP port, receive buffer, dst_ip and firewall were not checked, because the parameters are unknown"
-        found.append(Diagnosis("warning", "not checked", says, "correct the error above, and run the command again"))
+        found.append(CheckResult("warning", "not checked", says, "correct the error above, and run the command again"))
     else:
         found += [*_network(registry, settings), *_firewall(settings)]
-        found += [Diagnosis(*verdict) for verdict in doctor_link.verdicts(registry, settings, pinned)]
+        found += [CheckResult(*verdict) for verdict in doctor_link.verdicts(registry, settings, pinned)]
     return [*found, *_multicast(), *_ros(registry)]
 
 
 # --- this Python ------------------------------------------------------------------------------------------------
 
 
-def _python() -> Iterator[Diagnosis]:
+def _python() -> Iterator[CheckResult]:
     version = platform.python_version()
-    yield Diagnosis("ok", "python", f"version {version} on {platform.system()} {platform.machine()}")
+    yield CheckResult("ok", "python", f"version {version} on {platform.system()} {platform.machine()}")
     for package in _NEEDED:
         if installed_version(package) is None:
-            yield Diagnosis(
+            yield CheckResult(
                 "error",
                 package,
                 "roverlink needs this Python package, but it is not installed",
@@ -117,30 +116,30 @@ def _python() -> Iterator[Diagnosis]:
     if missing:
         names = " ".join(package for package in _EXTRAS if installed_version(package) is None)
         says = f"these optional parts of roverlink (and packages) are not installed: {', '.join(missing)}"
-        yield Diagnosis("ok", "extras", says, f"if you need them: {sys.executable} -m pip install {names}")
+        yield CheckResult("ok", "extras", says, f"if you need them: {sys.executable} -m pip install {names}")
 
 
 # --- the table --------------------------------------------------------------------------------------------------
 
 
-def _table(project: Path) -> Iterator[Diagnosis]:
+def _table(project: Path) -> Iterator[CheckResult]:
     """Warn if the generated code is that of another table: the bridge does not read the table itself."""
     try:
         changes = compile_table(project / TABLE).changes(project)
     except DiagnosticsError:
         says = "the table has errors, so it was not compared with the generated code"
-        yield Diagnosis("warning", TABLE, says, "`roverlink generate` shows the errors")
+        yield CheckResult("warning", TABLE, says, "`roverlink generate` shows the errors")
         return
     # A file that today's table does not make may come from an option of `generate`.
     if changed := [change.path for change in changes if change.verb != "removed"]:
         says = f"the generated code is not that of this table ({len(changed)} files differ); the bridge uses the code"
-        yield Diagnosis("warning", TABLE, says, "roverlink generate")
+        yield CheckResult("warning", TABLE, says, "roverlink generate")
 
 
 # --- the network ------------------------------------------------------------------------------------------------
 
 
-def _network(registry: Registry, settings: Parameters) -> Iterator[Diagnosis]:
+def _network(registry: Registry, settings: Parameters) -> Iterator[CheckResult]:
     port, address = settings.listen_port, settings.listen_address
     try:
         sock = udp.bind(address, port, settings.receive_buffer)
@@ -148,21 +147,21 @@ def _network(registry: Registry, settings: Parameters) -> Iterator[Diagnosis]:
         holder = _holder(port)
         used = f"it is used by {holder}" if holder else "`sudo ss -lunp` shows the programs that use UDP ports"
         cure = f"{used}; another port is set with --ros-args -p listen_port:=PORT"
-        yield Diagnosis("error", f"UDP port {port}", str(error), cure)
+        yield CheckResult("error", f"UDP port {port}", str(error), cure)
     else:
         with sock:
-            yield Diagnosis("ok", f"UDP port {port}", f"no other program uses it on the address {address}")
+            yield CheckResult("ok", f"UDP port {port}", f"no other program uses it on the address {address}")
             yield _buffer(udp.receive_buffer(sock), settings.receive_buffer)
     yield from _hosts(registry, settings)
 
 
-def _hosts(registry: Registry, settings: Parameters) -> Iterator[Diagnosis]:
+def _hosts(registry: Registry, settings: Parameters) -> Iterator[CheckResult]:
     """Check the hosts to which datagrams are sent, once for each parameter that names hosts."""
     for parameter in dict.fromkeys(end.host_parameter for end in registry.ends.values()):
         ends = [name for name, end in registry.ends.items() if end.host_parameter == parameter]
         named, what = settings.addresses[ends[0]].hosts, ", ".join(map(str, ends))
         if named == (LEARN,):
-            yield Diagnosis("ok", parameter, f"the address of {what} is that of its last valid datagram")
+            yield CheckResult("ok", parameter, f"the address of {what} is that of its last valid datagram")
             continue
         for host in named:
             try:
@@ -170,21 +169,21 @@ def _hosts(registry: Registry, settings: Parameters) -> Iterator[Diagnosis]:
             except (OSError, UnicodeError) as error:
                 says = f"{host}, the host of {what}, cannot be resolved: {hosts.reason_of(error)}"
                 cure = f"switch it on, or set another host with --ros-args -p {parameter}:=ADDRESS"
-                yield Diagnosis("warning", parameter, says, cure)
+                yield CheckResult("warning", parameter, says, cure)
             else:
-                yield Diagnosis("ok", parameter, f"datagrams for {what} go to {found[0]}")
+                yield CheckResult("ok", parameter, f"datagrams for {what} go to {found[0]}")
                 if len(found) != 2 and ":" not in settings.listen_address:
                     says = f"{what} has the IPv6 address {found[0]}, but listen_address receives only IPv4"
-                    yield Diagnosis("warning", parameter, says, "add --ros-args -p listen_address:=\"'::'\"")
+                    yield CheckResult("warning", parameter, says, "add --ros-args -p listen_address:=\"'::'\"")
 
 
-def _buffer(got: int, wanted: int) -> Diagnosis:
+def _buffer(got: int, wanted: int) -> CheckResult:
     if got >= wanted:
-        return Diagnosis("ok", "receive buffer", f"{got} bytes (the bridge requests {wanted})")
+        return CheckResult("ok", "receive buffer", f"{got} bytes (the bridge requests {wanted})")
     says = f"{got} bytes instead of {wanted}, so datagrams may be lost when many arrive at once"
     setting = f"net.core.rmem_max={wanted}"
     cure = f"sudo sysctl -w {setting}; to keep this setting, write `{setting}` to /etc/sysctl.d/60-roverlink.conf"
-    return Diagnosis("warning", "receive buffer", says, cure)
+    return CheckResult("warning", "receive buffer", says, cure)
 
 
 def _holder(port: int) -> str:
@@ -214,11 +213,11 @@ def _holder(port: int) -> str:
 # --- firewall and multicast -------------------------------------------------------------------------------------
 
 
-def _firewall(settings: Parameters) -> Iterator[Diagnosis]:
+def _firewall(settings: Parameters) -> Iterator[CheckResult]:
     port = settings.listen_port
     ufw = Path("/etc/ufw/ufw.conf")
     if ufw.is_file() and "ENABLED=yes" in ufw.read_text(errors="replace"):
-        yield Diagnosis(
+        yield CheckResult(
             "warning",
             "firewall",
             "ufw is active; it may block the peers' datagrams and the DDS messages of ROS 2",
@@ -228,13 +227,13 @@ def _firewall(settings: Parameters) -> Iterator[Diagnosis]:
         ports = f"--add-port={port}/udp --add-port=7400-57400/udp"
         cure = f"sudo firewall-cmd --permanent {ports} && sudo firewall-cmd --reload"
         says = "firewalld is active; it may block the peers' datagrams and the DDS messages of ROS 2"
-        yield Diagnosis("warning", "firewall", says, cure)
+        yield CheckResult("warning", "firewall", says, cure)
     elif re.search(r"hook input [^}]*policy drop", _output("nft", "list", "ruleset"), re.DOTALL):
         cure = f"sudo nft add rule inet filter input udp dport '{{ {port}, 7400-57400 }}' accept"
         says = "nftables drops packets that no rule accepts, so it may drop the peers' datagrams and DDS messages"
-        yield Diagnosis("warning", "firewall", says, cure)
+        yield CheckResult("warning", "firewall", says, cure)
     else:
-        yield Diagnosis("ok", "firewall", "no active firewall found")
+        yield CheckResult("ok", "firewall", "no active firewall found")
 
 
 def _output(*command: str) -> str:
@@ -251,13 +250,13 @@ def _output(*command: str) -> str:
     return done.stdout
 
 
-def _multicast() -> Iterator[Diagnosis]:
+def _multicast() -> Iterator[CheckResult]:
     """Check that this host receives a datagram that it sends to DDS's multicast group.
 
     Nodes of ROS 2 find each other (discovery) with such datagrams.
     """
     if os.environ.get("ROS_LOCALHOST_ONLY") == "1":
-        yield Diagnosis("ok", "multicast", "not needed: ROS_LOCALHOST_ONLY=1 restricts ROS 2 to this host")
+        yield CheckResult("ok", "multicast", "not needed: ROS_LOCALHOST_ONLY=1 restricts ROS 2 to this host")
         return
     device = "where DEV is the network interface, such as eth0"
     cure = f"sudo ip link set DEV multicast on; sudo ip route add 224.0.0.0/4 dev DEV, {device}"
@@ -277,24 +276,24 @@ def _multicast() -> Iterator[Diagnosis]:
             receiver.recv(64)
         except OSError as error:
             says = f"does not work ({error}), so ROS 2 does not find nodes on other machines"
-            yield Diagnosis("warning", "multicast", says, cure)
+            yield CheckResult("warning", "multicast", says, cure)
         else:
             says = f"works: this machine receives what it sends to {_GROUP}, the group with which ROS 2 finds nodes"
-            yield Diagnosis("ok", "multicast", says)
+            yield CheckResult("ok", "multicast", says)
 
 
 # --- ROS 2 ------------------------------------------------------------------------------------------------------
 
 
-def _ros(registry: Registry | None) -> Iterator[Diagnosis]:
+def _ros(registry: Registry | None) -> Iterator[CheckResult]:
     distribution = os.environ.get("ROS_DISTRO", "")
     domain = os.environ.get("ROS_DOMAIN_ID", "0")
-    rclpy = _imports("rclpy")
+    rclpy = can_import("rclpy")
     if distribution and not rclpy:
         says = f"ROS 2 {distribution} is sourced, but this Python {platform.python_version()} cannot import rclpy"
         environment = "/usr/bin/python3 -m venv --system-site-packages .venv"
         cure = f"create the virtual environment with the Python of ROS 2, for example with `{environment}`"
-        yield Diagnosis("warning", "rclpy", says, cure)
+        yield CheckResult("warning", "rclpy", says, cure)
     if rclpy and registry is not None:
         yield _interfaces(registry)
     dds = installed_version("cyclonedds")
@@ -303,23 +302,15 @@ def _ros(registry: Registry | None) -> Iterator[Diagnosis]:
             "pip install cyclonedds (not on aarch64), or source an installed ROS 2: source /opt/ros/DISTRO/setup.bash"
         )
         says = "neither rclpy nor Cyclone DDS is installed, so the bridge cannot connect to ROS 2"
-        yield Diagnosis("error", "ROS 2", says, cure)
+        yield CheckResult("error", "ROS 2", says, cure)
     elif not rclpy:
         yield _joins(str(dds), domain)
 
 
-def _imports(module: str) -> bool:
-    try:
-        importlib.import_module(module)
-    except ImportError:
-        return False
-    return True
-
-
-def _joins(version: str, domain: str) -> Diagnosis:
+def _joins(version: str, domain: str) -> CheckResult:
     """Check that Cyclone DDS has a supported version and can join the ROS 2 domain (ROS_DOMAIN_ID)."""
     if version.partition(".")[0] != "11":
-        return Diagnosis(
+        return CheckResult(
             "error",
             "Cyclone DDS",
             f"version {version} is installed, but roverlink needs version 11",
@@ -329,17 +320,17 @@ def _joins(version: str, domain: str) -> Diagnosis:
         with open_middleware("dds", NodeIdentity(f"roverlink_doctor_{os.getpid()}")):
             pass
     except RoverlinkError as error:
-        return Diagnosis("error", "Cyclone DDS", str(error))
+        return CheckResult("error", "Cyclone DDS", str(error))
     says = f"version {version} can join ROS 2 domain {domain}; an installation of ROS 2 is not needed"
-    return Diagnosis("ok", "Cyclone DDS", says)
+    return CheckResult("ok", "Cyclone DDS", says)
 
 
-def _interfaces(registry: Registry) -> Diagnosis:
+def _interfaces(registry: Registry) -> CheckResult:
     """Check that the ROS 2 message packages that rclpy imports have the messages of the table, with the same fields."""
     message_types: list[type[Message]] = [handler.message_type for handler in registry.by_topic.values()]
     try:
         for message_type in (*message_types, DiagnosticArray):
             installed_class(message_type)
     except MiddlewareError as error:
-        return Diagnosis("error", "interfaces", str(error))
-    return Diagnosis("ok", "interfaces", f"the installed ROS 2 package {registry.package} has the generated messages")
+        return CheckResult("error", "interfaces", str(error))
+    return CheckResult("ok", "interfaces", f"the installed ROS 2 package {registry.package} has the generated messages")

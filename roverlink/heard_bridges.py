@@ -15,6 +15,7 @@ from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, Diagno
 
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
 """Names of the levels of a status, by their numbers in diagnostic_msgs/DiagnosticStatus."""
+_BADNESS = ("OK", "WARN", "STALE", "ERROR")
 DROPPED = "dropped."
 """Prefix of the values that count drops by reason."""
 QUIET_S = 3.0
@@ -36,8 +37,8 @@ _ROW_VALUES = frozenset(("number", "topic", "direction", "count", "rate"))
 class HeardBridge:
     """Bridge with its last state; times are in seconds of a monotonic clock."""
 
-    page: dict[str, Any]
-    """State, a result of `page_of`."""
+    state: dict[str, Any]
+    """State, a result of `state_of`."""
     first: float
     """Time of the first message."""
     last: float
@@ -62,12 +63,12 @@ class HeardBridges:
     def take(self, message: bytes) -> dict[str, Any] | None:
         """Take a serialized message of ``/diagnostics``; return the state in it, or None if it is of another node."""
         try:
-            page = page_of(cdr.decode(DiagnosticArray, message))
+            state = state_of(cdr.decode(DiagnosticArray, message))
         except ConversionError:  # not written by a ROS 2 node
             return None
-        if page is None or (self._nodes and not {page["node"]["name"], full_name(page)} & set(self._nodes)):
+        if state is None or (self._nodes and not {state["node"]["name"], full_name(state)} & set(self._nodes)):
             return None
-        now, key = self._clock(), (full_name(page), instance(page))
+        now, key = self._clock(), (full_name(state), instance(state))
         # A bridge that was started again is a new process with the same name; the old one is of no more interest.
         gone = [
             other
@@ -78,9 +79,9 @@ class HeardBridges:
             del self._bridges[other]
         if key not in self._bridges and not self._make_room(now):
             return None
-        bridge = self._bridges.setdefault(key, HeardBridge(page, now, now))
-        bridge.page, bridge.last = page, now
-        return page
+        bridge = self._bridges.setdefault(key, HeardBridge(state, now, now))
+        bridge.state, bridge.last = state, now
+        return state
 
     def _make_room(self, now: float) -> bool:
         if self._most is None or len(self._bridges) < self._most:
@@ -105,12 +106,12 @@ class HeardBridges:
         """Return a text for each name that several running bridges have, and one if there are too many bridges."""
         named: defaultdict[str, list[HeardBridge]] = defaultdict(list)
         for bridge in self.bridges:
-            named[full_name(bridge.page)].append(bridge)
+            named[full_name(bridge.state)].append(bridge)
         texts = []
         for name, bridges in named.items():
             running = running_together(bridges)
             if running:
-                places = ", ".join(place(bridge.page) for bridge in running)
+                places = ", ".join(place(bridge.state) for bridge in running)
                 texts.append(
                     f"{len(running)} bridges are named {name!r}; start one with --ros-args -r __node:=NAME ({places})"
                 )
@@ -129,22 +130,22 @@ def running_together(bridges: Sequence[HeardBridge]) -> list[HeardBridge]:
     return running if len(running) > 1 else []
 
 
-def full_name(page: dict[str, Any]) -> str:
+def full_name(state: dict[str, Any]) -> str:
     """Return the name of a bridge's node with its namespace."""
-    return str(page["node"].get("full_name", page["node"]["name"]))
+    return str(state["node"].get("full_name", state["node"]["name"]))
 
 
-def place(page: dict[str, Any]) -> str:
+def place(state: dict[str, Any]) -> str:
     """Return where a bridge runs: ``process 4711 on jetson``."""
-    return f"process {page['node'].get('pid', '?')} on {page['node'].get('host', '?')}"
+    return f"process {state['node'].get('pid', '?')} on {state['node'].get('host', '?')}"
 
 
-def instance(page: dict[str, Any]) -> str:
+def instance(state: dict[str, Any]) -> str:
     """Return the id of the process that a bridge is; empty if the bridge does not publish it."""
-    return str(page["node"].get("instance", ""))
+    return str(state["node"].get("instance", ""))
 
 
-def page_of(array: DiagnosticArray) -> dict[str, Any] | None:
+def state_of(array: DiagnosticArray) -> dict[str, Any] | None:
     """Convert a message of ``/diagnostics`` to the state of the bridge that published it; None for another node.
 
     The state is a dictionary for JSON: ``stamp`` (seconds since 1970), ``node`` (the bridge as a whole), ``rows`` (a
@@ -199,6 +200,11 @@ def _number(text: str) -> float | None:
     return None
 
 
-def has_problems(page: dict[str, Any]) -> bool:
+def badness(level: str) -> int:
+    """Return a number that is greater the worse a level is; a level of which nothing is known is the worst."""
+    return _BADNESS.index(level) if level in _BADNESS else len(_BADNESS)
+
+
+def has_problems(state: dict[str, Any]) -> bool:
     """Return true if the state shows the bridge, one of its rows, or an end of the link at another level than OK."""
-    return any(entry["level"] != "OK" for entry in (page["node"], *page["rows"], *page["ends"], *page["links"]))
+    return any(entry["level"] != "OK" for entry in (state["node"], *state["rows"], *state["ends"], *state["links"]))

@@ -1,4 +1,4 @@
-"""Look-up of the versions of installed Python packages.
+"""Look-ups in the metadata of installed Python packages: versions, entry points, and what to install.
 
 This is a module of its own because importlib.metadata is slow to import and few commands need it.
 """
@@ -7,7 +7,21 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
+import re
 from collections.abc import Collection
+from pathlib import Path
+
+_PACKAGES = {
+    **{name: name for name in ("argcomplete", "black", "jinja2", "mcap", "pyarrow", "rich", "rosbags")},
+    "foxglove": "foxglove-sdk",
+    "google": "protobuf",
+    "grpc_tools": "grpcio-tools",
+    "yaml": "pyyaml",
+    "lz4": "mcap",
+    "prometheus_client": "prometheus-client",
+    "zstandard": "mcap",
+}
+"""Packages that roverlink imports, by the first part of a module's name."""
 
 
 def installed_version(package: str) -> str | None:
@@ -40,3 +54,23 @@ def git_source(package: str) -> str:
     if version.get("vcs") != "git" or source["url"].startswith("file:"):
         return ""
     return f"git+{source['url']}@{version['commit_id']}"
+
+
+def cure(error: ImportError) -> str | None:
+    """Return what is missing and what the user can do about it; None if roverlink needs no package with this module."""
+    first, *others = (error.name or "").split(".")
+    if first == "roverlink" and others and (link := Path(__file__).with_name(others[0])).is_file():
+        return (
+            f"{link} should be a symbolic link and is a file, because git has cloned without symbolic links; run "
+            "`git config core.symlinks true` and `git checkout .` in the clone, or install the wheel"
+        )
+    if first not in _PACKAGES:
+        return None
+    package = _PACKAGES[first]
+    wanted = re.compile(rf"{package}(?![\w-])[^;]*", re.IGNORECASE)
+    try:
+        needed = importlib.metadata.requires("roverlink") or []
+    except importlib.metadata.PackageNotFoundError:  # running from the source files
+        needed = []
+    requirement = next((match[0].strip() for match in map(wanted.match, needed) if match), package)
+    return f"the Python package {package} cannot be imported ({error}); install it with `pip install '{requirement}'`"

@@ -181,11 +181,11 @@ class BridgeObservers:
 
     @staticmethod
     def _show_state(link: LiveLink) -> Callable[[State], None]:
-        from roverlink.heard_bridges import page_of
+        from roverlink.heard_bridges import state_of
 
         def show(state: State) -> None:
-            if (page := page_of(diagnostic_array.array_of(state, time.time_ns(), {}))) is not None:
-                link.take_state(page)
+            if (shown := state_of(diagnostic_array.array_of(state, time.time_ns(), {}))) is not None:
+                link.take_state(shown)
 
         return show
 

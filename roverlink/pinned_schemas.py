@@ -46,7 +46,7 @@ class PinnedSchemas:
         today = next(index for index, state in enumerate(states) if state.checkout)
         for index, state in enumerate(states):
             if index != today and payload in state.schema.messages and row_hash(state.schema, payload) == hash:
-                who = ", ".join(f"{one.name!r} ({one.commit.id[:10]})" for one in state.consumers)
+                who = ", ".join(f"{consumer.name!r} ({consumer.commit.id[:10]})" for consumer in state.consumers)
                 misread = self._misread(payload, index, today)
                 said = "; ".join(misread) or "compatible, each side reads what the other one sends"
                 return OtherSchema(f"that of {who}: {said}", not misread)
@@ -55,11 +55,16 @@ class PinnedSchemas:
     def _misread(self, payload: str, other: int, today: int) -> list[str]:
         older, newer = sorted((other, today))
         messages, enums = self._pinned.states[today].schema.reachable(payload)
-        found = [one for one in self._pinned.misreadings[older, newer] if one.owner in {*messages, *enums}]
-        return [_told(one, there_is_older=other < today) for one in found]
+        found = [
+            misreading
+            for misreading in self._pinned.misreadings[older, newer]
+            if misreading.owner in {*messages, *enums}
+        ]
+        return [_told(misreading, there_is_older=other < today) for misreading in found]
 
 
-def _told(one: Misreading, there_is_older: bool) -> str:
-    there, here = (one.old, one.new) if there_is_older else (one.new, one.old)
-    doubt = "" if one.certain else "perhaps "
-    return f"{doubt}misread: number {one.number} of {one.owner!r} is {there.text} there, and {here.text} here"
+def _told(misreading: Misreading, there_is_older: bool) -> str:
+    there, here = (misreading.old, misreading.new) if there_is_older else (misreading.new, misreading.old)
+    doubt = "" if misreading.certain else "perhaps "
+    number = f"number {misreading.number} of {misreading.owner!r}"
+    return f"{doubt}misread: {number} is {there.text} there, and {here.text} here"

@@ -62,7 +62,7 @@ class Project:
     def explain(self, row: Row) -> dict[str, Any]:
         """Return all facts about a row as JSON values, in the order in which they are printed."""
         bridge = self.compiled.bridge
-        route = next(one for one in bridge.routes if one.number == row.number)
+        route = next(route for route in bridge.routes if route.number == row.number)
         return {
             "number": row.number,
             "name": row.name,
@@ -156,7 +156,7 @@ class Project:
         found: ProtoField | None = None
         for name in path:
             declared = self.context.schema.messages.get(message)
-            found = next((one for one in declared.fields if one.name == name), None) if declared else None
+            found = next((field for field in declared.fields if field.name == name), None) if declared else None
             message = found.type_name if found else ""
         return found
 

@@ -12,10 +12,19 @@ from rich.cells import cell_len
 from rich.console import RenderableType
 from rich.text import Text
 
-from roverlink.heard_bridges import DROPPED, LEVELS, QUIET_S, HeardBridge, HeardBridges, full_name, instance, place
+from roverlink.heard_bridges import (
+    DROPPED,
+    LEVELS,
+    QUIET_S,
+    HeardBridge,
+    HeardBridges,
+    badness,
+    full_name,
+    instance,
+    place,
+)
 
 _STYLES = {"OK": "green", "WARN": "yellow", "ERROR": "bold red", "STALE": "magenta"}
-_BADNESS = {"WARN": 1, "STALE": 2, "ERROR": 3}
 _MISMATCHES = "qos_mismatches."
 _PANEL = 70  # least width of a bridge beside others
 _GAP = 3  # between two bridges
@@ -44,7 +53,7 @@ class View:
     _first: dict[str, int] = field(default_factory=dict)
     _page_rows: int = 10
 
-    def press(self, key: str, pages: Sequence[dict[str, Any]]) -> bool:
+    def press(self, key: str, states: Sequence[dict[str, Any]]) -> bool:
         """Carry out a key of `Keyboard.keys`, given the states of all bridges; return false if it ends the program."""
         if self.typing:
             self._type(key)
@@ -60,9 +69,9 @@ class View:
         elif key == "p":
             self.problems = not self.problems
         elif key in ("tab", "back tab"):
-            self.bridge = (self.bridge + (1 if key == "tab" else -1)) % len(pages)
+            self.bridge = (self.bridge + (1 if key == "tab" else -1)) % len(states)
         else:
-            self._move(key, self.rows(pages[min(self.bridge, len(pages) - 1)]))
+            self._move(key, self.rows(states[min(self.bridge, len(states) - 1)]))
         return True
 
     def _type(self, key: str) -> None:
@@ -84,12 +93,12 @@ class View:
     def _index(self, rows: Sequence[dict[str, Any]]) -> int:
         return next((index for index, row in enumerate(rows) if row["name"] == self.row), 0)
 
-    def rows(self, page: dict[str, Any]) -> list[dict[str, Any]]:
+    def rows(self, state: dict[str, Any]) -> list[dict[str, Any]]:
         """Return the rows of a state that the filter lets pass, in the order that the user has selected."""
         wanted = self.filter.lower()
         rows = [
             row
-            for row in page["rows"]
+            for row in state["rows"]
             if wanted in f"{row['name']} {row['topic']} {row['direction']} {row['level']}".lower()
             and (not self.problems or row["level"] != "OK" or _dropped(row) or row.get("stopping"))
         ]
@@ -113,7 +122,7 @@ def _dropped(entry: dict[str, Any]) -> int:
 SORTS: dict[str, Callable[[dict[str, Any]], Any]] = {
     "number": lambda row: row["number"],
     "name": lambda row: row["name"],
-    "level": lambda row: (-_BADNESS.get(row["level"], 0), row["number"]),
+    "level": lambda row: (-badness(row["level"]), row["number"]),
     "rate": lambda row: (-row["rate"], row["number"]),
     "age": lambda row: (-row.get("age", math.inf), row["number"]),
     "dropped": lambda row: (-_dropped(row), row["number"]),
@@ -126,7 +135,7 @@ def printed(bridges: Sequence[HeardBridge], width: int) -> RenderableType:
     lines: list[Text] = []
     for bridge in bridges:
         lines += [Text()] if lines else []
-        lines += [*_header(bridge.page, _label(bridge, bridges)), *_table(bridge.page["rows"], width)]
+        lines += [*_header(bridge.state, _label(bridge, bridges)), *_table(bridge.state["rows"], width)]
     return Text("\n").join(lines)
 
 
@@ -163,9 +172,9 @@ def _plain(text: object) -> str:
 
 def _label(bridge: HeardBridge, bridges: Sequence[HeardBridge]) -> str:
     """Return the name of a bridge, with the place where it runs if others have the same name."""
-    name = full_name(bridge.page)
-    alone = all(full_name(other.page) != name for other in bridges if other is not bridge)
-    return _plain(name if alone else f"{name} ({place(bridge.page)})")
+    name = full_name(bridge.state)
+    alone = all(full_name(other.state) != name for other in bridges if other is not bridge)
+    return _plain(name if alone else f"{name} ({place(bridge.state)})")
 
 
 def _level(entry: dict[str, Any]) -> tuple[str, str]:
@@ -175,9 +184,9 @@ def _level(entry: dict[str, Any]) -> tuple[str, str]:
 def _overview(bridges: Sequence[HeardBridge], view: View) -> Text:
     """Return the line that lists all bridges, the selected one first. It begins with the number of each level."""
     order = [*range(view.bridge, len(bridges)), *range(view.bridge)]
-    parts = [Text(f"bridges: {_levels([bridge.page['node'] for bridge in bridges])}")]
+    parts = [Text(f"bridges: {_levels([bridge.state['node'] for bridge in bridges])}")]
     for index in order:
-        node = bridges[index].page["node"]
+        node = bridges[index].state["node"]
         name = _label(bridges[index], bridges)
         parts.append(Text.assemble((name, "bold reverse" if index == view.bridge else ""), " ", _level(node)))
         parts[-1].append(f" dropped {_dropped(node) + node['kernel_drops']}")
@@ -194,11 +203,11 @@ def _keys_line(view: View, bridges: int) -> Text:
 
 def _panel(bridge: HeardBridge, label: str, quiet: bool, view: View, width: int, height: int) -> list[Text]:
     """Return the lines that show one bridge, ``height`` in number."""
-    page = bridge.page
-    rows = view.rows(page)
-    header = _header(page, label, quiet)[: max(height - _LEAST_ROWS - _DETAILS - 1, 2)]
+    state = bridge.state
+    rows = view.rows(state)
+    header = _header(state, label, quiet)[: max(height - _LEAST_ROWS - _DETAILS - 1, 2)]
     space = max(height - len(header) - _DETAILS - 1, 1)
-    first, selected = view.window(instance(page), rows, space)
+    first, selected = view.window(instance(state), rows, space)
     table = _table(rows, width, first, first + space, selected)
     if not rows:
         table.append(Text("no row matches; Esc shows all rows"))
@@ -220,9 +229,9 @@ def _details(row: dict[str, Any], position: str) -> list[Text]:
     ]
 
 
-def _header(page: dict[str, Any], label: str, quiet: bool = False) -> list[Text]:
+def _header(state: dict[str, Any], label: str, quiet: bool = False) -> list[Text]:
     """Return the lines about the bridge as a whole, the most important ones first."""
-    node = page["node"]
+    node = state["node"]
     title = Text.assemble((label, "bold"), "  ", _level(node), f"  {_plain(node['message'])}")
     if quiet:
         title = Text.assemble((label, "bold"), ("  the bridge no longer publishes its state", "bold red"))
@@ -230,11 +239,11 @@ def _header(page: dict[str, Any], label: str, quiet: bool = False) -> list[Text]
     reasons = _named(node, DROPPED, none="")
     drops = f"datagrams dropped: {_dropped(node)}; by the kernel: {node['kernel_drops']}"
     lines.append(Text(_plain(drops + (f"; reasons: {reasons}" if reasons else ""))))
-    if stopped := ", ".join(row["name"] for row in page["rows"] if row.get("stopping")):
+    if stopped := ", ".join(row["name"] for row in state["rows"] if row.get("stopping")):
         lines.append(Text(_plain(f"stopped by the bridge, because the topic is silent: {stopped}"), "yellow"))
     if mismatches := _named(node, _MISMATCHES, none=""):
         lines.append(Text(_plain(f"publishers and subscriptions of other nodes without matching QoS: {mismatches}")))
-    lines += _end_lines(page)
+    lines += _end_lines(state)
     if "recording" in node:
         size, waiting, lost = (node.get(f"recording_{name}", 0) for name in ("bytes", "waiting", "lost"))
         recording = f"recording: {lost} messages lost, {waiting} waiting for the disk, {size / 1e6:.1f} MB in "
@@ -243,17 +252,17 @@ def _header(page: dict[str, Any], label: str, quiet: bool = False) -> list[Text]
     sent = f"forwarded: {_named(node, 'forwarded.')}; send errors: {_named(node, 'unsent.')}"
     buffer = _share(node["socket_waiting_bytes"], node["socket_size_bytes"])
     p50, p99 = _microseconds(node.get("handling_p50_us")), _microseconds(node.get("handling_p99_us"))
-    lines.append(Text(_plain(f"rows: {_levels(page['rows'])}; {received}")))
+    lines.append(Text(_plain(f"rows: {_levels(state['rows'])}; {received}")))
     lines.append(Text(_plain(sent)))
     lines.append(Text(f"receive buffer: {buffer}; time to handle datagrams: p50 {p50}, p99 {p99}"))
     return lines
 
 
-def _end_lines(page: dict[str, Any]) -> list[Text]:
+def _end_lines(state: dict[str, Any]) -> list[Text]:
     """Return a line for each end that sends link messages, and one for the problems of the others; problems first."""
-    problems = {_end_of(end): text for end in page["ends"] if (text := _end_problem(end))}
+    problems = {_end_of(end): text for end in state["ends"] if (text := _end_problem(end))}
     lines = []
-    for link in page["links"]:
+    for link in state["links"]:
         problem = problems.pop(_end_of(link), "")
         text = "; ".join(filter(None, [problem, link["message"], *_link_facts(link)]))
         lines.append((link["level"] == "OK" and not problem, f"{link['name']}: {text}"))

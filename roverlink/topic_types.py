@@ -1,4 +1,4 @@
-"""Message types of topics, and messages as YAML or JSON text, for ``roverlink echo`` and ``roverlink pub``."""
+"""Topics and their messages for commands: options, types, the wait for a subscriber, and YAML or JSON text."""
 
 from __future__ import annotations
 
@@ -8,19 +8,24 @@ import math
 import os
 import re
 import sys
-from collections.abc import Mapping
+import time
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import yaml
 
+from roverlink import standard_types
 from roverlink.completion import complete, topics_of_nodes
+from roverlink.console import print_note, seconds
 from roverlink.nodes.installed import declared_topics
 from roverlink.runtime import NODE, Qos, Registry, SetupError
 from roverlink.runtime.core.errors import nearest
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.interfaces import from_rosbags
-from roverlink.runtime.middleware import NodeIdentity
+from roverlink.runtime.middleware import NodeIdentity, Publisher
 
+FLUSH_S = 0.2
+"""Time in seconds before a publisher may leave: a reliable reader may still ask for a lost sample."""
+_LOOK_S = 0.02
 # YAML 1.1 treats these characters as line breaks, and folds them when it reads the text back.
 _UNICODE_BREAKS = frozenset("\x85\u2028\u2029")
 _TOPIC = re.compile(r"(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
@@ -37,6 +42,30 @@ def add_topic(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_wait(parser: argparse.ArgumentParser, condition: str = "") -> None:
+    """Add the option ``--wait`` to a parser, for `wait_for_subscriber`; ``condition`` is the beginning of its help."""
+    parser.add_argument(
+        "--wait",
+        type=seconds,
+        default=3.0,
+        metavar="S",
+        help=f"{condition}wait at most S seconds for a subscriber, then publish anyway (default: 3)",
+    )
+
+
+def wait_for_subscriber(publishers: Collection[Publisher], seconds: float, note: str) -> None:
+    """Wait until one of the topics has a subscriber; after ``seconds`` seconds, print a note and return.
+
+    Messages that are published before a subscriber is there are lost.
+    """
+    deadline = time.monotonic() + seconds
+    while not any(publisher.has_subscribers() for publisher in publishers):
+        if time.monotonic() > deadline:
+            print_note(f"{note}; publishing anyway")
+            return
+        time.sleep(_LOOK_S)
+
+
 def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[type[Message], Qos]:
     """Return the message type and the QoS of a topic.
 
@@ -51,7 +80,7 @@ def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[typ
     if type_name is not None:
         return _named_type(registry, type_name), Qos()
     known = registry.by_topic.values()
-    handler = next((one for one in known if full_topic(one.route.topic) == full_topic(topic)), None)
+    handler = next((handler for handler in known if full_topic(handler.route.topic) == full_topic(topic)), None)
     if handler is None:
         for declared in declared_topics().values():
             if full_topic(declared.name) == full_topic(topic) and len(declared.types) == 1:
@@ -65,12 +94,12 @@ def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[typ
 
 
 def _named_type(registry: Registry, type_name: str) -> type[Message]:
-    wanted = from_rosbags.full_name(type_name)
+    wanted = standard_types.full_name(type_name)
     for handler in registry.by_topic.values():
         if handler.message_type.__msgtype__ == wanted:
             own: type[Message] = handler.message_type
             return own
-    return from_rosbags.message_type(wanted)
+    return standard_types.message_type(wanted)
 
 
 def full_topic(topic: str) -> str:

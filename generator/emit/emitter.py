@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 
 from roverlink.generator import ir, lock
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
-from roverlink.generator.emit import envelope_file, mapping_json_schema, targets, user_templates
+from roverlink.generator.emit import envelope_file, mapping_json_schema, targets
 from roverlink.generator.emit.output_rules import ForbiddenPath, TargetFailed, UnknownTarget
 from roverlink.generator.emit.python_format import format_python
 from roverlink.generator.emit.render import Files, carries_header
@@ -45,6 +45,8 @@ def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path)
         span = table.at(f"targets.{name}")
         collected.add(span, _placed(_of_target(name, bridge, span), bridge))
     for folder in table.templates:
+        from roverlink.generator.emit import user_templates  # here: it imports Jinja, which the help of a command lacks
+
         span = table.at(f"templates.{folder}")
         rendered = _below_folder(user_templates.emit(bridge, project, folder, span), span)
         collected.add(span, _placed(rendered, bridge))

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any
-
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from typing import TYPE_CHECKING, Any
 
 from roverlink.generator.emit.python_format import fitted, literal
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 Files = Iterator[tuple[str, str]]
 """Files that a target generates: pairs of a path, such as ``generated/registry.py``, and the text of the file."""
@@ -34,16 +35,18 @@ SETTINGS: dict[str, Any] = {
     "trim_blocks": True,
     "lstrip_blocks": True,
     "keep_trailing_newline": True,
-    "undefined": StrictUndefined,
     "autoescape": False,
 }
-"""Settings of Jinja for our own templates and for those of users. An undefined name in a template is an error."""
+"""Settings of Jinja for our own templates and for those of users."""
 
 
 @cache
 def environment() -> Environment:
     """Return the Jinja environment that renders the installed templates."""
-    own = Environment(loader=FileSystemLoader(shipped("templates")), **SETTINGS)  # noqa: S701  # source text, not HTML
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # here: the help of a command needs no Jinja
+
+    loader = FileSystemLoader(shipped("templates"))
+    own = Environment(loader=loader, undefined=StrictUndefined, **SETTINGS)  # noqa: S701  # source text, not HTML
     own.filters |= {"docstring": _docstring, "fitted": fitted, "literal": literal}
     return own
 

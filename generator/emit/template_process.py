@@ -19,7 +19,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
-from jinja2 import Environment, FunctionLoader, TemplateError, TemplateSyntaxError
+from jinja2 import Environment, FunctionLoader, StrictUndefined, TemplateError, TemplateSyntaxError
 from jinja2.exceptions import SecurityError
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 
@@ -100,7 +100,7 @@ def _answers(request: Request) -> Iterator[list[str | int]]:
 
 
 def _environment(root: Path) -> Environment:
-    own = _Sandbox(loader=FunctionLoader(partial(_source, root)), **SETTINGS)
+    own = _Sandbox(loader=FunctionLoader(partial(_source, root)), undefined=StrictUndefined, **SETTINGS)
     own.filters |= {"snake_case": ros_names.snake_case, "camel_case": ros_names.camel_case}
     own.globals["header"] = header
     del own.globals["lipsum"], own.filters["random"]  # the same table must give the same text

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
-import grpc_tools
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from roverlink.generator import source_files
@@ -30,8 +29,6 @@ sys.path.append(sys.argv.pop(1))
 from grpc_tools import _protoc_compiler
 sys.exit(_protoc_compiler.run_main([os.fsencode(argument) for argument in sys.argv]))
 """
-_PACKAGES = Path(grpc_tools.__file__).parents[1]
-_WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,11 +144,14 @@ def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> Fi
 
 
 def _protoc(staged: Path, files: Sequence[str], options: Sequence[str], inside: Path, shown_root: str) -> None:
+    import grpc_tools  # here: the help of a command needs no protoc
+
+    package = Path(grpc_tools.__file__).parent
     # grpcio-tools brings google/protobuf/*.proto. Its folder is the last one: a project's own copies come first.
-    includes = [f"-I{folder}" for folder in (staged, _WELL_KNOWN)]
+    includes = [f"-I{folder}" for folder in (staged, package / "_proto")]
     options = [*options, "--include_imports", "--include_source_info"]
     # -I: no module of the user hides a standard one; -S: nor are packages looked for that are not needed.
-    command = [sys.executable, "-I", "-S", "-c", _RUN, str(_PACKAGES), *includes, *options, *files]
+    command = [sys.executable, "-I", "-S", "-c", _RUN, str(package.parent), *includes, *options, *files]
     done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
     if done.returncode:
         output = done.stderr.decode("utf-8", errors="replace")

@@ -1,4 +1,14 @@
-"""``roverlink add``: add a row to mapping.yaml with the next unused number, and generate the code."""
+"""Add a row to mapping.yaml with the next unused number, and run generate.
+
+Add a row to mapping.yaml, so that the bridge converts a message that you have declared in a .proto file,
+and run `roverlink generate`. The comments and the layout of mapping.yaml do not change.
+
+The row gets the number that `roverlink number next` prints. If another repository owns the envelope
+(`owner: proto`), the row gets the number that this payload has in that envelope. The output lists the
+changed files and the number.
+
+Example: roverlink add container_info --proto ContainerBoardInfo --direction hardware_to_ros
+"""
 
 from __future__ import annotations
 
@@ -8,7 +18,7 @@ from pathlib import Path
 
 from roverlink.commands.generate import print_changes, report
 from roverlink.commands.number.next import print_skipped
-from roverlink.console import OK, Subparsers, add_table, command, table_file
+from roverlink.console import OK, Subparsers, add_table, documented_command, print_note, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
 from roverlink.generator.lint.context import Context
@@ -20,17 +30,7 @@ from roverlink.progress import progress
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "add",
-        "add a row to mapping.yaml with the next unused number, and run generate",
-        "roverlink add container_info --proto ContainerBoardInfo --direction hardware_to_ros",
-        "Add a row to mapping.yaml, so that the bridge converts a message that you have declared in a .proto file,\n"
-        "and run `roverlink generate`. The comments and the layout of mapping.yaml do not change.\n\n"
-        "The row gets the number that `roverlink number next` prints. If another repository owns the envelope\n"
-        "(`owner: proto`), the row gets the number that this payload has in that envelope. The output lists the\n"
-        "changed files and the number.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument("name", metavar="NAME", help="name of the payload in the envelope's oneof")
     parser.add_argument(
         "--proto",
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         sys.stdout.writelines(change.diff() for change in changes)
     else:
         print_changes(compiled, changes)
-    print(f"{arguments.name} {'would have' if arguments.dry_run else 'has'} the number {number}", file=sys.stderr)
+    print_note(f"{arguments.name} {'would have' if arguments.dry_run else 'has'} the number {number}")
     return OK
 
 

@@ -1,4 +1,20 @@
-"""``roverlink demo``: run the bridge with simulated boards and a simulated basestation, and show the traffic live."""
+"""Run the bridge with simulated boards and a simulated basestation, and show the traffic live.
+
+Run the bridge with simulated boards, a simulated basestation and a ROS 2 node on this computer, to see what
+roverlink does without a rover. No message leaves this computer. If roverkit is installed, a simulated rover
+drives as the messages on drive_motor say; its wheels slip, and its boards measure. With OpenCV, the images
+of its camera are rendered, and its position is computed from the markers in them. With ONNX Runtime,
+another camera detects the parts of a rendered panel. With PyAV, a page in the browser shows the video of
+the rover's camera, as it arrives at the basestation, and a map with the true path of the rover, the path
+that its camera gives, and that of its wheel odometry.
+
+The live table has a row for each message of mapping.yaml: its number, its direction, messages a second,
+messages since the start, and the last value. The last lines say how many of these messages were bridged,
+and what the bridge counted. Exit code 0: each message of mapping.yaml was bridged at least once; 1: one or
+more were not.
+
+Example: roverlink demo --seconds 5
+"""
 
 from __future__ import annotations
 
@@ -10,29 +26,38 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
-
-from rich.console import Console
-from rich.live import Live
+from typing import TYPE_CHECKING, Any
 
 from roverlink import topic_types
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, isolate_ros, project_folder, seconds
+from roverlink.console import (
+    FINDINGS,
+    OK,
+    Subparsers,
+    add_project,
+    documented_command,
+    isolate_ros,
+    project_folder,
+    seconds,
+)
 from roverlink.generated_code import load_project
 from roverlink.generator.example_payloads import payload_at
 from roverlink.installed_packages import entry_points
 from roverlink.runtime import Registry
 from roverlink.runtime.client import BlockingPeer, Received
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.registry import AnyHandler
-from roverlink.runtime.middleware import Middleware, Publisher
+from roverlink.runtime.middleware import Middleware
 from roverlink.runtime.text.values import message_to_values, payload_to_values
 from roverlink.simulation import crossings
-from roverlink.simulation.bridge_host import bridge_with
+from roverlink.simulation.bridge_host import MIDDLEWARES, bridge_with
 from roverlink.simulation.crossings import Crossing
 from roverlink.simulation.demo_parts import ENTRY_POINTS, STEP_NS, DemoPart, DemoSetting, OpenParts
 from roverlink.simulation.pace import Pace
 from roverlink.simulation.peers import on_loopback
 from roverlink.simulation.simulated_keys import make_throw_away_keys
+from roverlink.simulation.simulated_nodes import SimulatedNodes
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 _RATE_HZ = 20.0
 _REFRESH_HZ = 4
@@ -42,30 +67,14 @@ _SHOWN_COUNTERS = ("received", "published", "sent", "forwarded", "dropped", "ker
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "demo",
-        "run the bridge with simulated boards and a simulated basestation, and show the traffic live",
-        "roverlink demo --seconds 5",
-        "Run the bridge with simulated boards, a simulated basestation and a ROS 2 node on this computer, to see what\n"
-        "roverlink does without a rover. No message leaves this computer. If roverkit is installed, a simulated rover\n"
-        "drives as the messages on drive_motor say; its wheels slip, and its boards measure. With OpenCV, the images\n"
-        "of its camera are rendered, and its position is computed from the markers in them. With ONNX Runtime,\n"
-        "another camera detects the parts of a rendered panel. With PyAV, a page in the browser shows the video of\n"
-        "the rover's camera, as it arrives at the basestation, and a map with the true path of the rover, the path\n"
-        "that its camera gives, and that of its wheel odometry.\n\n"
-        "The live table has a row for each message of mapping.yaml: its number, its direction, messages a second,\n"
-        "messages since the start, and the last value. The last lines say how many of these messages were bridged,\n"
-        "and what the bridge counted. Exit code 0: each message of mapping.yaml was bridged at least once; 1: one or\n"
-        "more were not.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     parser.add_argument(
         "--seconds", type=seconds, default=15.0, metavar="S", help="stop after S seconds (default: %(default)s)"
     )
     parser.add_argument(
         "--middleware",
-        choices=("dds", "rclpy", "memory"),
+        choices=MIDDLEWARES,
         default="dds" if importlib.util.find_spec("cyclonedds") else "memory",
         help="connection between the bridge and the ROS 2 node. dds, rclpy: the bridge is a separate process in ROS 2; "
         "memory: bridge and node run in one process, without ROS 2 (default: %(default)s)",
@@ -75,6 +84,8 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the bridge with simulated peers, and show its traffic. The exit code is 1 if a row had no bridged message."""
+    from rich.console import Console  # here: --help needs no rich
+
     project = project_folder(arguments.project)
     registry = load_project(project)
     console = Console()
@@ -138,39 +149,19 @@ class _Rig:
         rows but those of the ``parts``.
         """
         self._peers, self._parts = peers, parts
-        self._elsewhere = {row for part in parts for row in part.rows}
-        self._publishers: list[tuple[AnyHandler, Publisher]] = []
+        elsewhere = {row for part in parts for row in part.rows}
         self._inbound = [
-            handler
-            for handler in registry.handlers
-            if handler.route.inbound and handler.route.name not in self._elsewhere
+            handler for handler in registry.handlers if handler.route.inbound and handler.route.name not in elsewhere
         ]
+        self._nodes = SimulatedNodes(registry, middleware, elsewhere)
         self.crossings = [Crossing(handler) for handler in registry.handlers]
         self.forwarded = 0
         self._by_number = {crossing.handler.route.number: crossing for crossing in self.crossings}
         for crossing in self.crossings:
-            self._join(crossing, middleware)
+            if crossing.handler.route.inbound:
+                _subscribe(crossing, middleware)
         for part in parts:
             part.join(middleware)
-
-    def _join(self, crossing: Crossing, middleware: Middleware) -> None:
-        """Create the ROS 2 node's subscriber for a row that comes from a peer, or its publisher for a row to a peer."""
-        handler = crossing.handler
-        topic = topic_types.full_topic(handler.route.topic)
-        if not handler.route.inbound:
-            if handler.route.name in self._elsewhere:
-                return
-            self._publishers.append((handler, middleware.publisher(topic, handler.message_type, handler.route.qos)))
-            return
-
-        def values(data: bytes) -> dict[str, Any]:
-            return message_to_values(cdr.decode(handler.message_type, data))
-
-        def seen(messages: Sequence[bytes]) -> None:
-            for data in messages:
-                crossing.add(partial(values, data))
-
-        middleware.subscribe(topic, handler.message_type, handler.route.qos, seen)
 
     def send(self, seconds: float) -> None:
         """Send one datagram for each row that comes from a peer; publish one message for each row that goes to a peer.
@@ -180,8 +171,7 @@ class _Rig:
         """
         for handler in self._inbound:
             self._peers[handler.route.peer].send(payload_at(handler.payload_type, seconds), handler.route.name)
-        for handler, publisher in self._publishers:
-            publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
+        self._nodes.publish(seconds)
 
     def step(self) -> None:
         """Read the payloads that have arrived, and advance the time of the parts by a step.
@@ -206,7 +196,24 @@ class _Rig:
             crossing.add(partial(payload_to_values, received.payload))
 
 
+def _subscribe(crossing: Crossing, middleware: Middleware) -> None:
+    """Count the messages on the topic of a row that comes from a peer."""
+    handler = crossing.handler
+
+    def values(data: bytes) -> dict[str, Any]:
+        return message_to_values(cdr.decode(handler.message_type, data))
+
+    def seen(messages: Sequence[bytes]) -> None:
+        for data in messages:
+            crossing.add(partial(values, data))
+
+    topic = topic_types.full_topic(handler.route.topic)
+    middleware.subscribe(topic, handler.message_type, handler.route.qos, seen)
+
+
 def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
+    from rich.live import Live
+
     pace, steps = Pace(1.0, lambda _: console.print("this computer is too slow: the simulated time has paused")), 0
     start = time.monotonic()
     next_send = next_report = start

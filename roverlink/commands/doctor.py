@@ -1,17 +1,28 @@
-"""``roverlink doctor``: check this machine for problems that keep the bridge from working."""
+"""Check this machine for problems that keep the bridge from working.
+
+Check this machine for problems that keep the bridge from working: Python packages, generated code, the
+bridge's UDP port and receive buffer, the peers' address, firewall, multicast and ROS 2. Use it before the
+first `roverlink run`, or if no messages arrive. Stop the bridge before, so that its UDP port is free. Write
+the same --ros-args as for `roverlink run`, so that the port and the addresses of that bridge are checked.
+
+If the table has the link message, the command exchanges link messages with the peers for a moment, and
+names the boards that have another schema.
+
+The output has one line for each check: ok, warning or error, the name of the check, and the result. A line
+`help` below it says how to solve a problem. The command changes nothing. Exit code 0: no check has the
+result error; 1: at least one has.
+
+Example: roverlink doctor --ros-args --params-file udp.yaml
+"""
 
 from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
-from rich.console import Console
-from rich.text import Text
-
 from roverlink import doctor_checks
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_project, command, project_folder
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_project, documented_command, project_folder
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.runtime import NODE
@@ -22,21 +33,7 @@ _STYLES = {"ok": "green", "warning": "yellow", "error": "bold red"}
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "doctor",
-        "check this machine for problems that keep the bridge from working",
-        "roverlink doctor --ros-args --params-file udp.yaml",
-        "Check this machine for problems that keep the bridge from working: Python packages, generated code, the\n"
-        "bridge's UDP port and receive buffer, the peers' address, firewall, multicast and ROS 2. Use it before the\n"
-        "first `roverlink run`, or if no messages arrive. Stop the bridge before, so that its UDP port is free. Write\n"
-        "the same --ros-args as for `roverlink run`, so that the port and the addresses of that bridge are checked.\n\n"
-        "If the table has the link message, the command exchanges link messages with the peers for a moment, and\n"
-        "names the boards that have another schema.\n\n"
-        "The output has one line for each check: ok, warning or error, the name of the check, and the result. A line\n"
-        "`help` below it says how to solve a problem. The command changes nothing. Exit code 0: no check has the\n"
-        "result error; 1: at least one has.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     parser.add_argument(
         "--json",
@@ -61,15 +58,18 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         found = doctor_checks.examine(arguments.project, ros, arguments.pins)
     except DiagnosticsError as error:
-        show_error(error, project_folder(arguments.project), sys.stderr)
+        show_error(error, project_folder(arguments.project))
         return UNABLE
     if arguments.json:
-        print(json.dumps([diagnosis.as_dict() for diagnosis in found], indent=2))
+        print(json.dumps([result.as_dict() for result in found], indent=2))
     else:
+        from rich.console import Console  # here: --help needs no rich
+        from rich.text import Text
+
         console = Console(highlight=False, soft_wrap=True)
-        for diagnosis in found:
-            verdict = Text(f"{diagnosis.verdict:<8}", _STYLES[diagnosis.verdict])
-            console.print(Text.assemble(verdict, f"{diagnosis.check}: {diagnosis.says}"))
-            if diagnosis.cure:
-                console.print(Text(f"        help: {diagnosis.cure}"))
-    return FINDINGS if any(diagnosis.verdict == "error" for diagnosis in found) else OK
+        for result in found:
+            verdict = Text(f"{result.verdict:<8}", _STYLES[result.verdict])
+            console.print(Text.assemble(verdict, f"{result.check}: {result.says}"))
+            if result.cure:
+                console.print(Text(f"        help: {result.cure}"))
+    return FINDINGS if any(result.verdict == "error" for result in found) else OK

@@ -1,11 +1,18 @@
-"""``roverlink echo``: print the messages of a ROS 2 topic, as ``ros2 topic echo`` does, without a ROS installation."""
+"""Print the messages of a topic, as `ros2 topic echo` does, without a ROS installation.
+
+Print the messages of a topic until Ctrl-C, as `ros2 topic echo` does, without a ROS installation. Each
+message is printed as YAML, followed by a line `---`. The command waits for a publisher, and subscribes with
+a QoS that matches all publishers. The message types of topics in mapping.yaml are known; for any other
+topic, such as /diagnostics, give --type.
+
+Example: roverlink echo imu_data --count 1
+"""
 
 from __future__ import annotations
 
 import argparse
 import math
 import queue
-import sys
 import time
 from collections.abc import Sequence
 
@@ -16,9 +23,9 @@ from roverlink.console import (
     Subparsers,
     add_middleware,
     add_project,
-    command,
     count,
     counted,
+    documented_command,
     print_note,
     project_folder,
     seconds,
@@ -37,16 +44,7 @@ _QUEUE = 1000  # messages; printing is slower than a burst
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "echo",
-        "print the messages of a topic, as `ros2 topic echo` does, without a ROS installation",
-        "roverlink echo imu_data --count 1",
-        "Print the messages of a topic until Ctrl-C, as `ros2 topic echo` does, without a ROS installation. Each\n"
-        "message is printed as YAML, followed by a line `---`. The command waits for a publisher, and subscribes with\n"
-        "a QoS that matches all publishers. The message types of topics in mapping.yaml are known; for any other\n"
-        "topic, such as /diagnostics, give --type.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     topic_types.add_topic(parser)
     parser.add_argument(
@@ -89,9 +87,8 @@ def run(arguments: argparse.Namespace) -> int:
             try:
                 data = arrived.get(timeout=None if deadline is None else max(0.0, deadline - time.monotonic()))
             except queue.Empty:
-                print(
+                print_note(
                     f"stopped after {arguments.timeout} s: only {counted(seen, 'message')} came on {arguments.topic}",
-                    file=sys.stderr,
                 )
                 return FINDINGS
             values = message_to_values(cdr.decode(message_type, data))

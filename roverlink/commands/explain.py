@@ -1,14 +1,23 @@
-"""``roverlink explain``: print the documentation of a rule, or all facts about a row."""
+"""Show all facts about a row, or the documentation of a rule.
+
+Show all facts about a row of mapping.yaml: its sizes, the conversion of each field, its topic, its
+peers, and the bytes of an example. ROW is the row's name, number, topic or message. Use it to see how a
+protobuf message becomes a ROS 2 message, or to compare the bytes with those of a board.
+
+With the ID of a rule of `roverlink lint` or `roverlink check-launch`, such as ENV101, show the rule's
+documentation: what the rule finds, why that is a problem, and how to solve it.
+
+Example: roverlink explain imu_info
+"""
 
 from __future__ import annotations
 
 import argparse
 import json
-import sys
 from typing import Any
 
 from roverlink.completion import complete, rows, topics
-from roverlink.console import FINDINGS, OK, Subparsers, add_table, command, table_file
+from roverlink.console import FINDINGS, OK, Subparsers, add_table, documented_command, table_file
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Rule
 from roverlink.generator.rule_catalogue import rules as own_rules
@@ -21,17 +30,7 @@ RULES = "roverlink.rules"
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "explain",
-        "show all facts about a row, or the documentation of a rule",
-        "roverlink explain imu_info",
-        "Show all facts about a row of mapping.yaml: its sizes, the conversion of each field, its topic, its\n"
-        "peers, and the bytes of an example. ROW is the row's name, number, topic or message. Use it to see how a\n"
-        "protobuf message becomes a ROS 2 message, or to compare the bytes with those of a board.\n\n"
-        "With the ID of a rule of `roverlink lint` or `roverlink check-launch`, such as ENV101, show the rule's\n"
-        "documentation: what the rule finds, why that is a problem, and how to solve it.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     what = parser.add_argument(
         "what", nargs="?", metavar="ROW|ID", help="a row, or the ID of a rule (default: list all rules)"
     )
@@ -79,7 +78,7 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
     try:
         project = Project(table, history=arguments.history)
     except DiagnosticsError as error:
-        show_error(error, table.parent, sys.stderr)
+        show_error(error, table.parent)
         return FINDINGS
     row = project.find(what)
     if row is None and (taken := project.taken(what)):
@@ -105,8 +104,8 @@ def _print_row(said: dict[str, Any]) -> None:
         _line("", ros["type_hash"])
     _line("topic", f"{said['topic']} ({', '.join(_qos(said['qos']))})")
     _line("direction", f"{said['direction']}; {_peer(peer)}")
-    for one in said["forward"]:
-        _line("forwarded", f"raw to {_peer(one)}")
+    for target in said["forward"]:
+        _line("forwarded", f"raw to {_peer(target)}")
     _line("size", _size(said["size"], peer))
     _line("published", "; ".join(said["published"]) or "never, according to mapping.lock")
     for usage in said["history"] or []:

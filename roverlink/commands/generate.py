@@ -1,4 +1,13 @@
-"""``roverlink generate``: compile mapping.yaml and write the generated files."""
+"""Write all files that depend on mapping.yaml: Python handlers, ROS 2 messages, envelope, docs.
+
+Read mapping.yaml and the .proto files, and write all files that are made from them: the Python handlers
+that convert messages, the envelope's .proto file, a ROS 2 package with .msg files, mapping.lock, and
+docs. Run it after each change of mapping.yaml or of a .proto file. The output lists the changed files.
+If there is an error in mapping.yaml or in a .proto file, the command prints it and writes nothing (exit
+code 1). A file that roverlink did not generate is never replaced, unless you give --overwrite.
+
+Example: roverlink generate --check
+"""
 
 from __future__ import annotations
 
@@ -7,7 +16,17 @@ import os
 import sys
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, counted, table_file
+from roverlink.console import (
+    FINDINGS,
+    OK,
+    UNABLE,
+    Subparsers,
+    add_table,
+    counted,
+    documented_command,
+    print_note,
+    table_file,
+)
 from roverlink.diagnostic_text import Sources, show, show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
 from roverlink.generator.emit.writer import Change, write
@@ -16,17 +35,7 @@ from roverlink.generator.pipeline import Compiled, compile_table
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "generate",
-        "write all files that depend on mapping.yaml: Python handlers, ROS 2 messages, envelope, docs",
-        "roverlink generate --check",
-        "Read mapping.yaml and the .proto files, and write all files that are made from them: the Python handlers\n"
-        "that convert messages, the envelope's .proto file, a ROS 2 package with .msg files, mapping.lock, and\n"
-        "docs. Run it after each change of mapping.yaml or of a .proto file. The output lists the changed files.\n"
-        "If there is an error in mapping.yaml or in a .proto file, the command prints it and writes nothing (exit\n"
-        "code 1). A file that roverlink did not generate is never replaced, unless you give --overwrite.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_table(parser)
     parser.add_argument(
         "--check",
@@ -89,7 +98,7 @@ def _check(table: Path, changes: list[Change]) -> int:
     for change in changes:
         sys.stdout.write(change.diff())
     if changes:
-        print(f"{counted(len(changes), 'file')} out of date with {table}; run `roverlink generate`", file=sys.stderr)
+        print_note(f"{counted(len(changes), 'file')} out of date with {table}; run `roverlink generate`")
         return FINDINGS
     print(f"all files are up to date with {table}")
     return OK
@@ -99,6 +108,6 @@ def report(table: Path, error: DiagnosticsError) -> int:
     """Print the diagnostics of an error because of which no file was written, and return the exit code."""
     severities = [finding.severity for finding in error.findings]
     errors = sum(severity.rank <= Severity.ERROR.rank for severity in severities)
-    show_error(error, table.parent, sys.stderr)
-    print(f"{counted(errors, 'error')} in {table}; nothing was written", file=sys.stderr)
+    show_error(error, table.parent)
+    print_note(f"{counted(errors, 'error')} in {table}; nothing was written")
     return UNABLE if Severity.FATAL in severities else FINDINGS

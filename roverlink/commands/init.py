@@ -1,4 +1,21 @@
-"""``roverlink init``: start a project in this folder, with an example board or from existing .proto files."""
+"""Start a project in this folder, with an example board or from existing .proto files.
+
+Start a project in this folder. A project has a table, mapping.yaml, with a row for each message that the
+bridge converts between protobuf and ROS 2. At the end, the command prints the next steps.
+
+Without --from, the command writes mapping.yaml with one message of one board, its .proto file, a GitHub
+workflow, a configuration for pre-commit and a .gitignore file, and runs `roverlink generate`.
+
+With --from, the project starts with your .proto files. One of them declares the envelope, the protobuf
+message that holds each payload in a oneof. mapping.yaml gets a row for each member of this oneof. Values
+that the command had to guess have the comment `guessed`. Files that do not compile together with the others
+are excluded. Numbers that git's history used and the envelope no longer uses are retired. Your .proto files
+do not change, with one exception: if the envelope's file contains nothing but the envelope,
+`roverlink generate` overwrites it from now on.
+
+Example: roverlink init
+         roverlink init --from proto --envelope components/common/envelope.proto --message PBEnvelope
+"""
 
 from __future__ import annotations
 
@@ -7,7 +24,17 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted, finish_interrupted
+from roverlink.console import (
+    FINDINGS,
+    OK,
+    TABLE,
+    UNABLE,
+    Subparsers,
+    counted,
+    documented_command,
+    finish_interrupted,
+    print_note,
+)
 from roverlink.diagnostic_text import Sources, show, show_error
 from roverlink.generator.adopt import Adoption, AdoptionRequest, adopt
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
@@ -17,31 +44,13 @@ from roverlink.installed_packages import git_source
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 
-_EXAMPLE = """\
-roverlink init
-         roverlink init --from proto --envelope components/common/envelope.proto --message PBEnvelope"""
 _WORKFLOW = ".github/workflows/roverlink.yml"
 _IN_TOP_FOLDER = (_WORKFLOW, ".pre-commit-config.yaml")
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "init",
-        "start a project in this folder, with an example board or from existing .proto files",
-        _EXAMPLE,
-        "Start a project in this folder. A project has a table, mapping.yaml, with a row for each message that the\n"
-        "bridge converts between protobuf and ROS 2. At the end, the command prints the next steps.\n\n"
-        "Without --from, the command writes mapping.yaml with one message of one board, its .proto file, a GitHub\n"
-        "workflow, a configuration for pre-commit and a .gitignore file, and runs `roverlink generate`.\n\n"
-        "With --from, the project starts with your .proto files. One of them declares the envelope, the protobuf\n"
-        "message that holds each payload in a oneof. mapping.yaml gets a row for each member of this oneof. Values\n"
-        "that the command had to guess have the comment `guessed`. Files that do not compile together with the others\n"
-        "are excluded. Numbers that git's history used and the envelope no longer uses are retired. Your .proto files\n"
-        "do not change, with one exception: if the envelope's file contains nothing but the envelope,\n"
-        "`roverlink generate` overwrites it from now on.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument(
         "--from",
         dest="root",
@@ -96,9 +105,9 @@ def run(arguments: argparse.Namespace) -> int:
         if _write(adoption.changes, arguments.dry_run):
             _print_adoption(adoption)
     except DiagnosticsError as error:
-        show_error(error, Path.cwd(), sys.stderr)
-        print("nothing was written", file=sys.stderr)
-        return UNABLE if any(one.severity is Severity.FATAL for one in error.findings) else FINDINGS
+        show_error(error, Path.cwd())
+        print_note("nothing was written")
+        return UNABLE if any(finding.severity is Severity.FATAL for finding in error.findings) else FINDINGS
     return OK
 
 
@@ -155,7 +164,10 @@ def _print_adoption(adoption: Adoption) -> None:
     _print_findings(adoption)
     added = sum(change.verb == "added" for change in adoption.changes)
     others = [change for change in adoption.changes if change.verb != "added"]
-    print(f"wrote {TABLE} and {added - 1} generated files" + "".join(f"; {one.verb} {one.path}" for one in others))
+    print(
+        f"wrote {TABLE} and {added - 1} generated files"
+        + "".join(f"; {change.verb} {change.path}" for change in others)
+    )
     print("next:")
     directions = f"{counted(guessed, 'direction')} and " if guessed else ""
     print(f"  check {TABLE}: {directions}the peers' ports are guessed")

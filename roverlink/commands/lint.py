@@ -1,11 +1,25 @@
-"""``roverlink lint``: check the table and the .proto files, also against an earlier state and git's history."""
+"""Find reused numbers and other mistakes that make two machines misread each other.
+
+Find mistakes that make two machines misread each other, such as an envelope number that was given to a
+second payload. Use it before a commit and in CI. The command checks mapping.yaml, the .proto files and the
+ledger (mapping.lock, which lists every number that was ever published). With --against, it also checks the
+changes since an earlier state. With --history, it also checks all commits in git.
+
+Each finding has a place, a severity, the ID of a rule and a message, for example
+`mapping.yaml:19:12: error[ENV101] ...`. `roverlink explain ENV101` describes the rule.
+
+Exit code 0: there is no finding, or only findings that are less severe than --fail-on; 1: there are
+findings; 2: a check could not run.
+
+Example: roverlink lint --against main
+"""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, counted, table_file
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, counted, documented_command, table_file
 from roverlink.generator.diagnostics import DiagnosticsError, Severity, shown
 from roverlink.generator.lint.project import Linted, Question, not_linted
 from roverlink.generator.lock import ACCEPTED_NAME, NAME
@@ -19,20 +33,7 @@ _COUNTED = ("error", "warning", "hint")
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "lint",
-        "find reused numbers and other mistakes that make two machines misread each other",
-        "roverlink lint --against main",
-        "Find mistakes that make two machines misread each other, such as an envelope number that was given to a\n"
-        "second payload. Use it before a commit and in CI. The command checks mapping.yaml, the .proto files and the\n"
-        "ledger (mapping.lock, which lists every number that was ever published). With --against, it also checks the\n"
-        "changes since an earlier state. With --history, it also checks all commits in git.\n\n"
-        "Each finding has a place, a severity, the ID of a rule and a message, for example\n"
-        "`mapping.yaml:19:12: error[ENV101] ...`. `roverlink explain ENV101` describes the rule.\n\n"
-        "Exit code 0: there is no finding, or only findings that are less severe than --fail-on; 1: there are\n"
-        "findings; 2: a check could not run.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_subject(parser)
     parser.add_argument(
         "--against",

@@ -1,13 +1,22 @@
-"""``roverlink listen``: print the envelopes that arrive at a UDP port."""
+"""Print the envelopes that arrive at a UDP port, each as one line of JSON.
+
+Print the envelopes that arrive at a UDP port. Use it in place of a board or a basestation, to see what the
+bridge sends to this peer. An envelope is the protobuf message that holds one payload in a oneof.
+
+Each datagram gives one line of JSON:
+{"from": "127.0.0.1:5000", "number": 9, "name": "drive_motor", "payload": {"distance_to_go": 1.5}}.
+A datagram that cannot be decoded gives a line with the keys "error" and "bytes" (its size).
+
+Example: roverlink listen --port 6001
+"""
 
 from __future__ import annotations
 
 import argparse
 import json
-import sys
 from typing import Any
 
-from roverlink.console import OK, Subparsers, add_project, command, count, port, project_folder
+from roverlink.console import OK, Subparsers, add_project, count, documented_command, port, print_note, project_folder
 from roverlink.generated_code import load_project
 from roverlink.runtime import DatagramError, Registry, Translator
 from roverlink.runtime.core.envelope import payload_numbers, restore
@@ -15,23 +24,12 @@ from roverlink.runtime.net import udp
 from roverlink.runtime.text.values import payload_to_values
 
 _RECEIVE_BUFFER = 1024 * 1024
-_LARGEST = 65_536
 _EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # boards are other machines, so loopback is not enough
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "listen",
-        "print the envelopes that arrive at a UDP port, each as one line of JSON",
-        "roverlink listen --port 6001",
-        "Print the envelopes that arrive at a UDP port. Use it in place of a board or a basestation, to see what the\n"
-        "bridge sends to this peer. An envelope is the protobuf message that holds one payload in a oneof.\n\n"
-        "Each datagram gives one line of JSON:\n"
-        '{"from": "127.0.0.1:5000", "number": 9, "name": "drive_motor", "payload": {"distance_to_go": 1.5}}.\n'
-        'A datagram that cannot be decoded gives a line with the keys "error" and "bytes" (its size).',
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     parser.add_argument(
         "--port", type=port, required=True, help="UDP port to listen on, such as that of a peer in mapping.yaml"
@@ -51,9 +49,9 @@ def run(arguments: argparse.Namespace) -> int:
     translator = Translator(registry)
     seen = 0
     with udp.bind(arguments.address, arguments.port, _RECEIVE_BUFFER) as sock:
-        print(f"listening on UDP port {sock.getsockname()[1]}", file=sys.stderr)
+        print_note(f"listening on UDP port {sock.getsockname()[1]}")
         while arguments.count is None or seen < arguments.count:
-            datagram, (host, port) = sock.recvfrom(_LARGEST)
+            datagram, (host, port) = sock.recvfrom(udp.LARGEST)
             print(json.dumps({"from": f"{host}:{port}", **_line(registry, translator, datagram)}), flush=True)
             seen += 1
     return OK

@@ -1,34 +1,39 @@
-"""``roverlink pub``: publish a message on a ROS 2 topic, as ``ros2 topic pub`` does, without a ROS installation."""
+"""Publish messages on a topic, as `ros2 topic pub` does, without a ROS installation.
+
+Publish a message on a topic once a second until Ctrl-C (see --count and --rate), as `ros2 topic pub` does,
+without a ROS installation. Use it to command a board through a running bridge. Careful: the rover may
+move! Each published message gives a line such as `published 1 on drive_motor`.
+
+Example: roverlink pub drive_motor '{distance_to_go: 1.5}' --count 1
+"""
 
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 
 from roverlink import topic_types
-from roverlink.console import OK, Subparsers, add_middleware, add_project, command, count, project_folder, rate, seconds
+from roverlink.console import (
+    OK,
+    Subparsers,
+    add_middleware,
+    add_project,
+    count,
+    documented_command,
+    project_folder,
+    rate,
+)
 from roverlink.generated_code import load_project
 from roverlink.runtime import SetupError
 from roverlink.runtime.core import cdr
-from roverlink.runtime.middleware import Publisher, open_middleware
+from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.text import strict_yaml
 from roverlink.runtime.text.values import message_from_values
-
-_FLUSH_S = 0.2
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "pub",
-        "publish messages on a topic, as `ros2 topic pub` does, without a ROS installation",
-        "roverlink pub drive_motor '{distance_to_go: 1.5}' --count 1",
-        "Publish a message on a topic once a second until Ctrl-C (see --count and --rate), as `ros2 topic pub` does,\n"
-        "without a ROS installation. Use it to command a board through a running bridge. Careful: the rover may\n"
-        "move! Each published message gives a line such as `published 1 on drive_motor`.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     topic_types.add_topic(parser)
     parser.add_argument(
@@ -42,13 +47,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "-r", "--rate", type=rate, default=1.0, metavar="HZ", help="number of messages a second (default: 1)"
     )
-    parser.add_argument(
-        "--wait",
-        type=seconds,
-        default=3.0,
-        metavar="S",
-        help="wait at most S seconds for a subscriber, then publish anyway (default: 3)",
-    )
+    topic_types.add_wait(parser)
     add_middleware(parser)
     parser.set_defaults(run=run, runs_until_stopped=True)
 
@@ -60,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     data = cdr.encode(message_from_values(message_type, _values(arguments.values)))
     with open_middleware(arguments.middleware, topic_types.identity("pub")) as middleware:
         publisher = middleware.publisher(topic_types.full_topic(arguments.topic), message_type, qos)
-        _wait_for_subscriber(publisher, arguments.topic, arguments.wait)
+        topic_types.wait_for_subscriber([publisher], arguments.wait, f"no subscriber on {arguments.topic} yet")
         start, sent = time.monotonic(), 0
         while arguments.count is None or sent < arguments.count:
             time.sleep(max(0.0, start + sent / arguments.rate - time.monotonic()))
@@ -70,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
                 f"published {sent} on {arguments.topic}" if accepted else "not published: a subscriber is too slow",
                 flush=True,
             )
-        time.sleep(_FLUSH_S)  # a reliable reader may still ask for a lost sample
+        time.sleep(topic_types.FLUSH_S)
     return OK
 
 
@@ -79,12 +78,3 @@ def _values(text: str) -> object:
         return strict_yaml.load(text)
     except strict_yaml.YamlTextError as error:
         raise SetupError(f"cannot read the message: {error}") from error
-
-
-def _wait_for_subscriber(publisher: Publisher, topic: str, seconds: float) -> None:
-    deadline = time.monotonic() + seconds
-    while not publisher.has_subscribers():
-        if time.monotonic() > deadline:
-            print(f"no subscriber on {topic} yet; publishing anyway", file=sys.stderr)
-            return
-        time.sleep(0.02)

@@ -1,4 +1,16 @@
-"""``roverlink run``: run the bridge between UDP and ROS 2, as the ROS 2 node ``udp_forwarder``."""
+"""Run the bridge between UDP and ROS 2, as the node udp_forwarder.
+
+Run the bridge between UDP and ROS 2, as the node udp_forwarder. The bridge publishes the datagrams of the
+peers (boards, basestation) as messages on topics, and sends messages of other topics as datagrams to the
+peers. mapping.yaml lists these messages. SIGINT (Ctrl-C) or SIGTERM stops the bridge. The log is written to
+standard error; at the end it says how many datagrams were received, published, sent and dropped.
+
+All options must stand before --ros-args. After it, these arguments are known: -p NAME:=VALUE and
+--params-file FILE (parameters such as dst_ip, the address of the peers, and listen_port),
+-r FROM:=TO (remap a topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.
+
+Example: roverlink run --ros-args -p dst_ip:=10.0.0.7 -r imu_data:=imu/raw --log-level debug
+"""
 
 from __future__ import annotations
 
@@ -17,8 +29,8 @@ from roverlink.console import (
     add_key_file,
     add_middleware,
     add_project,
-    command,
     counted,
+    documented_command,
     node_logger,
     project_folder,
 )
@@ -36,19 +48,7 @@ _STOPPING = (signal.SIGINT, signal.SIGTERM)
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "run",
-        "run the bridge between UDP and ROS 2, as the node udp_forwarder",
-        "roverlink run --ros-args -p dst_ip:=10.0.0.7 -r imu_data:=imu/raw --log-level debug",
-        "Run the bridge between UDP and ROS 2, as the node udp_forwarder. The bridge publishes the datagrams of the\n"
-        "peers (boards, basestation) as messages on topics, and sends messages of other topics as datagrams to the\n"
-        "peers. mapping.yaml lists these messages. SIGINT (Ctrl-C) or SIGTERM stops the bridge. The log is written to\n"
-        "standard error; at the end it says how many datagrams were received, published, sent and dropped.\n\n"
-        "All options must stand before --ros-args. After it, these arguments are known: -p NAME:=VALUE and\n"
-        "--params-file FILE (parameters such as dst_ip, the address of the peers, and listen_port),\n"
-        "-r FROM:=TO (remap a topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument(
         "--record",
         type=Path,

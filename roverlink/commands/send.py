@@ -1,4 +1,12 @@
-"""``roverlink send``: send a datagram with one payload to a bridge, as a board does."""
+"""Send a datagram with one payload to the bridge, as a board does.
+
+Send a datagram to the bridge, as a board or the basestation does, to test the bridge without a board. The
+datagram is an envelope: the protobuf message that holds one payload in a oneof. Write nested fields with
+dots (imu_sensor.accel_x=1), enum values by name, lists as [1, 2, 3], and bytes in hexadecimal.
+`roverlink echo TOPIC` shows the message that the bridge makes of it.
+
+Example: roverlink send imu_info accel_x=0.12 accel_y=-9.81 --to 127.0.0.1:5000 --count 10 --rate 100
+"""
 
 from __future__ import annotations
 
@@ -6,29 +14,29 @@ import argparse
 import time
 
 from roverlink.completion import complete, rows
-from roverlink.console import OK, Subparsers, add_key_file, add_project, command, count, project_folder, rate
+from roverlink.console import (
+    OK,
+    Subparsers,
+    add_destination,
+    add_key_file,
+    add_project,
+    count,
+    documented_command,
+    project_folder,
+    rate,
+)
 from roverlink.generated_code import load_project
 from roverlink.runtime import ConversionError, Registry, SetupError
 from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core.errors import nearest
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.net import udp
-from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.text.assignments import payload_from_assignments
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "send",
-        "send a datagram with one payload to the bridge, as a board does",
-        "roverlink send imu_info accel_x=0.12 accel_y=-9.81 --to 127.0.0.1:5000 --count 10 --rate 100",
-        "Send a datagram to the bridge, as a board or the basestation does, to test the bridge without a board. The\n"
-        "datagram is an envelope: the protobuf message that holds one payload in a oneof. Write nested fields with\n"
-        "dots (imu_sensor.accel_x=1), enum values by name, lists as [1, 2, 3], and bytes in hexadecimal.\n"
-        "`roverlink echo TOPIC` shows the message that the bridge makes of it.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     name = parser.add_argument("name", nargs="?", help="name of the payload's row in mapping.yaml, such as imu_info")
     complete(name, rows)
@@ -38,12 +46,7 @@ def add(commands: Subparsers) -> None:
         metavar="field=value",
         help="a field of the payload and its value; all other fields are zero",
     )
-    parser.add_argument(
-        "--to",
-        default=f"127.0.0.1:{parameters.LISTEN_PORT}",
-        metavar="HOST:PORT",
-        help="address of the bridge (default: %(default)s)",
-    )
+    add_destination(parser)
     parser.add_argument(
         "--count", type=count, default=1, metavar="N", help="number of datagrams to send (default: %(default)s)"
     )

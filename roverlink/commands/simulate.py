@@ -1,4 +1,22 @@
-"""``roverlink simulate``: send the datagrams of simulated boards and a simulated basestation to a bridge."""
+"""Test a bridge with the datagrams of simulated boards, also with faults such as losses.
+
+Send the datagrams that the boards and the basestation of mapping.yaml would send, to test a bridge, or the
+ROS 2 nodes that use it, without boards. The values in the messages change with the time.
+
+With --to, the datagrams go to a running bridge. At the end, the command prints how many datagrams it sent,
+and the result that the bridge should count for them, such as 57 published, 3 malformed.
+
+With --bridge, the command starts a bridge, and stops it at the end. It then prints how many datagrams the
+bridge published, forwarded and dropped. The exit code is 1 if these numbers do not add up to the number of
+datagrams sent, or if the memory of the bridge grows.
+
+Peers that must sign (table key `sign`) use the keys in the files of --key-file. With --bridge, the bridge
+gets these files, too; without --key-file, the command makes keys for this run alone.
+
+scenarios:
+
+Example: roverlink simulate --scenario lossy --scenario padded --seed 7 --to 127.0.0.1:5000
+"""
 
 from __future__ import annotations
 
@@ -19,26 +37,25 @@ from roverlink.console import (
     FINDINGS,
     OK,
     Subparsers,
+    add_destination,
     add_key_file,
     add_project,
-    command,
+    documented_command,
     isolate_ros,
     project_folder,
     rate,
     seconds,
 )
 from roverlink.generated_code import load_project
-from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry, SetupError, Translator
-from roverlink.runtime.core.registry import AnyHandler
-from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.net import udp
 from roverlink.runtime.ros_arguments import parameters
-from roverlink.simulation.bridge_host import BridgeHost, bridge_with
+from roverlink.simulation.bridge_host import MIDDLEWARES, BridgeHost, bridge_with
 from roverlink.simulation.peers import Arrivals, Senders
 from roverlink.simulation.run_account import RunTotals, predict, resident_bytes, sent_to_peers
 from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions
 from roverlink.simulation.simulated_keys import SimulatedKeys, make_throw_away_keys
+from roverlink.simulation.simulated_nodes import SimulatedNodes
 
 _LOG_LEVEL = "error"  # its warnings repeat the counters of the final report
 _RATE_OF_A_ROW_HZ = 20.0
@@ -53,33 +70,15 @@ _TIMEOUT_S = 20.0
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "simulate",
-        "test a bridge with the datagrams of simulated boards, also with faults such as losses",
-        "roverlink simulate --scenario lossy --scenario padded --seed 7 --to 127.0.0.1:5000",
-        "Send the datagrams that the boards and the basestation of mapping.yaml would send, to test a bridge, or the\n"
-        "ROS 2 nodes that use it, without boards. The values in the messages change with the time.\n\n"
-        "With --to, the datagrams go to a running bridge. At the end, the command prints how many datagrams it sent,\n"
-        "and the result that the bridge should count for them, such as 57 published, 3 malformed.\n\n"
-        "With --bridge, the command starts a bridge, and stops it at the end. It then prints how many datagrams the\n"
-        "bridge published, forwarded and dropped. The exit code is 1 if these numbers do not add up to the number of\n"
-        "datagrams sent, or if the memory of the bridge grows.\n\n"
-        "Peers that must sign (table key `sign`) use the keys in the files of --key-file. With --bridge, the bridge\n"
-        "gets these files, too; without --key-file, the command makes keys for this run alone.\n\n"
-        "scenarios:\n" + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
+    parser = documented_command(
+        commands, __name__, __doc__, "".join(f"\n  {name:<12}{_summary(name)}" for name in SCENARIOS)
     )
     add_project(parser)
     target = parser.add_mutually_exclusive_group()
-    target.add_argument(
-        "--to",
-        default=f"127.0.0.1:{parameters.LISTEN_PORT}",
-        metavar="HOST:PORT",
-        help="address of the bridge (default: %(default)s)",
-    )
+    add_destination(target)
     target.add_argument(
         "--bridge",
-        choices=("dds", "rclpy", "memory"),
+        choices=MIDDLEWARES,
         help="start a bridge, and check its counters at the end. dds, rclpy: the bridge is a separate process in "
         "ROS 2; memory: the bridge runs in this process, without ROS 2",
     )
@@ -179,43 +178,18 @@ def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream, 
         middleware = stack.enter_context(host.middleware(topic_types.identity("simulate")))
         stack.enter_context(host)
         senders = stack.enter_context(Senders("127.0.0.1", host.port))
-        nodes = _Nodes(world.registry, middleware)
+        nodes, next_commands = SimulatedNodes(world.registry, middleware), 0.0
         with contextlib.suppress(KeyboardInterrupt):
             for now in _play(stream, arguments.seconds, senders, totals, world):
-                totals.commands += nodes.publish(now)
+                if now >= next_commands:
+                    next_commands = now + 1 / _COMMANDS_HZ
+                    totals.commands += nodes.publish(now)
                 _watch_memory(host, now, totals)
         # The last datagrams are still on their way; counters must agree only at rest.
         time.sleep(_SETTLE_S)
         totals.account = host.stop()
         _wait_for(arrivals, totals)
     return _report(totals, as_json=arguments.json)
-
-
-class _Nodes:
-    """Publishers in place of the rover's ROS 2 nodes: one for each topic whose messages the bridge sends to a peer."""
-
-    def __init__(self, registry: Registry, middleware: Middleware) -> None:
-        self._publishers: list[tuple[AnyHandler, Publisher]] = []
-        for handler in registry.handlers:
-            if not handler.route.inbound:
-                topic = topic_types.full_topic(handler.route.topic)
-                publisher = middleware.publisher(topic, handler.message_type, handler.route.qos)
-                self._publishers.append((handler, publisher))
-        self._next = 0.0
-
-    def publish(self, now: float) -> int:
-        """Publish one message on each topic that the bridge has subscribed to, but at most 20 times a second.
-
-        ``now`` is the time since the start in seconds. Return the number of published messages.
-        """
-        if now < self._next:
-            return 0
-        self._next = now + 1 / _COMMANDS_HZ
-        return sum(
-            publisher.publish([handler.to_cdr(payload_at(handler.payload_type, now))])
-            for handler, publisher in self._publishers
-            if publisher.has_subscribers()
-        )
 
 
 def _repeated(stream: Stream, count: int) -> Stream:

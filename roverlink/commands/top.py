@@ -1,4 +1,32 @@
-"""``roverlink top``: show the live state of bridges on the terminal."""
+"""Show the state of a running bridge live: message rates, time since the last message, drops, queues.
+
+Show the state of all running bridges live, to see which messages arrive and which are lost. The command
+reads the topic /diagnostics, so a bridge may run on any machine of the same ROS 2 domain.
+
+The first lines count the datagrams of the whole bridge. The table has these columns for each row of
+mapping.yaml:
+  level    OK; WARN: too few messages, a loss, or a QoS that does not match; STALE: expected messages do not
+           come; ERROR: messages are dropped, and none is bridged
+  rate     messages a second, in the last two seconds
+  min      messages a second that the table expects at least (key expect_rate)
+  age      time since the last message
+  count    messages bridged since the start
+  dropped  messages that were not bridged
+  stops    stops that the bridge sent because the topic was silent (table key deadman)
+  message  reason for the level; on a narrow terminal it stands below the table, for the selected row
+Several bridges are shown side by side if the terminal is wide enough.
+
+Keys:
+  up, down, page up, page down, home, end (or k, j, g, G)   select a row, and scroll
+  s, S   sort by the next or the last of: number, name, level, rate, age, dropped
+  /      show only rows with a text in their name, topic, direction or level
+  p      show only rows with a problem: another level than OK, drops, or a stopped peer
+  Esc    show all rows again
+  Tab    select the next bridge
+  q      quit
+
+Example: roverlink top
+"""
 
 from __future__ import annotations
 
@@ -12,11 +40,8 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from rich.console import Console
-from rich.live import Live
-
-from roverlink import link_page, top_screen, topic_types
-from roverlink.console import FINDINGS, OK, Subparsers, add_middleware, command, print_note, seconds
+from roverlink import link_page, topic_types
+from roverlink.console import FINDINGS, OK, Subparsers, add_middleware, documented_command, print_note, seconds
 from roverlink.heard_bridges import QUIET_S, HeardBridges, has_problems
 from roverlink.keyboard import Keyboard
 from roverlink.link_page.followed_bridges import FollowedBridges
@@ -35,34 +60,7 @@ _HEAR_S = 1.5  # each bridge publishes its state once a second
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "top",
-        "show the state of a running bridge live: message rates, time since the last message, drops, queues",
-        "roverlink top",
-        "Show the state of all running bridges live, to see which messages arrive and which are lost. The command\n"
-        "reads the topic /diagnostics, so a bridge may run on any machine of the same ROS 2 domain.\n\n"
-        "The first lines count the datagrams of the whole bridge. The table has these columns for each row of\n"
-        "mapping.yaml:\n"
-        "  level    OK; WARN: too few messages, a loss, or a QoS that does not match; STALE: expected messages do not\n"
-        "           come; ERROR: messages are dropped, and none is bridged\n"
-        "  rate     messages a second, in the last two seconds\n"
-        "  min      messages a second that the table expects at least (key expect_rate)\n"
-        "  age      time since the last message\n"
-        "  count    messages bridged since the start\n"
-        "  dropped  messages that were not bridged\n"
-        "  stops    stops that the bridge sent because the topic was silent (table key deadman)\n"
-        "  message  reason for the level; on a narrow terminal it stands below the table, for the selected row\n"
-        "Several bridges are shown side by side if the terminal is wide enough.\n\n"
-        "Keys:\n"
-        "  up, down, page up, page down, home, end (or k, j, g, G)   select a row, and scroll\n"
-        "  s, S   sort by the next or the last of: number, name, level, rate, age, dropped\n"
-        "  /      show only rows with a text in their name, topic, direction or level\n"
-        "  p      show only rows with a problem: another level than OK, drops, or a stopped peer\n"
-        "  Esc    show all rows again\n"
-        "  Tab    select the next bridge\n"
-        "  q      quit",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument(
         "--node",
         action="append",
@@ -112,23 +110,22 @@ def run(arguments: argparse.Namespace) -> int:
 
     with open_middleware(arguments.middleware, topic_types.identity("top")) as middleware:
         middleware.subscribe(diagnostic_array.TOPIC, DiagnosticArray, diagnostic_array.QOS, keep)
-        page = _next_page(arrived, heard, min(_HEAR_S, arguments.timeout))
-        if page is None and arguments.timeout > _HEAR_S:
+        state = _next_state(arrived, heard, min(_HEAR_S, arguments.timeout))
+        if state is None and arguments.timeout > _HEAR_S:
             print_note(f"waiting for a bridge, at most {arguments.timeout:g} s")
-            page = _next_page(arrived, heard, arguments.timeout - _HEAR_S)
-        if page is None:
+            state = _next_state(arrived, heard, arguments.timeout - _HEAR_S)
+        if state is None:
             bridges = " or ".join(f"named {name!r}" for name in arguments.node)
-            print(
+            print_note(
                 f"no messages of a bridge{bridges and f' {bridges}'} on {diagnostic_array.TOPIC} within "
                 f"{arguments.timeout:g} s; check that the bridge runs in this ROS 2 domain, without --no-diagnostics",
-                file=sys.stderr,
             )
             return FINDINGS
         if arguments.web is not None:
             return _serve(arrived, heard, arguments, middleware)
         if arguments.once:
             return _show(arrived, heard, arguments.json)
-        return _print_json(arrived, heard, page) if arguments.json else _follow(arrived, heard)
+        return _print_json(arrived, heard, state) if arguments.json else _follow(arrived, heard)
 
 
 def _show(arrived: queue.Queue[bytes], heard: HeardBridges, as_json: bool) -> int:
@@ -136,24 +133,28 @@ def _show(arrived: queue.Queue[bytes], heard: HeardBridges, as_json: bool) -> in
     _hear_all(arrived, heard)
     if as_json:
         for bridge in heard.bridges:
-            print(json.dumps(bridge.page, indent=2))
+            print(json.dumps(bridge.state, indent=2))
     else:
+        from rich.console import Console  # here: --help needs no rich
+
+        from roverlink import top_screen
+
         console = Console()
         console.print(top_screen.printed(heard.bridges, console.width))
     warnings = heard.warnings()
     for warning in warnings:
         print_note(f"warning: {warning}")
-    return FINDINGS if warnings or any(has_problems(bridge.page) for bridge in heard.bridges) else OK
+    return FINDINGS if warnings or any(has_problems(bridge.state) for bridge in heard.bridges) else OK
 
 
-def _print_json(arrived: queue.Queue[bytes], heard: HeardBridges, page: dict[str, Any]) -> int:
+def _print_json(arrived: queue.Queue[bytes], heard: HeardBridges, state: dict[str, Any]) -> int:
     told: set[str] = set()
     while True:
-        print(json.dumps(page), flush=True)
+        print(json.dumps(state), flush=True)
         _tell_new(heard.warnings(), told)
-        while (next_page := _next_page(arrived, heard, QUIET_S)) is None:
+        while (next_state := _next_state(arrived, heard, QUIET_S)) is None:
             pass
-        page = next_page
+        state = next_state
 
 
 def _tell_new(warnings: Sequence[str], told: set[str]) -> None:
@@ -163,6 +164,11 @@ def _tell_new(warnings: Sequence[str], told: set[str]) -> None:
 
 
 def _follow(arrived: queue.Queue[bytes], heard: HeardBridges) -> int:
+    from rich.console import Console  # here: --help needs no rich
+    from rich.live import Live
+
+    from roverlink import top_screen
+
     view, console = top_screen.View(), Console()
     with Keyboard() as keyboard, Live(console=console, screen=True, auto_refresh=False) as live:
         while True:
@@ -172,7 +178,7 @@ def _follow(arrived: queue.Queue[bytes], heard: HeardBridges) -> int:
             view.bridge = min(view.bridge, len(bridges) - 1)
             live.update(top_screen.live(bridges, heard, view, *console.size), refresh=True)
             for key in keyboard.keys(_REFRESH_S):
-                if not view.press(key, [bridge.page for bridge in bridges]):
+                if not view.press(key, [bridge.state for bridge in bridges]):
                     return OK
 
 
@@ -197,7 +203,7 @@ def _serve(
         link_page.serve(page, arguments.web, arguments.page_token, stack, logger)
         while True:
             _tell_new(heard.warnings(), told)
-            _next_page(arrived, heard, QUIET_S)
+            _next_state(arrived, heard, QUIET_S)
             bridges.update()
 
 
@@ -205,10 +211,10 @@ def _hear_all(arrived: queue.Queue[bytes], heard: HeardBridges) -> None:
     """Wait until each running bridge has published its state."""
     deadline = time.monotonic() + _HEAR_S
     while (left := deadline - time.monotonic()) > 0:
-        _next_page(arrived, heard, left)
+        _next_state(arrived, heard, left)
 
 
-def _next_page(arrived: queue.Queue[bytes], heard: HeardBridges, seconds: float) -> dict[str, Any] | None:
+def _next_state(arrived: queue.Queue[bytes], heard: HeardBridges, seconds: float) -> dict[str, Any] | None:
     """Return the next state that a bridge publishes; None if no state comes within ``seconds`` seconds."""
     deadline = time.monotonic() + seconds
     # Other nodes publish on /diagnostics too, so a message may be from another node.
@@ -217,6 +223,6 @@ def _next_page(arrived: queue.Queue[bytes], heard: HeardBridges, seconds: float)
             message = arrived.get(timeout=left)
         except queue.Empty:
             return None
-        if page := heard.take(message):
-            return page
+        if state := heard.take(message):
+            return state
     return None

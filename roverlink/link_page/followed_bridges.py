@@ -34,11 +34,11 @@ class FollowedBridges:
             self._update()
 
     def _update(self) -> None:
-        bridges = {(full_name(bridge.page), instance(bridge.page)): bridge for bridge in self._heard.bridges}
+        bridges = {(full_name(bridge.state), instance(bridge.state)): bridge for bridge in self._heard.bridges}
         for key, bridge in bridges.items():
             if link := self._links.get(key) or self._started_again(key, bridges) or self._new(key, bridges):
                 self._links[key] = link
-                link.take_state(bridge.page)
+                link.take_state(bridge.state)
         for key in self._links.keys() - bridges.keys():
             self._page.remove(self._links.pop(key).id)
         self._page.warnings = self._heard.warnings()
@@ -61,7 +61,7 @@ class FollowedBridges:
         if gone is None:
             return None
         link = self._links.pop(gone)
-        link.log.add(time.time(), logging.WARNING, f"the bridge was started again: {place(bridges[key].page)}")
+        link.log.add(time.time(), logging.WARNING, f"the bridge was started again: {place(bridges[key].state)}")
         return link
 
     def _new(self, key: tuple[str, str], bridges: dict[tuple[str, str], HeardBridge]) -> LiveLink | None:

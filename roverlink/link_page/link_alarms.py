@@ -1,6 +1,6 @@
 """Judgement of a bridge's state for its page: which peers are alive, which stops are active, and latched alarms.
 
-The state is a result of `roverlink.heard_bridges.page_of`. Times are in seconds of a monotonic clock.
+The state is a result of `roverlink.heard_bridges.state_of`. Times are in seconds of a monotonic clock.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
+from roverlink.heard_bridges import badness
 from roverlink.runtime.monitoring.liveness import liveness_of
 from roverlink.runtime.monitoring.monitor import ADDRESS_PROBLEMS
 
 _STATES = ("alive", "silent", "never", "listens")
 """States of peers and boards; that of a peer is the first that one of its boards has."""
 _MOST = 500  # alarms
-_BADNESS = ("OK", "WARN", "STALE", "ERROR")
 
 
 def peers_of(
@@ -153,7 +153,7 @@ class LinkAlarms:
         with self._lock:
             for subject, condition in conditions.items():
                 alarm = self._alarms.pop((bridge, subject), None)
-                if alarm is None or alarm.ended is not None or _worse(condition.level, alarm.level):
+                if alarm is None or alarm.ended is not None or badness(condition.level) > badness(alarm.level):
                     self._onsets += 1
                     alarm = _Alarm(self._onsets, bridge, subject, condition.level, condition.text, now)
                 alarm.text = condition.text
@@ -181,11 +181,3 @@ class LinkAlarms:
         """Return all alarms since the start as plain values, the newest first."""
         with self._lock:
             return [asdict(alarm) for alarm in sorted(self._alarms.values(), key=lambda alarm: -alarm.number)]
-
-
-def _worse(level: str, than: str) -> bool:
-    return _rank(level) > _rank(than)
-
-
-def _rank(level: str) -> int:
-    return _BADNESS.index(level) if level in _BADNESS else len(_BADNESS)

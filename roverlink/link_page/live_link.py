@@ -34,7 +34,7 @@ class LiveLink:
         self._told = 0
 
     def take_state(self, state: dict[str, Any]) -> None:
-        """Take a new state of the bridge, a result of `roverlink.heard_bridges.page_of`; any thread may call this."""
+        """Take a new state of the bridge, a result of `roverlink.heard_bridges.state_of`; any thread may call this."""
         if self._taken is None or self._taken[1] is not state:
             self._taken = (self._clock(), state)
 

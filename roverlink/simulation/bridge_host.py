@@ -16,10 +16,13 @@ from typing import IO, Any, Protocol, cast
 
 from roverlink.runtime import NODE, Bridge, Registry, SetupError
 from roverlink.runtime.bridge.signed_peers import open_links
-from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
+from roverlink.runtime.middleware import NAMES, Middleware, NodeIdentity, open_middleware
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.ros_arguments import parameters
 
+MIDDLEWARES = tuple(name for name in NAMES if name != "auto")
+"""Middlewares with which `bridge_with` starts a bridge."""
+_ON_LOOPBACK: dict[str, str | int] = {"listen_port": 0, "listen_address": "127.0.0.1"}
 _STOP_TIMEOUT_S = 20.0  # on a busy machine it may take long to handle the datagrams that have arrived
 
 
@@ -79,17 +82,8 @@ class BridgeProcess:
         command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", middleware]
         for file in key_files:
             command += ["--key-file", str(file)]
-        command += [
-            "--project",
-            str(project),
-            "--ros-args",
-            "-p",
-            "listen_port:=0",
-            "-p",
-            "listen_address:='127.0.0.1'",
-        ]
-        command += ["--log-level", log_level]
-        for name, value in given.items():
+        command += ["--project", str(project), "--ros-args", "--log-level", log_level]
+        for name, value in {**_ON_LOOPBACK, **given}.items():
             # In YAML, a text in quotes stays a text.
             command += ["-p", f"{name}:={value!r}"]
         self._command = command
@@ -149,11 +143,11 @@ class BridgeThread:
         self,
         registry: Registry,
         given: dict[str, str | int],
-        log_level: str = "warn",
+        log_level: str,
         key_files: Sequence[Path] = (),
     ) -> None:
         self._graph = Graph()
-        settings = parameters.read(registry, {"listen_port": 0, "listen_address": "127.0.0.1", **given})
+        settings = parameters.read(registry, {**_ON_LOOPBACK, **given})
         logger = logging.getLogger("bridge")
         logger.setLevel(log_level.upper())
         self._links = open_links(registry, key_files, logger)

@@ -6,11 +6,12 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Any
-
-from rich.table import Table
+from typing import TYPE_CHECKING, Any
 
 from roverlink.runtime.core.registry import AnyHandler
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 _WINDOW_S = 2.0
 _SHOWN_FIELDS = 4
@@ -42,6 +43,8 @@ class Crossing:
 
 def table(crossings: Iterable[Crossing], title: str) -> Table:
     """Return a table for the terminal: for each row its rate, its count, and the values of its last message."""
+    from rich.table import Table  # here: the help of a command needs no rich
+
     shown = Table(title=title, expand=True)
     shown.add_column("no.", justify="right", no_wrap=True)
     shown.add_column("payload", no_wrap=True)

@@ -15,7 +15,6 @@ from roverlink.runtime.text.host_names import LEARN
 from roverlink.simulation.scenarios import Emission
 
 _RECEIVE_BUFFER = 8 * 1024 * 1024
-_LARGEST = 65_536
 
 
 class Senders(contextlib.ExitStack):
@@ -85,7 +84,7 @@ class Arrivals:
         for sock in self._sockets.values():
             self._stack.enter_context(sock)
         for sock in self._sockets.values():
-            self._stack.enter_context(udp.Receiver(sock, _LARGEST, self._add))
+            self._stack.enter_context(udp.Receiver(sock, udp.LARGEST, self._add))
         return self
 
     def __exit__(

@@ -22,7 +22,7 @@ from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.core.envelope import restore, strip_trailing_zeros
 from roverlink.runtime.core.link_message import NAME, PERIOD_S, LinkWriter
 from roverlink.runtime.core.registry import AnyHandler, EndName
-from roverlink.runtime.core.wire_format import DELIMITED, VARINT
+from roverlink.runtime.core.wire_format import DELIMITED, VARINT, encoded_varint
 from roverlink.simulation.simulated_keys import SimulatedKeys
 
 
@@ -231,19 +231,11 @@ def _with_other_hashes(end: EndName, datagram: bytes, world: World) -> bytes:
 
 
 def _tag(number: int, wire_type: int) -> bytes:
-    return _varint(number << 3 | wire_type)
+    return encoded_varint(number << 3 | wire_type)
 
 
 def _delimited(number: int, content: bytes) -> bytes:
-    return _tag(number, DELIMITED) + _varint(len(content)) + content
-
-
-def _varint(value: int) -> bytes:
-    encoded = bytearray()
-    while value > 0x7F:
-        encoded.append(value & 0x7F | 0x80)
-        value >>= 7
-    return bytes([*encoded, value])
+    return _tag(number, DELIMITED) + encoded_varint(len(content)) + content
 
 
 def padded(stream: Stream, world: World) -> Stream:

@@ -50,8 +50,8 @@ class SimulatedKeys(contextlib.ExitStack):
         if registry.signature is None:
             raise SetupError(f"{files[0]}: the table has no `signing`; leave out the key file")
         self._registry, self._number = registry, registry.signature
-        self._keys = [(one, file) for file in files for one in read_keys(file) if one.receiver == BRIDGE]
-        known = {one.key.sender for one, _ in self._keys}
+        self._keys = [(file_key, file) for file in files for file_key in read_keys(file) if file_key.receiver == BRIDGE]
+        known = {file_key.key.sender for file_key, _ in self._keys}
         self._senders: dict[str, _Sender] = {}
         self._by_end: dict[EndName, _Sender] = {}
         for handler in registry.handlers:
@@ -68,7 +68,11 @@ class SimulatedKeys(contextlib.ExitStack):
     def _sender(self, end: EndName) -> _Sender:
         name = end.board or end.peer
         if name not in self._senders:
-            own = [(one.key, file) for one, file in self._keys if one.key.sender == name and one.send_with]
+            own = [
+                (file_key.key, file)
+                for file_key, file in self._keys
+                if file_key.key.sender == name and file_key.send_with
+            ]
             if not own:
                 cure = "make one with `roverlink link keygen`, or leave out --key-file if simulate starts the bridge"
                 raise SetupError(f"{name!r} must sign (table key `sign`), but no key file has a key of it; {cure}")
@@ -78,7 +82,11 @@ class SimulatedKeys(contextlib.ExitStack):
 
     def translator(self) -> Translator:
         """Return a translator that accepts what a bridge accepts, if only the simulated peers sign with these keys."""
-        keys = [(one.key, self._senders[one.key.sender]) for one, _ in self._keys if one.key.sender in self._senders]
+        keys = [
+            (file_key.key, self._senders[file_key.key.sender])
+            for file_key, _ in self._keys
+            if file_key.key.sender in self._senders
+        ]
         starts = [(key, sender.signatures.clock.last) for key, sender in keys]
         return VerifyingTranslator(self._registry, Verifier(self._number, starts, SigningClock()))
 

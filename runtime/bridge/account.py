@@ -132,7 +132,7 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
         ),
         ("messages taken", account["taken"], "sent, refused, superseded and failed", account["sent"] + sum(ends)),
     ]
-    return [f"{one} {what}, but {other} {ends}" for what, one, ends, other in sums if one != other]
+    return [f"{count} {what}, but {other} {ends}" for what, count, ends, other in sums if count != other]
 
 
 class ThrottledWarnings:

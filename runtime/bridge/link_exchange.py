@@ -16,7 +16,7 @@ import threading
 import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.core import link_message
@@ -111,7 +111,6 @@ class LinkExchange:
         policy: str,
         account: Account,
         warnings: ThrottledWarnings,
-        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Exchange link messages with the ends in ``sends``, each with the function that sends datagrams to it.
 
@@ -121,7 +120,7 @@ class LinkExchange:
         ``account``.
         """
         self._hashes, self._registry = hashes, registry
-        self._warnings, self._clock = warnings, clock
+        self._warnings = warnings
         self._sends, self._refuse, self._policy = sends, refuse, policy
         self._own = _own_rows(registry)
         in_turn = {end: link_message.rows_in_turn(registry, end) for end in self._own}
@@ -131,9 +130,9 @@ class LinkExchange:
             end: LinkWriter(registry.envelope, session, {number: hashes[number] for number in in_turn[end]})
             for end in sends
         }
-        self._due = dict.fromkeys(sends, clock())
+        self._due = dict.fromkeys(sends, time.monotonic())
         self._asked: set[EndName] = set(sends)  # ends that need the hashes of all rows at once
-        self._began_us = time.time_ns() // 1000 - int(clock() * 1e6)
+        self._began_us = time.time_ns() // 1000 - int(time.monotonic() * 1e6)
         self._senders: dict[int, _Sender] = {}
         self._restarts: Counter[EndName] = Counter()
         self._received: Counter[str | None] = Counter()  # by row
@@ -170,7 +169,7 @@ class LinkExchange:
 
     def _now_us(self) -> int:
         # Of the monotonic clock, so that nobody can set it; it starts at the system's time, which peers may want.
-        return self._began_us + int(self._clock() * 1e6)
+        return self._began_us + int(time.monotonic() * 1e6)
 
     # --- receiving ---
 
@@ -202,7 +201,7 @@ class LinkExchange:
 
     def _take(self, message: LinkMessage, peers: frozenset[str] | None) -> EndName | None:
         """Take a link message. Return its end if the message itself tells it, not only earlier ones of its session."""
-        now, arrived_us = self._clock(), self._now_us()
+        now, arrived_us = time.monotonic(), self._now_us()
         with self._lock:
             sender = self._senders.get(message.session)
             is_new = sender is None
@@ -244,7 +243,7 @@ class LinkExchange:
 
     def _new_sender(self, session: int, now: float) -> _Sender:
         if len(self._senders) >= _MOST_SENDERS:
-            del self._senders[min(self._senders, key=lambda one: self._senders[one].heard)]
+            del self._senders[min(self._senders, key=lambda sender: self._senders[sender].heard)]
         return _Sender(session, now)
 
     def _end_of(self, numbers: Collection[int]) -> EndName | None:
@@ -260,7 +259,7 @@ class LinkExchange:
         """Return the end to which the bridge sends what concerns an end: boards may share the address of their peer."""
         if end in self._writers:
             return end
-        return next(one for one in self._writers if one.peer == end.peer)
+        return next(writer for writer in self._writers if writer.peer == end.peer)
 
     def _received_from(self, end: EndName) -> int:
         return sum(self._received[row] for row in self._own[end]) + self._received_links[end]
@@ -323,7 +322,7 @@ class LinkExchange:
         A peer with boards is listed in their place if one program speaks for the whole peer.
         """
         with self._lock:
-            now, wall_us = self._clock(), time.time_ns() // 1000
+            now, wall_us = time.monotonic(), time.time_ns() // 1000
             reports = []
             whole = {sender.end for sender in self._senders.values() if sender.end and not sender.end.board}
             for end in self._own:
@@ -348,12 +347,9 @@ class LinkExchange:
         statistics = senders[0].statistics
         alone = len(senders) == 1
         offset = statistics.clock_offset_us
-        return EndReport(
-            end,
-            report.schema,
-            report.differing,
-            report.untold,
-            {rows[number]: hash for number, hash in senders[0].hashes.items() if number in rows},
+        return replace(
+            report,
+            told={rows[number]: hash for number, hash in senders[0].hashes.items() if number in rows},
             senders=len(senders),
             restarts=self._restarts[end],
             age=now - senders[0].heard,

@@ -1,6 +1,4 @@
-"""Rate limit for values, which are the messages of a row (table key ``max_rate``).
-
-A value that comes too early waits until its time; a newer value replaces a waiting one.
+"""Rate limit for the messages of a row (table key ``max_rate``).
 
 Times are arguments, in seconds of a monotonic clock.
 """
@@ -8,54 +6,52 @@ Times are arguments, in seconds of a monotonic clock.
 from __future__ import annotations
 
 import threading
-from typing import Generic, TypeVar
-
-T = TypeVar("T")
+from collections.abc import Sequence
 
 
-class Pacer(Generic[T]):
-    """Rate limit for the values of one row, usually its messages. Safe to call from several threads.
+class Pacer:
+    """Rate limit for the messages of one row. Safe to call from several threads.
 
-    A value that comes too early waits until its time; a newer value replaces a waiting one.
+    A message that comes too early waits until its time; a newer message replaces a waiting one.
     """
 
     def __init__(self, rate: float) -> None:
-        """Let at most ``rate`` values a second pass."""
+        """Let at most ``rate`` messages a second pass."""
         self._interval = 1 / rate
         self._slot = 0.0
-        self._waiting: T | None = None
+        self._waiting: bytes | None = None
         self._lock = threading.Lock()
-        self.superseded = 0
-        """Number of values that a newer one has replaced."""
 
     @property
     def next_slot(self) -> float | None:
-        """Time at which the waiting value may pass; None if no value waits."""
+        """Time at which the waiting message may pass; None if no message waits."""
         return self._slot if self._waiting is not None else None
 
-    def offer(self, thing: T, now: float) -> bool:
-        """Return true if a value may pass now. Otherwise the value waits for `take`, in place of an older value."""
+    def offer(self, messages: Sequence[bytes], now: float) -> tuple[Sequence[bytes], int]:
+        """Return the newest message in a sequence if it may pass now; otherwise it waits for `take`.
+
+        Return also how many messages it has superseded: those before it, and one that waited.
+        """
         with self._lock:
-            if self._waiting is not None:
-                self.superseded += 1
+            superseded = len(messages) - 1 + (self._waiting is not None)
             if now < self._slot:
-                self._waiting = thing
-                return False
+                self._waiting = messages[-1]
+                return (), superseded
             # From now and not from the last slot: after a pause, a burst must not catch up.
             self._waiting, self._slot = None, now + self._interval
-            return True
+            return messages[-1:], superseded
 
-    def take(self, now: float) -> T | None:
-        """Return the waiting value if it may pass now; None if it must still wait, or if no value waits."""
+    def take(self, now: float) -> bytes | None:
+        """Return the waiting message if it may pass now; None if it must still wait, or if no message waits."""
         with self._lock:
             if now < self._slot or self._waiting is None:
                 return None
-            thing, self._waiting = self._waiting, None
+            message, self._waiting = self._waiting, None
             self._slot = now + self._interval
-            return thing
+            return message
 
-    def withdraw(self) -> T | None:
-        """Remove and return the waiting value; None if no value waits."""
+    def withdraw(self) -> bytes | None:
+        """Remove and return the waiting message; None if no message waits."""
         with self._lock:
-            thing, self._waiting = self._waiting, None
-            return thing
+            message, self._waiting = self._waiting, None
+            return message

@@ -83,9 +83,9 @@ class Timekeeper:
         try:
             while not self._stopping:
                 now = time.monotonic()
-                for one in self._tasks:
-                    one.run_due(now)
-                due = min(one.next_due for one in self._tasks)
+                for task in self._tasks:
+                    task.run_due(now)
+                due = min(task.next_due for task in self._tasks)
                 wait_s = max(0.0, min(due - time.monotonic(), _LOOK_S))
                 # poll takes whole milliseconds. Rounded down, it would wake before the task is due, and turn in circles
                 # until then.

@@ -17,7 +17,6 @@ from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.bridge.deadman import Watchdog
 from roverlink.runtime.bridge.pacing import Pacer
 from roverlink.runtime.core.errors import ConversionError
-from roverlink.runtime.core.handler import Deadman
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.core.translator import Translator
 from roverlink.runtime.middleware import Subscription
@@ -46,10 +45,12 @@ class OutboundRow:
         self.name = handler.route.name
         self._lock = threading.Lock()
         rate, deadman = handler.route.max_rate, handler.route.deadman
-        self._pacer: Pacer[bytes] | None = Pacer(rate) if rate else None
-        self._guard = (
-            _Guard(deadman, _stop_of(handler, deadman, translator), self._warn_of_silence) if deadman else None
-        )
+        self._pacer = Pacer(rate) if rate else None
+        self._watchdog: Watchdog | None = None
+        self._stop = b""
+        if deadman:
+            self._watchdog = Watchdog(deadman.after_ms / 1000, deadman.repeat_ms / 1000, time.monotonic())
+            self._stop = translator.datagram(handler, payload_from_assignments(handler.payload_type, deadman.send))
         self._wake: Callable[[], None] = lambda: None
         self.refused = False
         """True if no message is sent, because the peer has another schema of the row's payload.
@@ -61,7 +62,7 @@ class OutboundRow:
     @property
     def is_timed(self) -> bool:
         """True if the row has a rate limit or a watchdog, so that a `Timekeeper` has to run it."""
-        return self._pacer is not None or self._guard is not None
+        return self._pacer is not None or self._watchdog is not None
 
     def connect(self, subscription: Subscription, wake: Callable[[], None]) -> PublisherWatch | None:
         """Store ``wake``, the function that wakes the timekeeper of this row.
@@ -70,7 +71,7 @@ class OutboundRow:
         `PublisherWatch` as a timed task.
         """
         self._wake = wake
-        return PublisherWatch(subscription, self._guard.watchdog, wake) if self._guard else None
+        return PublisherWatch(subscription, self._watchdog, wake) if self._watchdog else None
 
     def take(self, messages: Sequence[bytes]) -> None:
         """Send messages of the topic to the peer; if the row has a rate limit, send only the newest message.
@@ -80,14 +81,17 @@ class OutboundRow:
         with self._lock:
             self._account.taken[self.name] += len(messages)
             if self._pacer is not None:
-                messages = self._newest(messages, self._pacer)
+                messages, superseded = self._pacer.offer(messages, time.monotonic())
+                self._account.superseded[self.name] += superseded
             if messages:
                 self._pass_on(messages)
+            else:
+                self._wake()
 
     def run_due(self, now: float) -> None:
         """Send the stop if it is due; otherwise send the waiting message if the rate limit allows it now."""
-        if self._guard and self._guard.is_due(now):
-            self._tell_to_stop(self._guard.stop)
+        if self._watchdog and self._stop_is_due(self._watchdog, now):
+            self._tell_to_stop()
         elif self._pacer is not None and self._lock.acquire(blocking=False):
             try:
                 if (message := self._pacer.take(now)) is not None:
@@ -99,7 +103,7 @@ class OutboundRow:
     def next_due(self) -> float:
         """Time at which `run_due` has something to do, unless a message arrives before."""
         slot = self._pacer.next_slot if self._pacer else None
-        stop = self._guard.watchdog.next_due if self._guard else math.inf
+        stop = self._watchdog.next_due if self._watchdog else math.inf
         return stop if slot is None else min(slot, stop)
 
     def end(self) -> None:
@@ -108,28 +112,15 @@ class OutboundRow:
         Call it when no more messages arrive.
         """
         message = self._pacer.withdraw() if self._pacer else None
-        if self._guard is None:
+        if self._watchdog is None:
             if message is not None:
                 self._pass_on([message])
             return
         # A command that waits must not go out: the stop has to be the last word.
         self._account.superseded[self.name] += message is not None
         for _ in range(_STOP_COPIES):
-            self._account.stops[self.name] += self._send([self._guard.stop])
+            self._account.stops[self.name] += self._send([self._stop])
             time.sleep(_STOP_PAUSE_S)
-
-    def _newest(self, messages: Sequence[bytes], pacer: Pacer[bytes]) -> Sequence[bytes]:
-        """Return the newest message in a list if the rate limit allows it now, else an empty list.
-
-        The messages that are replaced by it count as superseded.
-        """
-        before = pacer.superseded
-        passes = pacer.offer(messages[-1], time.monotonic())
-        self._account.superseded[self.name] += len(messages) - 1 + pacer.superseded - before
-        if passes:
-            return messages[-1:]
-        self._wake()
-        return ()
 
     def _pass_on(self, messages: Sequence[bytes]) -> None:
         if self.refused:
@@ -147,40 +138,30 @@ class OutboundRow:
         # The watchdog is about commands that leave the bridge, so a message that could not be sent does not count.
         if sent:
             self._account.sent[self.name] += sent
-            if self._guard:
-                self._guard.watchdog.message_passed(time.monotonic())
+            if self._watchdog:
+                self._watchdog.message_passed(time.monotonic())
         if failed := len(datagrams) - sent:
             self._account.failed[self.name] += failed
 
-    def _tell_to_stop(self, stop: bytes) -> None:
+    def _stop_is_due(self, watchdog: Watchdog, now: float) -> bool:
+        """Return true if the stop must be sent now. Log a warning when the topic has just become silent."""
+        was_silent = watchdog.silent
+        if not watchdog.is_due(now):
+            return False
+        if not was_silent:
+            self._warnings.warn(
+                f"silent {self.name}",
+                f"{self.name}: the topic is silent, so the bridge sends the stop payload (table key deadman) to the "
+                "peer",
+            )
+        return True
+
+    def _tell_to_stop(self) -> None:
         """Send the stop and discard the waiting message, so that no older command follows the stop."""
         if self._pacer is not None and self._lock.acquire(blocking=False):
             self._account.superseded[self.name] += self._pacer.withdraw() is not None
             self._lock.release()
-        self._account.stops[self.name] += self._send([stop])
-
-    def _warn_of_silence(self) -> None:
-        self._warnings.warn(
-            f"silent {self.name}",
-            f"{self.name}: the topic is silent, so the bridge sends the stop payload (table key deadman) to the peer",
-        )
-
-
-class _Guard:
-    """Watchdog of a topic together with the stop: the datagram that makes the topic's peer stop."""
-
-    def __init__(self, deadman: Deadman, stop: bytes, warn: Callable[[], None]) -> None:
-        self.stop, self._warn = stop, warn
-        self.watchdog = Watchdog(deadman.after_ms / 1000, deadman.repeat_ms / 1000, time.monotonic())
-
-    def is_due(self, now: float) -> bool:
-        """Return true if the stop must be sent now. Log a warning when the topic has just become silent."""
-        was_silent = self.watchdog.silent
-        if not self.watchdog.is_due(now):
-            return False
-        if not was_silent:
-            self._warn()
-        return True
+        self._account.stops[self.name] += self._send([self._stop])
 
 
 class PublisherWatch:
@@ -203,8 +184,3 @@ class PublisherWatch:
             self._watchdog.lost_publisher()
             self._wake()
         self._published = published
-
-
-def _stop_of(handler: AnyHandler, deadman: Deadman, translator: Translator) -> bytes:
-    """Return the datagram with the payload that the table gives under ``deadman``."""
-    return translator.datagram(handler, payload_from_assignments(handler.payload_type, deadman.send))

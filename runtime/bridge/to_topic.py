@@ -40,7 +40,7 @@ class PacedInboundRow(InboundRow):
 
     def __init__(self, route: Route, publisher: Publisher, account: Account, drop: Drop, rate: float) -> None:
         super().__init__(route, publisher, account, drop)
-        self._pacer: Pacer[bytes] = Pacer(rate)
+        self._pacer = Pacer(rate)
         self._lock = threading.Lock()
         self.wake: Callable[[], None] = lambda: None
 
@@ -50,14 +50,12 @@ class PacedInboundRow(InboundRow):
         The other messages, and a message that waited before, count as superseded.
         """
         with self._lock:
-            before = self._pacer.superseded
-            passes = self._pacer.offer(messages[-1], time.monotonic())
-            superseded = len(messages) - 1 + self._pacer.superseded - before
+            passing, superseded = self._pacer.offer(messages, time.monotonic())
             self._account.dropped[Reason.SUPERSEDED.value] += superseded
-            if passes:
-                super().take(messages[-1:])
+            if passing:
+                super().take(passing)
         # Outside of the lock, because `wake` makes the timekeeper take the lock at once.
-        if not passes:
+        if not passing:
             self.wake()
 
     def run_due(self, now: float) -> None:

@@ -17,7 +17,6 @@ from roverlink.runtime.net import udp
 P = TypeVar("P")
 F = TypeVar("F", bound=Part)
 
-_LARGEST = 65_536  # bytes: no datagram is longer
 _MOST_BATCHES = 16  # read in one go: a flood must not keep the program from its payloads
 
 
@@ -36,7 +35,7 @@ class BlockingPeer(PeerEnd):
     def __enter__(self) -> BlockingPeer:
         self.direct_to(*self._remote)
         sock = self._bind()
-        self._read = udp.reader(sock, _LARGEST)
+        self._read = udp.reader(sock, udp.LARGEST)
         self._selector = selectors.DefaultSelector()
         self._selector.register(sock, selectors.EVENT_READ)
         self._start()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from roverlink.runtime.core import link_message
@@ -20,17 +19,14 @@ PERIOD_S = link_message.PERIOD_S
 class LinkEnd:
     """Peer's end of the exchange of link messages with a bridge."""
 
-    def __init__(self, registry: Registry, end: EndName, clock: Callable[[], int] = time.monotonic_ns) -> None:
-        """Speak for the peer or board ``end``. ``clock`` is a clock in nanoseconds that never jumps.
-
-        The table must have the link message.
-        """
+    def __init__(self, registry: Registry, end: EndName) -> None:
+        """Speak for the peer or board ``end``. The table must have the link message."""
         assert registry.link is not None, "the session checks this first"  # noqa: S101  # for mypy
         self.number = registry.link.number
         self.statistics = LinkStatistics()
         """Statistics of the link, of this start of the bridge."""
-        self._registry, self._hashes, self._clock = registry, registry.link.hashes, clock
-        self._began_ns = time.time_ns() - clock()
+        self._registry, self._hashes = registry, registry.link.hashes
+        self._began_ns = time.time_ns() - time.monotonic_ns()
         spoken = {number: self._hashes[number] for number in link_message.rows_in_turn(registry, end)}
         self._writer = LinkWriter(registry.envelope, link_message.new_session(), spoken)
         self._written = b""
@@ -74,4 +70,4 @@ class LinkEnd:
 
     def _now_us(self) -> int:
         # It starts at the system's time, so that the bridge can tell how far the two clocks are apart.
-        return (self._began_ns + self._clock()) // 1000
+        return (self._began_ns + time.monotonic_ns()) // 1000

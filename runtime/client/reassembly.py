@@ -86,7 +86,7 @@ class Reassembler(Generic[F]):
             self.late += 1
             return None
         self._heard = now
-        self._give_up([frame for frame, one in self._pending.items() if now - one.since >= self._timeout])
+        self._give_up([frame for frame, pending in self._pending.items() if now - pending.since >= self._timeout])
         pending = self._frame_of(part, now)
         self.duplicates += part.index in pending.parts
         if part.total_count:

@@ -33,17 +33,17 @@ class Schedule:
 
     def add(self, repetition: Repetition) -> None:
         """Add a repetition, and forget those that have been stopped."""
-        self._repetitions = [one for one in self._repetitions if one.next_due < math.inf]
+        self._repetitions = [repetition for repetition in self._repetitions if repetition.next_due < math.inf]
         self._repetitions.append(repetition)
 
     @property
     def next_due(self) -> float:
         """Time at which the next datagram is due; infinity if there is none."""
-        return min((one.next_due for one in self._repetitions), default=math.inf)
+        return min((repetition.next_due for repetition in self._repetitions), default=math.inf)
 
     def take_due(self, now: float) -> list[bytes]:
         """Return the datagrams that are due at ``now``."""
-        due = [one for one in self._repetitions if one.next_due <= now]
-        for one in due:
-            one.advance(now)
-        return [one.make() for one in due]
+        due = [repetition for repetition in self._repetitions if repetition.next_due <= now]
+        for repetition in due:
+            repetition.advance(now)
+        return [repetition.make() for repetition in due]

@@ -24,7 +24,7 @@ class Signatures(SignedLinks):
         """
         if registry.signature is None:
             raise SetupError(f"{files[0]}: the table has no `signing`; leave out the key file")
-        owners = {one.end for path in files for one in read_keys(path)}
+        owners = {file_key.end for path in files for file_key in read_keys(path)}
         super().__init__(registry.signature, files, _LOGGER, end.board if end.board in owners else end.peer)
         signer = self.signer([BRIDGE])
         if signer is None:

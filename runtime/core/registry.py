@@ -165,7 +165,7 @@ class Registry:
             direction = "from a peer" if inbound else "to a peer"
             raise SetupError(f"the table has no row {name!r} in the direction {direction}; add it to mapping.yaml")
         message = handler.message_type
-        if missing := [field for field in fields if field not in {one.name for one in fields_of(message)}]:
+        if missing := [field for field in fields if field not in {declared.name for declared in fields_of(message)}]:
             raise SetupError(
                 f"{message.__msgtype__}, the message of row {name!r}, has no field {', '.join(missing)}; add it"
             )

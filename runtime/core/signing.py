@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 
 from roverlink.runtime.core.envelope import restore
 from roverlink.runtime.core.errors import DatagramError, Reason
-from roverlink.runtime.core.wire_format import DELIMITED, fields
+from roverlink.runtime.core.wire_format import DELIMITED, encoded_varint, fields
 
 FIELD = "signature"
 """Name of the envelope's field with the signature."""
@@ -205,11 +205,7 @@ def _not_newer(timestamp: int, stream: _Stream, row: str) -> DatagramError:
 
 def _field_start(number: int) -> bytes:
     """Return the bytes in front of a signature's value: tag and length."""
-    tag, start = number << 3 | DELIMITED, bytearray()
-    while tag > 0x7F:
-        start.append(tag & 0x7F | 0x80)
-        tag >>= 7
-    return bytes([*start, tag, SIGNATURE_BYTES])
+    return encoded_varint(number << 3 | DELIMITED) + bytes([SIGNATURE_BYTES])
 
 
 def _keyed(key: Key) -> hashlib.blake2s:

@@ -1,4 +1,4 @@
-"""Reader of protobuf's wire format without a schema: tags, varints, and start and end of each field.
+"""Protobuf's wire format without a schema: tags, varints, and start and end of each field.
 
 The rules, from "Encoding" on protobuf.dev:
 - A tag is the varint ``field_number << 3 | wire_type``; field number 0 does not exist.
@@ -59,6 +59,15 @@ def _extent(data: bytes, position: int, wire_type: int) -> tuple[int, int]:
         length, content = varint(data, position)
         return content, content + length
     return position, position  # a group has no length: its fields follow as if they were outside
+
+
+def encoded_varint(value: int) -> bytes:
+    """Return a number from 0 as a varint."""
+    encoded = bytearray()
+    while value > 0x7F:
+        encoded.append(value & 0x7F | 0x80)
+        value >>= 7
+    return bytes([*encoded, value])
 
 
 def varint(data: bytes, position: int) -> tuple[int, int]:

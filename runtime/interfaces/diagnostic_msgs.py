@@ -1,3 +1,5 @@
+# Generated from the definitions of ROS 2; do not edit.
+# Regenerate with: make generate
 """Messages of the ROS 2 package diagnostic_msgs."""
 
 from __future__ import annotations
@@ -12,9 +14,10 @@ from roverlink.runtime.interfaces import std_msgs
 
 @dataclass(slots=True)
 class KeyValue(Message):
-    """ROS 2 message diagnostic_msgs/msg/KeyValue."""
+    """diagnostic_msgs/msg/KeyValue."""
 
     __msgtype__: ClassVar[str] = "diagnostic_msgs/msg/KeyValue"
+    __typehash__: ClassVar[str] = "RIHS01_d68081eaa540288c5440753baecef0c4e16e81a5f78ad68902ded5100413bb42"
 
     key: str = ""
     value: str = ""
@@ -22,9 +25,10 @@ class KeyValue(Message):
 
 @dataclass(slots=True)
 class DiagnosticStatus(Message):
-    """ROS 2 message diagnostic_msgs/msg/DiagnosticStatus: the state of one component."""
+    """diagnostic_msgs/msg/DiagnosticStatus."""
 
     __msgtype__: ClassVar[str] = "diagnostic_msgs/msg/DiagnosticStatus"
+    __typehash__: ClassVar[str] = "RIHS01_b0e3e692ea2d54a8af2f4ef1930e81556a2db55216b771f8a7d2724ed47bf0e4"
 
     OK: ClassVar[int] = 0
     WARN: ClassVar[int] = 1
@@ -40,9 +44,10 @@ class DiagnosticStatus(Message):
 
 @dataclass(slots=True)
 class DiagnosticArray(Message):
-    """ROS 2 message diagnostic_msgs/msg/DiagnosticArray."""
+    """diagnostic_msgs/msg/DiagnosticArray."""
 
     __msgtype__: ClassVar[str] = "diagnostic_msgs/msg/DiagnosticArray"
+    __typehash__: ClassVar[str] = "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"
 
     header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
     status: list[DiagnosticStatus] = dataclasses.field(default_factory=list)

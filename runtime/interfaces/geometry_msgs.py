@@ -1,3 +1,5 @@
+# Generated from the definitions of ROS 2; do not edit.
+# Regenerate with: make generate
 """Messages of the ROS 2 package geometry_msgs."""
 
 from __future__ import annotations
@@ -11,21 +13,11 @@ from roverlink.runtime.interfaces import std_msgs
 
 
 @dataclass(slots=True)
-class Vector3(Message):
-    """ROS 2 message geometry_msgs/msg/Vector3."""
-
-    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Vector3"
-
-    x: Float64 = 0.0
-    y: Float64 = 0.0
-    z: Float64 = 0.0
-
-
-@dataclass(slots=True)
 class Point(Message):
-    """ROS 2 message geometry_msgs/msg/Point."""
+    """geometry_msgs/msg/Point."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/Point"
+    __typehash__: ClassVar[str] = "RIHS01_6963084842a9b04494d6b2941d11444708d892da2f4b09843b9c43f42a7f6881"
 
     x: Float64 = 0.0
     y: Float64 = 0.0
@@ -34,9 +26,10 @@ class Point(Message):
 
 @dataclass(slots=True)
 class Quaternion(Message):
-    """ROS 2 message geometry_msgs/msg/Quaternion."""
+    """geometry_msgs/msg/Quaternion."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/Quaternion"
+    __typehash__: ClassVar[str] = "RIHS01_8a765f66778c8ff7c8ab94afcc590a2ed5325a1d9a076ffff38fbce36f458684"
 
     x: Float64 = 0.0
     y: Float64 = 0.0
@@ -45,31 +38,11 @@ class Quaternion(Message):
 
 
 @dataclass(slots=True)
-class Transform(Message):
-    """ROS 2 message geometry_msgs/msg/Transform."""
-
-    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Transform"
-
-    translation: Vector3 = dataclasses.field(default_factory=Vector3)
-    rotation: Quaternion = dataclasses.field(default_factory=Quaternion)
-
-
-@dataclass(slots=True)
-class TransformStamped(Message):
-    """ROS 2 message geometry_msgs/msg/TransformStamped."""
-
-    __msgtype__: ClassVar[str] = "geometry_msgs/msg/TransformStamped"
-
-    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
-    child_frame_id: str = ""
-    transform: Transform = dataclasses.field(default_factory=Transform)
-
-
-@dataclass(slots=True)
 class Pose(Message):
-    """ROS 2 message geometry_msgs/msg/Pose."""
+    """geometry_msgs/msg/Pose."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/Pose"
+    __typehash__: ClassVar[str] = "RIHS01_d501954e9476cea2996984e812054b68026ae0bfae789d9a10b23daf35cc90fa"
 
     position: Point = dataclasses.field(default_factory=Point)
     orientation: Quaternion = dataclasses.field(default_factory=Quaternion)
@@ -77,7 +50,7 @@ class Pose(Message):
 
 @dataclass(slots=True)
 class PoseStamped(Message):
-    """ROS 2 message geometry_msgs/msg/PoseStamped."""
+    """geometry_msgs/msg/PoseStamped."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/PoseStamped"
     __typehash__: ClassVar[str] = "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8"
@@ -88,9 +61,10 @@ class PoseStamped(Message):
 
 @dataclass(slots=True)
 class PoseWithCovariance(Message):
-    """ROS 2 message geometry_msgs/msg/PoseWithCovariance."""
+    """geometry_msgs/msg/PoseWithCovariance."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/PoseWithCovariance"
+    __typehash__: ClassVar[str] = "RIHS01_9a7c0fd234b7f45c6098745ecccd773ca1085670e64107135397aee31c02e1bb"
 
     pose: Pose = dataclasses.field(default_factory=Pose)
     covariance: Annotated[list[Float64], Length(36)] = dataclasses.field(default_factory=lambda: [0.0] * 36)
@@ -98,7 +72,7 @@ class PoseWithCovariance(Message):
 
 @dataclass(slots=True)
 class PoseWithCovarianceStamped(Message):
-    """ROS 2 message geometry_msgs/msg/PoseWithCovarianceStamped."""
+    """geometry_msgs/msg/PoseWithCovarianceStamped."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/PoseWithCovarianceStamped"
     __typehash__: ClassVar[str] = "RIHS01_26432f9803e43727d3c8f668d1fdb3c630f548af631e2f4e31382371bfea3b6e"
@@ -108,10 +82,46 @@ class PoseWithCovarianceStamped(Message):
 
 
 @dataclass(slots=True)
+class Vector3(Message):
+    """geometry_msgs/msg/Vector3."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Vector3"
+    __typehash__: ClassVar[str] = "RIHS01_cc12fe83e4c02719f1ce8070bfd14aecd40f75a96696a67a2a1f37f7dbb0765d"
+
+    x: Float64 = 0.0
+    y: Float64 = 0.0
+    z: Float64 = 0.0
+
+
+@dataclass(slots=True)
+class Transform(Message):
+    """geometry_msgs/msg/Transform."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Transform"
+    __typehash__: ClassVar[str] = "RIHS01_beb83fbe698636351461f6f35d1abb20010c43d55374d81bd041f1ba2581fddc"
+
+    translation: Vector3 = dataclasses.field(default_factory=Vector3)
+    rotation: Quaternion = dataclasses.field(default_factory=Quaternion)
+
+
+@dataclass(slots=True)
+class TransformStamped(Message):
+    """geometry_msgs/msg/TransformStamped."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/TransformStamped"
+    __typehash__: ClassVar[str] = "RIHS01_0a241f87d04668d94099cbb5ba11691d5ad32c2f29682e4eb5653424bd275206"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    child_frame_id: str = ""
+    transform: Transform = dataclasses.field(default_factory=Transform)
+
+
+@dataclass(slots=True)
 class Twist(Message):
-    """ROS 2 message geometry_msgs/msg/Twist."""
+    """geometry_msgs/msg/Twist."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/Twist"
+    __typehash__: ClassVar[str] = "RIHS01_9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a"
 
     linear: Vector3 = dataclasses.field(default_factory=Vector3)
     angular: Vector3 = dataclasses.field(default_factory=Vector3)
@@ -119,9 +129,10 @@ class Twist(Message):
 
 @dataclass(slots=True)
 class TwistStamped(Message):
-    """ROS 2 message geometry_msgs/msg/TwistStamped."""
+    """geometry_msgs/msg/TwistStamped."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/TwistStamped"
+    __typehash__: ClassVar[str] = "RIHS01_5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64"
 
     header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
     twist: Twist = dataclasses.field(default_factory=Twist)
@@ -129,9 +140,10 @@ class TwistStamped(Message):
 
 @dataclass(slots=True)
 class TwistWithCovariance(Message):
-    """ROS 2 message geometry_msgs/msg/TwistWithCovariance."""
+    """geometry_msgs/msg/TwistWithCovariance."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/TwistWithCovariance"
+    __typehash__: ClassVar[str] = "RIHS01_49f574f033f095d8b6cd1beaca5ca7925e296e84af1716d16c89d38b059c8c18"
 
     twist: Twist = dataclasses.field(default_factory=Twist)
     covariance: Annotated[list[Float64], Length(36)] = dataclasses.field(default_factory=lambda: [0.0] * 36)

@@ -1,4 +1,6 @@
-"""Messages of the ROS 2 package rcl_interfaces: the log of a node, its parameters, and the parameter services."""
+# Generated from the definitions of ROS 2; do not edit.
+# Regenerate with: make generate
+"""Messages of the ROS 2 package rcl_interfaces."""
 
 from __future__ import annotations
 
@@ -6,18 +8,69 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from roverlink.runtime.core.messages import Bool, Bound, Byte, Float64, Int64, Message, UInt8, UInt32, UInt64
-from roverlink.runtime.interfaces import builtin_interfaces
+from roverlink.runtime.core.messages import (
+    Bool,
+    Bound,
+    Byte,
+    Float64,
+    Int64,
+    Message,
+    UInt8,
+    UInt32,
+    UInt64,
+)
+from roverlink.runtime.interfaces import Time
+
+
+@dataclass(slots=True)
+class FloatingPointRange(Message):
+    """rcl_interfaces/msg/FloatingPointRange."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/msg/FloatingPointRange"
+    __typehash__: ClassVar[str] = "RIHS01_e6af23a23c177fee5f3075c8b1e435162a9b63c863d78c06017460b49684262d"
+
+    from_value: Float64 = 0.0
+    to_value: Float64 = 0.0
+    step: Float64 = 0.0
+
+
+@dataclass(slots=True)
+class IntegerRange(Message):
+    """rcl_interfaces/msg/IntegerRange."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/msg/IntegerRange"
+    __typehash__: ClassVar[str] = "RIHS01_f7b7fdc0f65f07702e099218e13288c3963bcb9345bde78b560e6cd19800fc5a"
+
+    from_value: Int64 = 0
+    to_value: Int64 = 0
+    step: UInt64 = 0
+
+
+@dataclass(slots=True)
+class ListParametersResult(Message):
+    """rcl_interfaces/msg/ListParametersResult."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/msg/ListParametersResult"
+    __typehash__: ClassVar[str] = "RIHS01_237ae3428413dcbcfb452b510c42355f3a2b021dc091afa3e18526d57022f1cd"
+
+    names: list[str] = dataclasses.field(default_factory=list)
+    prefixes: list[str] = dataclasses.field(default_factory=list)
 
 
 @dataclass(slots=True)
 class Log(Message):
-    """rcl_interfaces/msg/Log: one line of a node's log. Its levels have the numbers of Python's `logging`."""
+    """rcl_interfaces/msg/Log."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/msg/Log"
     __typehash__: ClassVar[str] = "RIHS01_e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac"
 
-    stamp: builtin_interfaces.Time = dataclasses.field(default_factory=builtin_interfaces.Time)
+    DEBUG: ClassVar[int] = 10
+    INFO: ClassVar[int] = 20
+    WARN: ClassVar[int] = 30
+    ERROR: ClassVar[int] = 40
+    FATAL: ClassVar[int] = 50
+
+    stamp: Time = dataclasses.field(default_factory=Time)
     level: UInt8 = 0
     name: str = ""
     msg: str = ""
@@ -26,21 +79,23 @@ class Log(Message):
     line: UInt32 = 0
 
 
-# --- parameters ---
-
-
 @dataclass(slots=True)
 class ParameterValue(Message):
-    """rcl_interfaces/msg/ParameterValue; ``type`` tells which of the other fields has the value."""
+    """rcl_interfaces/msg/ParameterValue."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/msg/ParameterValue"
+    __typehash__: ClassVar[str] = "RIHS01_115fc089a387e23c7ecd3525c9189c379109119d6ab82e8dfbde0fdf6a7f9b68"
 
-    # constants of rcl_interfaces/msg/ParameterType
     NOT_SET: ClassVar[int] = 0
     BOOL: ClassVar[int] = 1
     INTEGER: ClassVar[int] = 2
     DOUBLE: ClassVar[int] = 3
     STRING: ClassVar[int] = 4
+    BYTE_ARRAY: ClassVar[int] = 5
+    BOOL_ARRAY: ClassVar[int] = 6
+    INTEGER_ARRAY: ClassVar[int] = 7
+    DOUBLE_ARRAY: ClassVar[int] = 8
+    STRING_ARRAY: ClassVar[int] = 9
 
     type: UInt8 = 0
     bool_value: Bool = False
@@ -56,41 +111,21 @@ class ParameterValue(Message):
 
 @dataclass(slots=True)
 class Parameter(Message):
-    """rcl_interfaces/msg/Parameter: name and value."""
+    """rcl_interfaces/msg/Parameter."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/msg/Parameter"
+    __typehash__: ClassVar[str] = "RIHS01_ddfe6442cffc462317adb5c92536a7b6dd55858c5c3e1e328165a6b73c2831af"
 
     name: str = ""
     value: ParameterValue = dataclasses.field(default_factory=ParameterValue)
 
 
 @dataclass(slots=True)
-class FloatingPointRange(Message):
-    """rcl_interfaces/msg/FloatingPointRange: the allowed values of a parameter of type double."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/msg/FloatingPointRange"
-
-    from_value: Float64 = 0.0
-    to_value: Float64 = 0.0
-    step: Float64 = 0.0
-
-
-@dataclass(slots=True)
-class IntegerRange(Message):
-    """rcl_interfaces/msg/IntegerRange: the allowed values of a parameter of type integer."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/msg/IntegerRange"
-
-    from_value: Int64 = 0
-    to_value: Int64 = 0
-    step: UInt64 = 0
-
-
-@dataclass(slots=True)
 class ParameterDescriptor(Message):
-    """rcl_interfaces/msg/ParameterDescriptor: the declaration of a parameter."""
+    """rcl_interfaces/msg/ParameterDescriptor."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/msg/ParameterDescriptor"
+    __typehash__: ClassVar[str] = "RIHS01_52175dbfda6c51153101d33d2a9da05743f66f02d5ab2ca9ec4709b46b73d704"
 
     name: str = ""
     type: UInt8 = 0
@@ -103,45 +138,87 @@ class ParameterDescriptor(Message):
 
 
 @dataclass(slots=True)
-class SetParametersResult(Message):
-    """rcl_interfaces/msg/SetParametersResult: success, or the reason why a change was refused."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/msg/SetParametersResult"
-
-    successful: Bool = False
-    reason: str = ""
-
-
-@dataclass(slots=True)
-class ListParametersResult(Message):
-    """rcl_interfaces/msg/ListParametersResult: the names of parameters, and the prefixes of these names."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/msg/ListParametersResult"
-
-    names: list[str] = dataclasses.field(default_factory=list)
-    prefixes: list[str] = dataclasses.field(default_factory=list)
-
-
-@dataclass(slots=True)
 class ParameterEvent(Message):
-    """rcl_interfaces/msg/ParameterEvent: the parameters of a node that were changed."""
+    """rcl_interfaces/msg/ParameterEvent."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/msg/ParameterEvent"
     __typehash__: ClassVar[str] = "RIHS01_043e627780fcad87a22d225bc2a037361dba713fca6a6b9f4b869a5aa0393204"
 
-    stamp: builtin_interfaces.Time = dataclasses.field(default_factory=builtin_interfaces.Time)
+    stamp: Time = dataclasses.field(default_factory=Time)
     node: str = ""
     new_parameters: list[Parameter] = dataclasses.field(default_factory=list)
     changed_parameters: list[Parameter] = dataclasses.field(default_factory=list)
     deleted_parameters: list[Parameter] = dataclasses.field(default_factory=list)
 
 
-# --- requests and responses of the parameter services ---
+@dataclass(slots=True)
+class SetParametersResult(Message):
+    """rcl_interfaces/msg/SetParametersResult."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/msg/SetParametersResult"
+    __typehash__: ClassVar[str] = "RIHS01_cfcc0fb0371ee5159b403960ef4300f8f9d2f1fd6117c8666b7f9654d528a9b1"
+
+    successful: Bool = False
+    reason: str = ""
+
+
+@dataclass(slots=True)
+class DescribeParametersRequest(Message):
+    """rcl_interfaces/srv/DescribeParameters_Request."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/DescribeParameters_Request"
+
+    names: list[str] = dataclasses.field(default_factory=list)
+
+
+@dataclass(slots=True)
+class DescribeParametersResponse(Message):
+    """rcl_interfaces/srv/DescribeParameters_Response."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/DescribeParameters_Response"
+
+    descriptors: list[ParameterDescriptor] = dataclasses.field(default_factory=list)
+
+
+@dataclass(slots=True)
+class GetParameterTypesRequest(Message):
+    """rcl_interfaces/srv/GetParameterTypes_Request."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/GetParameterTypes_Request"
+
+    names: list[str] = dataclasses.field(default_factory=list)
+
+
+@dataclass(slots=True)
+class GetParameterTypesResponse(Message):
+    """rcl_interfaces/srv/GetParameterTypes_Response."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/GetParameterTypes_Response"
+
+    types: bytes = b""
+
+
+@dataclass(slots=True)
+class GetParametersRequest(Message):
+    """rcl_interfaces/srv/GetParameters_Request."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/GetParameters_Request"
+
+    names: list[str] = dataclasses.field(default_factory=list)
+
+
+@dataclass(slots=True)
+class GetParametersResponse(Message):
+    """rcl_interfaces/srv/GetParameters_Response."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/GetParameters_Response"
+
+    values: list[ParameterValue] = dataclasses.field(default_factory=list)
 
 
 @dataclass(slots=True)
 class ListParametersRequest(Message):
-    """Request of rcl_interfaces/srv/ListParameters."""
+    """rcl_interfaces/srv/ListParameters_Request."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/srv/ListParameters_Request"
 
@@ -151,7 +228,7 @@ class ListParametersRequest(Message):
 
 @dataclass(slots=True)
 class ListParametersResponse(Message):
-    """Response of rcl_interfaces/srv/ListParameters."""
+    """rcl_interfaces/srv/ListParameters_Response."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/srv/ListParameters_Response"
 
@@ -159,80 +236,8 @@ class ListParametersResponse(Message):
 
 
 @dataclass(slots=True)
-class GetParametersRequest(Message):
-    """Request of rcl_interfaces/srv/GetParameters."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/GetParameters_Request"
-
-    names: list[str] = dataclasses.field(default_factory=list)
-
-
-@dataclass(slots=True)
-class GetParametersResponse(Message):
-    """Response of rcl_interfaces/srv/GetParameters."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/GetParameters_Response"
-
-    values: list[ParameterValue] = dataclasses.field(default_factory=list)
-
-
-@dataclass(slots=True)
-class GetParameterTypesRequest(Message):
-    """Request of rcl_interfaces/srv/GetParameterTypes."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/GetParameterTypes_Request"
-
-    names: list[str] = dataclasses.field(default_factory=list)
-
-
-@dataclass(slots=True)
-class GetParameterTypesResponse(Message):
-    """Response of rcl_interfaces/srv/GetParameterTypes."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/GetParameterTypes_Response"
-
-    types: bytes = b""
-
-
-@dataclass(slots=True)
-class DescribeParametersRequest(Message):
-    """Request of rcl_interfaces/srv/DescribeParameters."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/DescribeParameters_Request"
-
-    names: list[str] = dataclasses.field(default_factory=list)
-
-
-@dataclass(slots=True)
-class DescribeParametersResponse(Message):
-    """Response of rcl_interfaces/srv/DescribeParameters."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/DescribeParameters_Response"
-
-    descriptors: list[ParameterDescriptor] = dataclasses.field(default_factory=list)
-
-
-@dataclass(slots=True)
-class SetParametersRequest(Message):
-    """Request of rcl_interfaces/srv/SetParameters."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/SetParameters_Request"
-
-    parameters: list[Parameter] = dataclasses.field(default_factory=list)
-
-
-@dataclass(slots=True)
-class SetParametersResponse(Message):
-    """Response of rcl_interfaces/srv/SetParameters."""
-
-    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/SetParameters_Response"
-
-    results: list[SetParametersResult] = dataclasses.field(default_factory=list)
-
-
-@dataclass(slots=True)
 class SetParametersAtomicallyRequest(Message):
-    """Request of rcl_interfaces/srv/SetParametersAtomically."""
+    """rcl_interfaces/srv/SetParametersAtomically_Request."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/srv/SetParametersAtomically_Request"
 
@@ -241,8 +246,26 @@ class SetParametersAtomicallyRequest(Message):
 
 @dataclass(slots=True)
 class SetParametersAtomicallyResponse(Message):
-    """Response of rcl_interfaces/srv/SetParametersAtomically."""
+    """rcl_interfaces/srv/SetParametersAtomically_Response."""
 
     __msgtype__: ClassVar[str] = "rcl_interfaces/srv/SetParametersAtomically_Response"
 
     result: SetParametersResult = dataclasses.field(default_factory=SetParametersResult)
+
+
+@dataclass(slots=True)
+class SetParametersRequest(Message):
+    """rcl_interfaces/srv/SetParameters_Request."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/SetParameters_Request"
+
+    parameters: list[Parameter] = dataclasses.field(default_factory=list)
+
+
+@dataclass(slots=True)
+class SetParametersResponse(Message):
+    """rcl_interfaces/srv/SetParameters_Response."""
+
+    __msgtype__: ClassVar[str] = "rcl_interfaces/srv/SetParameters_Response"
+
+    results: list[SetParametersResult] = dataclasses.field(default_factory=list)

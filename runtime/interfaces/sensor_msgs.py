@@ -1,3 +1,5 @@
+# Generated from the definitions of ROS 2; do not edit.
+# Regenerate with: make generate
 """Messages of the ROS 2 package sensor_msgs."""
 
 from __future__ import annotations
@@ -6,15 +8,25 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from roverlink.runtime.core.messages import Bool, Float64, Int8, Length, Message, UInt8, UInt16, UInt32
+from roverlink.runtime.core.messages import (
+    Bool,
+    Float64,
+    Int8,
+    Length,
+    Message,
+    UInt8,
+    UInt16,
+    UInt32,
+)
 from roverlink.runtime.interfaces import geometry_msgs, std_msgs
 
 
 @dataclass(slots=True)
 class RegionOfInterest(Message):
-    """ROS 2 message sensor_msgs/msg/RegionOfInterest."""
+    """sensor_msgs/msg/RegionOfInterest."""
 
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/RegionOfInterest"
+    __typehash__: ClassVar[str] = "RIHS01_ad16bcba5f9131dcdba6fbded19f726f5440e3c513b4fb586dd3027eeed8abb1"
 
     x_offset: UInt32 = 0
     y_offset: UInt32 = 0
@@ -25,7 +37,7 @@ class RegionOfInterest(Message):
 
 @dataclass(slots=True)
 class CameraInfo(Message):
-    """ROS 2 message sensor_msgs/msg/CameraInfo."""
+    """sensor_msgs/msg/CameraInfo."""
 
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/CameraInfo"
     __typehash__: ClassVar[str] = "RIHS01_b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275"
@@ -44,8 +56,20 @@ class CameraInfo(Message):
 
 
 @dataclass(slots=True)
+class CompressedImage(Message):
+    """sensor_msgs/msg/CompressedImage."""
+
+    __msgtype__: ClassVar[str] = "sensor_msgs/msg/CompressedImage"
+    __typehash__: ClassVar[str] = "RIHS01_15640771531571185e2efc8a100baf923961a4d15d5569652e6cb6691e8e371a"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    format: str = ""
+    data: bytes = b""
+
+
+@dataclass(slots=True)
 class Image(Message):
-    """ROS 2 message sensor_msgs/msg/Image."""
+    """sensor_msgs/msg/Image."""
 
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/Image"
     __typehash__: ClassVar[str] = "RIHS01_d31d41a9a4c4bc8eae9be757b0beed306564f7526c88ea6a4588fb9582527d47"
@@ -60,22 +84,11 @@ class Image(Message):
 
 
 @dataclass(slots=True)
-class CompressedImage(Message):
-    """ROS 2 message sensor_msgs/msg/CompressedImage."""
-
-    __msgtype__: ClassVar[str] = "sensor_msgs/msg/CompressedImage"
-    __typehash__: ClassVar[str] = "RIHS01_15640771531571185e2efc8a100baf923961a4d15d5569652e6cb6691e8e371a"
-
-    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
-    format: str = ""
-    data: bytes = b""
-
-
-@dataclass(slots=True)
 class Imu(Message):
-    """ROS 2 message sensor_msgs/msg/Imu."""
+    """sensor_msgs/msg/Imu."""
 
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/Imu"
+    __typehash__: ClassVar[str] = "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b"
 
     header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
     orientation: geometry_msgs.Quaternion = dataclasses.field(default_factory=geometry_msgs.Quaternion)
@@ -92,20 +105,21 @@ class Imu(Message):
 
 @dataclass(slots=True)
 class NavSatStatus(Message):
-    """ROS 2 message sensor_msgs/msg/NavSatStatus."""
+    """sensor_msgs/msg/NavSatStatus."""
 
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/NavSatStatus"
+    __typehash__: ClassVar[str] = "RIHS01_d1ed3befa628e09571bd273b888ba1c1fd187c9a5e0006b385d7e5e9095a3204"
 
-    STATUS_UNKNOWN: ClassVar[int] = -2
     STATUS_NO_FIX: ClassVar[int] = -1
     STATUS_FIX: ClassVar[int] = 0
     STATUS_SBAS_FIX: ClassVar[int] = 1
     STATUS_GBAS_FIX: ClassVar[int] = 2
-    SERVICE_UNKNOWN: ClassVar[int] = 0
     SERVICE_GPS: ClassVar[int] = 1
     SERVICE_GLONASS: ClassVar[int] = 2
     SERVICE_COMPASS: ClassVar[int] = 4
     SERVICE_GALILEO: ClassVar[int] = 8
+    STATUS_UNKNOWN: ClassVar[int] = -2
+    SERVICE_UNKNOWN: ClassVar[int] = 0
 
     status: Int8 = 0
     service: UInt16 = 0
@@ -113,9 +127,10 @@ class NavSatStatus(Message):
 
 @dataclass(slots=True)
 class NavSatFix(Message):
-    """ROS 2 message sensor_msgs/msg/NavSatFix."""
+    """sensor_msgs/msg/NavSatFix."""
 
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/NavSatFix"
+    __typehash__: ClassVar[str] = "RIHS01_62223ab3fe210a15976021da7afddc9e200dc9ec75231c1b6a557fc598a65404"
 
     COVARIANCE_TYPE_UNKNOWN: ClassVar[int] = 0
     COVARIANCE_TYPE_APPROXIMATED: ClassVar[int] = 1

@@ -160,14 +160,14 @@ def _key_files(path: Path) -> Iterable[Path]:
 def _text(keys: Iterable[FileKey], now: datetime) -> str:
     return "".join(
         _KEY.format(
-            id=one.key.id,
-            sender=one.key.sender,
-            receiver=one.receiver,
+            id=file_key.key.id,
+            sender=file_key.key.sender,
+            receiver=file_key.receiver,
             made=now.strftime(_TIME),
-            send_with="yes" if one.send_with else "no",
-            secret=one.key.secret.hex(),
+            send_with="yes" if file_key.send_with else "no",
+            secret=file_key.key.secret.hex(),
         )
-        for one in keys
+        for file_key in keys
     )
 
 
@@ -201,10 +201,10 @@ def _key(path: Path, name: str, options: dict[str, str]) -> FileKey:
 
 def _check_marks(path: Path, keys: tuple[FileKey, ...]) -> None:
     """Raise `SetupError` if there is not exactly one key to send with, for a sender and its receiver."""
-    for sender, receiver in dict.fromkeys((one.key.sender, one.receiver) for one in keys):
-        of_both = [one for one in keys if (one.key.sender, one.receiver) == (sender, receiver)]
-        if sum(one.send_with for one in of_both) != 1:
-            numbers = ", ".join(str(one.key.id) for one in of_both)
+    for sender, receiver in dict.fromkeys((file_key.key.sender, file_key.receiver) for file_key in keys):
+        of_both = [file_key for file_key in keys if (file_key.key.sender, file_key.receiver) == (sender, receiver)]
+        if sum(file_key.send_with for file_key in of_both) != 1:
+            numbers = ", ".join(str(file_key.key.id) for file_key in of_both)
             which = f"the keys {numbers} from {sender} to {receiver}" if of_both[1:] else f"the key {numbers}"
             raise SetupError(f"{path}: write `send_with = yes` for exactly one of {which}")
 

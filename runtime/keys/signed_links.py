@@ -51,16 +51,20 @@ class SignedLinks:
         _check_ids(files, self._files.values())
         self._stored = {path: self._read(path) for path in self._files}
         self._starts = {
-            one.key.id: self._start(one, self._stored[path].get(one.key.id), ticks(wall()))
+            file_key.key.id: self._start(file_key, self._stored[path].get(file_key.key.id), ticks(wall()))
             for path, keys in self._files.items()
-            for one in keys
+            for file_key in keys
         }
         self.clock = SigningClock(max(self._starts.values(), default=0), wall, steady)
-        received = [(one.key, self._starts[one.key.id]) for one in self._keys if one.receiver == own]
+        received = [
+            (file_key.key, self._starts[file_key.key.id]) for file_key in self._keys if file_key.receiver == own
+        ]
         self.verifier = Verifier(number, received, self.clock)
-        sent = [one for one in self._keys if one.key.sender == own]
-        self._sent = [one.key.id for one in sent]
-        self._signers = {one.receiver: Signer(number, one.key, self.clock) for one in sent if one.send_with}
+        sent = [file_key for file_key in self._keys if file_key.key.sender == own]
+        self._sent = [file_key.key.id for file_key in sent]
+        self._signers = {
+            file_key.receiver: Signer(number, file_key.key, self.clock) for file_key in sent if file_key.send_with
+        }
         self._failing = False
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="signing-timestamps", daemon=True)
@@ -77,15 +81,15 @@ class SignedLinks:
 
     def hears(self, ends: Iterable[str]) -> bool:
         """Return true if one of the given peers and boards has a key to sign datagrams for this program."""
-        return not {one.key.sender for one in self._keys if one.receiver == self._own}.isdisjoint(ends)
+        return not {file_key.key.sender for file_key in self._keys if file_key.receiver == self._own}.isdisjoint(ends)
 
     def check_ends(self, known: Iterable[str]) -> None:
         """Raise `SetupError` if a key is of a peer or board that is not among the known ones."""
         ends = [*known]
-        for one in self._keys:
-            if one.end not in ends:
-                what = f"the key {one.key.id} is of {one.end!r}, but the table has no such peer or board"
-                raise SetupError(f"{what}; {nearest(one.end, ends)}")
+        for file_key in self._keys:
+            if file_key.end not in ends:
+                what = f"the key {file_key.key.id} is of {file_key.end!r}, but the table has no such peer or board"
+                raise SetupError(f"{what}; {nearest(file_key.end, ends)}")
 
     def __enter__(self) -> SignedLinks:
         self._thread.start()
@@ -120,7 +124,7 @@ class SignedLinks:
         """
         now = {**self.verifier.lasts(), **dict.fromkeys(self._sent, self.clock.last)}
         used = {id: last for id, last in now.items() if last > self._starts[id]}
-        of_file = {one.key.id: used[one.key.id] for one in self._files[path] if one.key.id in used}
+        of_file = {file_key.key.id: used[file_key.key.id] for file_key in self._files[path] if file_key.key.id in used}
         timestamps = {**self._stored[path], **of_file}
         if timestamps != self._stored[path]:
             write_timestamps(path, timestamps)
@@ -138,17 +142,17 @@ class SignedLinks:
         return stored or {}
 
     @staticmethod
-    def _start(one: FileKey, stored: int | None, now: int) -> int:
+    def _start(file_key: FileKey, stored: int | None, now: int) -> int:
         """Return the timestamp after which a key begins."""
-        return max(one.made, now - _OLDEST_UNKNOWN) if stored is None else stored + TICKS_PER_SECOND
+        return max(file_key.made, now - _OLDEST_UNKNOWN) if stored is None else stored + TICKS_PER_SECOND
 
 
 def _check_ids(files: Sequence[Path], keys: Iterable[Sequence[FileKey]]) -> None:
     """Raise `SetupError` if two key files have a key with the same id: a datagram says only the id."""
     owners: dict[int, Path] = {}
     for path, of_file in zip(files, keys):
-        for one in of_file:
-            other = owners.setdefault(one.key.id, path)
+        for file_key in of_file:
+            other = owners.setdefault(file_key.key.id, path)
             if other != path:
-                cure = f"make one of them again in the folder of the other: roverlink link keygen {one.end}"
-                raise SetupError(f"{other} and {path} both have a key {one.key.id}; {cure}")
+                cure = f"make one of them again in the folder of the other: roverlink link keygen {file_key.end}"
+                raise SetupError(f"{other} and {path} both have a key {file_key.key.id}; {cure}")

@@ -28,6 +28,7 @@ __all__ = [
     "NodeParameters",
     "Publisher",
     "Subscription",
+    "can_import",
     "open_middleware",
 ]
 
@@ -42,7 +43,7 @@ def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | 
     if a package is missing; the message says how to install it.
     """
     if name == "auto":
-        name = "rclpy" if _imports("rclpy") else "dds"
+        name = "rclpy" if can_import("rclpy") else "dds"
     # Imports are inside the branches: rclpy and Cyclone DDS are optional and slow to import.
     if name == "memory":
         from roverlink.runtime.middleware.memory import MemoryMiddleware
@@ -55,7 +56,7 @@ def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | 
     raise MiddlewareError(f"unknown middleware {name!r} (known: {', '.join(NAMES)})")
 
 
-def _imports(package: str) -> bool:
+def can_import(package: str) -> bool:
     """Return true if a package can be imported.
 
     The function imports the package, because an installed package may be made for another version of Python.

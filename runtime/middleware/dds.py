@@ -12,7 +12,7 @@ import logging
 import os
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, cached_property
 from typing import Any
 
@@ -44,7 +44,7 @@ from roverlink.runtime.middleware.dds_services import DdsServices
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
 from roverlink.runtime.middleware.parameter_services import ParameterServices
-from roverlink.runtime.middleware.protocol import Callback, Endpoint, NodeIdentity, NodeParameters
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
 from roverlink.runtime.middleware.serving import ServedTopic, serve
 
 _LOCALHOST_ONLY = (
@@ -108,7 +108,7 @@ class DdsSubscription:
         self.close = close
 
 
-class DdsMiddleware:
+class DdsMiddleware(Middleware):
     """DDS participant that appears as a ROS 2 node.
 
     One thread takes the samples that its readers have received, and calls the callbacks of the topics.
@@ -141,9 +141,6 @@ class DdsMiddleware:
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
         self._thread.start()
 
-    def check_types(self, message_types: Iterable[type[Message]]) -> None:
-        """Accept all message types: DDS needs no interface packages."""
-
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> DdsPublisher:
         """Create a DDS writer for a fully qualified topic."""
         policies = dds_qos(qos, writing=True, type_hash=message_type.__typehash__)
@@ -169,7 +166,7 @@ class DdsMiddleware:
         condition = ReadCondition(reader, EVERYTHING)
         raw_reader = RawReader(reader)
         read = ServedTopic(raw_reader, callback, priority)
-        self._topics = tuple(sorted((*self._topics, read), key=lambda one: one.priority, reverse=True))
+        self._topics = tuple(sorted((*self._topics, read), key=lambda topic: topic.priority, reverse=True))
         # The package deletes an entity in DDS when Python collects it (see `cyclone`), so everything is kept here.
         self._conditions.append(condition)
         self._waitset.attach(condition)
@@ -177,7 +174,7 @@ class DdsMiddleware:
 
         def close() -> None:
             with self._serving:
-                self._topics = tuple(one for one in self._topics if one is not read)
+                self._topics = tuple(topic for topic in self._topics if topic is not read)
                 self._announcer.remove_reader(reader)
                 self._waitset.detach(condition)
                 self._conditions.remove(condition)
@@ -213,12 +210,6 @@ class DdsMiddleware:
         for publisher in self._publishers:
             publisher.leave(max(0.0, deadline - time.monotonic()))
         delete(self._participant)
-
-    def __enter__(self) -> DdsMiddleware:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _parameter_events(self, node: NodeIdentity) -> Callable[[Sequence[Parameter]], None]:
         """Return a function that publishes changed parameters of the node, as every ROS 2 node does."""

@@ -23,8 +23,8 @@ def matching_qos(publishers: Sequence[Endpoint], depth: int, best_effort: bool =
 
     With ``best_effort``, the subscription is never reliable. Without publishers, the QoS is ROS 2's default.
     """
-    reliable = not best_effort and all(one.qos.reliability == "reliable" for one in publishers)
-    latched = bool(publishers) and all(one.qos.durability == "transient_local" for one in publishers)
+    reliable = not best_effort and all(endpoint.qos.reliability == "reliable" for endpoint in publishers)
+    latched = bool(publishers) and all(endpoint.qos.durability == "transient_local" for endpoint in publishers)
     return Qos(
         "reliable" if reliable else "best_effort",
         "transient_local" if latched else "volatile",
@@ -49,7 +49,7 @@ class FollowingSubscription:
     ) -> None:
         """Prepare the subscription; `look` makes it. One of ``message_types`` must be the type of the topic."""
         self._middleware, self._topic, self._callback, self._depth = middleware, topic, callback, depth
-        self._types = {one.__msgtype__: one for one in message_types}
+        self._types = {message_type.__msgtype__: message_type for message_type in message_types}
         self._made: tuple[str, Qos] | None = None
         self._subscription: Subscription | None = None
         self._lock = threading.Lock()  # a subscription must not be made while another thread closes this object

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.middleware.protocol import Callback, Endpoint, NodeParameters
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeParameters
 
 Callbacks = list[Callback]
 
@@ -59,7 +59,7 @@ class MemorySubscription:
         self._close()
 
 
-class MemoryMiddleware:
+class MemoryMiddleware(Middleware):
     """Middleware for the topics of a `Graph`."""
 
     def __init__(self, graph: Graph | None = None, parameters: NodeParameters | None = None) -> None:
@@ -67,9 +67,6 @@ class MemoryMiddleware:
         self._parameters = parameters
         self._own: list[tuple[Callbacks, Callback]] = []
         self._published: list[str] = []
-
-    def check_types(self, message_types: Iterable[type[Message]]) -> None:
-        """Accept all message types, because no other program reads the messages."""
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> MemoryPublisher:
         """Create a publisher on a topic of the graph."""
@@ -120,9 +117,3 @@ class MemoryMiddleware:
         for callbacks, callback in self._own:
             callbacks.remove(callback)
         self._own.clear()
-
-    def __enter__(self) -> MemoryMiddleware:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.rcl_interfaces import ParameterDescriptor
+
+M = TypeVar("M", bound="Middleware")
 
 Callback = Callable[[Sequence[bytes]], None]
 """Function called with all messages of one topic that have arrived, serialized (CDR with header), oldest first."""
@@ -100,8 +102,13 @@ class Subscription(Protocol):
 class Middleware(Protocol):
     """Connection to the ROS 2 graph as one node. A context manager: on exit the node leaves the graph."""
 
-    def check_types(self, message_types: Iterable[type[Message]]) -> None:
-        """Raise `MiddlewareError` if ROS 2 lacks a message type, or has one with other fields."""
+    # Some middlewares need the argument.
+    def check_types(self, message_types: Iterable[type[Message]]) -> None:  # noqa: ARG002
+        """Raise `MiddlewareError` if ROS 2 lacks a message type, or has one with other fields.
+
+        A middleware that needs no interface packages accepts all message types.
+        """
+        return  # mypy takes a method without a body for an abstract one
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
         """Create a publisher for a fully qualified topic."""
@@ -143,6 +150,8 @@ class Middleware(Protocol):
     def close(self) -> None:
         """Make the node leave the ROS 2 graph. A second call does nothing."""
 
-    def __enter__(self) -> Middleware: ...
+    def __enter__(self: M) -> M:
+        return self
 
-    def __exit__(self, *_: object) -> None: ...
+    def __exit__(self, *_: object) -> None:
+        self.close()

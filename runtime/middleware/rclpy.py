@@ -27,7 +27,7 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.interface_packages import installed_class
-from roverlink.runtime.middleware.protocol import Callback, Endpoint, NodeIdentity, NodeParameters
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
 
 if TYPE_CHECKING:
     from roverlink.runtime.middleware.rclpy_actions import RclpyAction
@@ -72,7 +72,7 @@ class RclpySubscription:
         self._close()
 
 
-class RclpyMiddleware:
+class RclpyMiddleware(Middleware):
     """rclpy node with two threads: one takes the messages of its topics, and one spins the executor for all else."""
 
     def __init__(self, node: NodeIdentity, parameters: NodeParameters | None) -> None:
@@ -204,12 +204,6 @@ class RclpyMiddleware:
         self._held.close()
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
-
-    def __enter__(self) -> RclpyMiddleware:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _spin(self) -> None:
         # Somebody else in the process may shut ROS 2 down; the program ends by its own signal handler.

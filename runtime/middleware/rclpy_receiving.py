@@ -101,11 +101,15 @@ class Receiver:
         handle = subscription.handle
         served = ServedTopic(_Reader(handle, message_class), callback, priority)
         subscribed = _Subscribed(handle, handle.pointer, subscription.event_handlers, served)
-        self._subscribed = tuple(sorted((*self._subscribed, subscribed), key=lambda one: -one.topic.priority))
+        self._subscribed = tuple(
+            sorted((*self._subscribed, subscribed), key=lambda subscription: -subscription.topic.priority)
+        )
         self._woken.trigger()
 
         def close() -> None:
-            self._subscribed = tuple(one for one in self._subscribed if one is not subscribed)
+            self._subscribed = tuple(
+                subscription for subscription in self._subscribed if subscription is not subscribed
+            )
             # The thread destroys it, because it may be about to wait for its messages.
             destroyed = threading.Event()
             self._closed.append((subscription, destroyed))
@@ -146,16 +150,18 @@ class Receiver:
 
     def _serve(self, subscribed: Sequence[_Subscribed]) -> None:
         """Serve the topics in ``subscribed`` until another subscription is added, or until the thread has to end."""
-        topics = [one.topic for one in subscribed]
+        topics = [subscription.topic for subscription in subscribed]
         wait_set = self._wait_set(subscriptions=len(subscribed))
         events_due = 0
         with ExitStack() as held:
             # A shutdown from outside would destroy the subscriptions while the thread waits for them.
-            for handle in (handle for one in subscribed for handle in (one.handle, *one.events)):
+            for handle in (
+                handle for subscription in subscribed for handle in (subscription.handle, *subscription.events)
+            ):
                 held.enter_context(handle)
             while subscribed is self._subscribed and not self._stopped:
                 ready = self._wait(wait_set, subscribed)
-                serve(topics, [one.topic for one in subscribed if one.address in ready])
+                serve(topics, [subscription.topic for subscription in subscribed if subscription.address in ready])
                 if time.monotonic_ns() >= events_due:
                     events_due = time.monotonic_ns() + _EVENTS_NS
                     self._handle_events(subscribed)
@@ -163,8 +169,8 @@ class Receiver:
     def _wait(self, wait_set: Any, subscribed: Sequence[_Subscribed]) -> Sequence[int]:
         """Wait for messages; return the addresses of the subscriptions that have some."""
         wait_set.clear_entities()
-        for one in subscribed:
-            wait_set.add_subscription(one.handle)
+        for subscription in subscribed:
+            wait_set.add_subscription(subscription.handle)
         wait_set.add_guard_condition(self._woken.handle)
         wait_set.wait(_EVENTS_NS)
         ready: Sequence[int] = wait_set.get_ready_entities("subscription")
@@ -175,7 +181,7 @@ class Receiver:
 
         The callbacks are rclpy's own; they log a warning about a publisher whose QoS or type does not match.
         """
-        events = [event for one in subscribed for event in one.events]
+        events = [event for subscription in subscribed for event in subscription.events]
         wait_set = self._wait_set(events=len(events))
         wait_set.clear_entities()
         for event in events:

@@ -26,7 +26,7 @@ class Listener(Protocol):
         """
 
 
-class TappedMiddleware:
+class TappedMiddleware(Middleware):
     """Wrapper of a middleware that also passes every published or received message to a listener."""
 
     def __init__(self, middleware: Middleware, listener: Listener) -> None:
@@ -77,12 +77,6 @@ class TappedMiddleware:
     def close(self) -> None:
         """Close the wrapped middleware, so that the node leaves the ROS 2 graph."""
         self._middleware.close()
-
-    def __enter__(self) -> TappedMiddleware:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 class _TappedPublisher:

@@ -25,21 +25,19 @@ TOPIC = "/diagnostics"
 QOS = Qos(depth=10)
 
 
-def publisher(
-    middleware: Middleware, full_name: str, topic: str = TOPIC, clock: Callable[[], int] = time.time_ns
-) -> Callable[[State], None]:
+def publisher(middleware: Middleware, full_name: str, topic: str) -> Callable[[State], None]:
     """Return a function that publishes a bridge's state on ``topic`` as a diagnostic_msgs/DiagnosticArray.
 
     ``full_name`` is the name of the bridge's node with its namespace. It is published with the host, the process and a
     random id, by which a reader tells bridges with the same name apart (containers can share host and process ids).
-    Raises `MiddlewareError` if the package diagnostic_msgs is not installed for rclpy. ``clock`` returns the time in
-    nanoseconds since 1970.
+    Raises `MiddlewareError` if the package diagnostic_msgs is not installed for rclpy.
     """
     publish = middleware.publisher(topic, DiagnosticArray, QOS).publish
     origin = {"full_name": full_name, "host": gethostname(), "pid": os.getpid(), "instance": uuid4().hex[:8]}
 
     def publish_state(state: State) -> None:
-        publish([cdr.encode(array_of(state, clock(), origin))])  # if a queue is full: the next one follows in a second
+        # If a queue is full: the next one follows in a second.
+        publish([cdr.encode(array_of(state, time.time_ns(), origin))])
 
     return publish_state
 

@@ -7,21 +7,15 @@ from http.server import BaseHTTPRequestHandler
 from itertools import accumulate
 from typing import Any
 
+from prometheus_client import CollectorRegistry, generate_latest
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
+from prometheus_client.registry import Collector
+from prometheus_client.utils import floatToGoString
+
 from roverlink.runtime.bridge.link_exchange import UNKNOWN
-from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.monitoring.histogram import BOUNDS_S, Latencies
 from roverlink.runtime.monitoring.state import State
 from roverlink.runtime.net.http_server import HttpServer
-
-try:
-    from prometheus_client import CollectorRegistry, generate_latest
-    from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
-    from prometheus_client.registry import Collector
-    from prometheus_client.utils import floatToGoString
-except ImportError as error:
-    raise SetupError(
-        "--metrics needs the prometheus-client package; install it with `pip install 'prometheus-client>=0.21'`"
-    ) from error
 
 # The version of the text format (prometheus.io, "Exposition formats").
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
@@ -71,7 +65,7 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
         ({"peer": peer, "board": board, "event": event}, count)
         for (peer, board, event), count in sorted(state.link_events.items())
     ]
-    ends = [({"peer": one.end.peer, "board": one.end.board}, one) for one in state.ends]
+    ends = [({"peer": end_state.end.peer, "board": end_state.end.board}, end_state) for end_state in state.ends]
     yield "link_ok", "1 if the address of the peer or board is known and reachable, else 0.", [
         (labels, end.link == "ok") for labels, end in ends
     ]

@@ -34,6 +34,9 @@ Python runs signal handlers only in the main thread, and a signal that arrives j
 _SLOTS = 64
 """Largest number of datagrams that one system call reads."""
 
+LARGEST = 65_536
+"""Size in bytes that no datagram exceeds."""
+
 BURST = 8
 """Largest number of datagrams in a batch.
 

@@ -4,7 +4,7 @@ A recording has two files. ``run.mcap`` holds the ROS 2 topics, in rosbag2's MCA
 the datagrams exactly as they were sent or received, with the protobuf descriptors that are needed to parse them. There
 are two files because rosbag2 and rosbags refuse a file that has a channel with another encoding than CDR.
 
-The modules of this package need the mcap package; importing them without it raises `SetupError`.
+The modules of this package need the mcap package.
 """
 
 COMPRESSIONS = ("zstd", "lz4", "none")

@@ -40,11 +40,6 @@ class Adapter:
         self.changed = sorted(f"{field.name} ({field.number})" for field in rest if field.number in self._moved)
         """Recorded payloads whose field values are copied by name, because numbers or types have changed since."""
 
-    @property
-    def identical(self) -> bool:
-        """True if every payload number of the recording has the same meaning in the current table."""
-        return not self._moved and not self.refused
-
     def number_today(self, number: int) -> int:
         """Return the number of a recorded payload in the current table; a refused payload keeps its recorded number."""
         moved = self._moved.get(number)

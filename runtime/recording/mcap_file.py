@@ -24,17 +24,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from roverlink.runtime.core.errors import SetupError
-
-try:
-    import lz4.frame
-    import zstandard
-    from mcap import records
-    from mcap.data_stream import ReadDataStream, RecordBuilder
-    from mcap.exceptions import McapError
-    from mcap.opcode import Opcode
-except ImportError as error:
-    raise SetupError("recordings need the mcap package; install it with `pip install 'mcap>=1.3'`") from error
+import lz4.frame
+import zstandard
+from mcap import records
+from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
 
 # A file, from its beginning to its end (MCAP specification, File Structure):
 #

@@ -57,7 +57,7 @@ def _short(type_name: str) -> str:
 
 
 def message_type_from(name: str, definition: str) -> type[Message]:
-    """Make a message class from the definition in a recording; ``name`` is the message's full name.
+    """Make a message class from its definition, such as one in a recording; ``name`` is the message's full name.
 
     Raises `SetupError` if the definition uses a message that it does not contain, or a wide string.
     """
@@ -109,5 +109,5 @@ class _Reader:
         if base in PRIMITIVES:
             return PRIMITIVES[base]
         if base == "wstring":
-            raise SetupError("the recorded definition has a wide string (wstring), which is not supported")
+            raise SetupError("the message definition has a wide string (wstring), which is not supported")
         return self.message_type(_short(base) if "/" in base else f"{package}/{base}")

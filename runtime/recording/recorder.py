@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from google.protobuf.message import DecodeError
 
@@ -24,9 +25,10 @@ from roverlink.runtime.recording.clocks import RunClock
 from roverlink.runtime.recording.mcap_file import Entry
 from roverlink.runtime.recording.message_definitions import definition_of
 from roverlink.runtime.recording.queued_file import QueuedFile, Settings
-from roverlink.runtime.recording.rosbag2 import qos_text
 from roverlink.runtime.recording.schemas import descriptor_set_of
 
+# The rmw value for an unlimited duration: the largest int64, in nanoseconds.
+_FOREVER = {"sec": 9_223_372_036, "nsec": 854_775_807}
 _WAKE_S = 0.05  # short, so that one round holds the interpreter lock only briefly
 _FLUSH_S = 0.5  # interval of flushes: a kill loses messages of this time, plus those being written
 _NEARLY_FULL_S = 300.0  # time until the disk is full, at the current rate, below which a warning is logged
@@ -93,7 +95,7 @@ class Recorder:
                 schema_name=message_type.__msgtype__,
                 schema_encoding="ros2msg",
                 schema=definition_of(message_type).encode(),
-                metadata={"offered_qos_profiles": qos_text(qos), **about},
+                metadata={"offered_qos_profiles": _qos_text(qos), **about},
             )
 
     def datagrams(self, name: str) -> Tap:
@@ -228,3 +230,24 @@ class Recorder:
             queued.give_up()
         self.failure = str(reason)
         self._logger.error("the recording failed (%s); the bridge continues. %s", reason, self.summary())
+
+
+def _qos_text(qos: Qos) -> str:
+    """Return a QoS profile as rosbag2 writes it: a YAML list with one profile, and rmw's enum values as numbers."""
+    profile: dict[str, Any] = {
+        "history": {"keep_last": 1, "keep_all": 2}[qos.history],
+        "depth": qos.depth,
+        "reliability": {"reliable": 1, "best_effort": 2}[qos.reliability],
+        "durability": {"transient_local": 1, "volatile": 2}[qos.durability],
+        "deadline": _FOREVER,
+        "lifespan": _FOREVER,
+        "liveliness": 1,
+        "liveliness_lease_duration": _FOREVER,
+        "avoid_ros_namespace_conventions": "false",
+    }
+    lines = []
+    for name, value in profile.items():
+        lines.append(f"  {name}:" if isinstance(value, dict) else f"  {name}: {value}")
+        if isinstance(value, dict):
+            lines += [f"    {part}: {number}" for part, number in value.items()]
+    return "\n".join(["-" + lines[0][1:], *lines[1:]])

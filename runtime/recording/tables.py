@@ -73,13 +73,11 @@ def write_csv(rows: Iterator[Row], path: Path) -> int:
 def write_parquet(rows: Iterator[Row], path: Path) -> int:
     """Write the lines from `rows_of` to a Parquet file, and return their number.
 
-    Raises `OSError`, and `SetupError` if pyarrow is missing.
+    Raises `OSError`.
     """
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError as error:
-        raise SetupError("Parquet needs the pyarrow package; install it with `pip install 'pyarrow>=17'`") from error
+    import pyarrow  # here: it is an optional package
+    import pyarrow.parquet
+
     written, writer = 0, None
     try:
         # range first: zip would otherwise take a row from the iterator and drop it at the end of a batch.

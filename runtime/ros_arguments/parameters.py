@@ -92,7 +92,9 @@ def declarations(registry: Registry) -> dict[str, Declaration]:
     These are the parameters in `DECLARED`, and parameters for the host and the UDP port of each end of the link, which
     the table names.
     """
-    declared = {name: one for name, one in DECLARED.items() if registry.link is not None or not one.of_link}
+    declared = {
+        name: parameter for name, parameter in DECLARED.items() if registry.link is not None or not parameter.of_link
+    }
     if registry.link is not None:
         declared["link_policy"] = replace(declared["link_policy"], default=registry.link.on_mismatch)
     for name, end in registry.ends.items():
@@ -165,5 +167,5 @@ def _checked(registry: Registry, given: Mapping[str, Any]) -> Parameters:
         if not addresses[name].port and addresses[name].hosts != (LEARN,):
             message = f"the parameter {end.port_parameter!r} is 0, but {end.host_parameter!r} is not {LEARN!r}"
             raise SetupError(f"{message}; set the UDP port of {name}")
-    own = {name: values.get(name, one.default) for name, one in DECLARED.items()}
+    own = {name: values.get(name, parameter.default) for name, parameter in DECLARED.items()}
     return Parameters(addresses=addresses, values=values, **own)

@@ -28,12 +28,6 @@ _LEFT_SIDE = re.compile(
 )  # the colon of rostopic://topic does not separate a node's name
 
 
-@dataclass(frozen=True, slots=True)
-class _Remap:
-    source: str
-    target: str
-
-
 @dataclass(slots=True)
 class RosArguments:
     """Contents of the arguments after ``--ros-args``, as far as they are meant for one node."""
@@ -43,14 +37,15 @@ class RosArguments:
     log_level: str = "info"
     logs_to_console: bool = True
     logs_to_rosout: bool = True
-    remaps: list[_Remap] = field(default_factory=list)
+    remaps: list[tuple[str, str]] = field(default_factory=list)
+    """Pairs of names: the topic with the first one gets the second one."""
 
     def topic(self, name: str) -> str:
         """Return the fully qualified name of a topic after remapping. As in rcl, the first matching rule decides."""
         full = self.node.topic(name)
-        for remap in self.remaps:
-            if self.node.topic(remap.source) == full:
-                return self.node.topic(remap.target)
+        for source, target in self.remaps:
+            if self.node.topic(source) == full:
+                return self.node.topic(target)
         return full
 
 
@@ -180,7 +175,7 @@ def _add_remap(parsed: RosArguments, text: str) -> None:
     for name in (source, target):
         if not is_topic(name):
             raise SetupError(f"{name!r} in the remap {text!r} is not a topic name")
-    parsed.remaps.append(_Remap(source, target))
+    parsed.remaps.append((source, target))
 
 
 def _log_level(text: str) -> str:

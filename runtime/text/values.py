@@ -128,11 +128,15 @@ def payload_to_values(payload: ProtoMessage) -> dict[str, Any]:
 def _field_to_value(field: Any, value: Any) -> Any:
     if field.message_type is not None and field.message_type.GetOptions().map_entry:
         inner = field.message_type.fields_by_name["value"]
-        return {str(key): _one_to_value(inner, one) for key, one in value.items()}
-    return [_one_to_value(field, one) for one in value] if field.is_repeated else _one_to_value(field, value)
+        return {str(key): _element_to_value(inner, element) for key, element in value.items()}
+    return (
+        [_element_to_value(field, element) for element in value]
+        if field.is_repeated
+        else _element_to_value(field, value)
+    )
 
 
-def _one_to_value(field: Any, value: Any) -> Any:
+def _element_to_value(field: Any, value: Any) -> Any:
     if field.message_type is not None:
         return payload_to_values(value)
     if isinstance(value, bytes):

@@ -21,8 +21,8 @@ from rosbags.highlevel import AnyReader
 from terminals import Terminal
 
 from generated.registry import REGISTRY
+from roverlink import standard_types
 from roverlink.__main__ import main
-from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.interfaces.rosgraph_msgs import Clock
 from roverlink.runtime.recording.message_definitions import definition_of
 from roverlink.runtime.recording.queued_file import Settings
@@ -194,7 +194,7 @@ def test_a_replay_publishes_the_clock(run: Path, start: Start, jump: int) -> Non
     stamps = _stamps(listener.output)
     for stamp in stamps:
         assert 0 <= stamp - _BEGIN <= 51 * _SECOND or 0 <= stamp - _BEGIN - jump - 49 * _SECOND <= 51 * _SECOND
-    assert definition_of(Clock) == definition_of(from_rosbags.message_type("rosgraph_msgs/msg/Clock"))
+    assert definition_of(Clock) == definition_of(standard_types.message_type("rosgraph_msgs/msg/Clock"))
     assert main(["recording", "replay", str(run), "--clock"]) == 2
 
 

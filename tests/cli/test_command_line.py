@@ -6,12 +6,12 @@ import logging
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from programs import Start
 from running import exit_code, record_one_message
 
 from roverlink.__main__ import main
@@ -190,32 +190,74 @@ def test_outside_of_a_project_the_way_to_start_one_is_told(
     assert "`roverlink init`" in errors
 
 
+_HIDING = """
+import sys
+sys.modules.update(dict.fromkeys(sys.argv[1].split(",")))
+from roverlink.__main__ import main
+"""
+"""Start of a script in which the packages of the first argument cannot be imported."""
+
+
+def test_help_needs_no_other_package(environment: dict[str, str]) -> None:
+    """With protobuf and PyYAML alone, every command of roverlink explains itself."""
+    script = f"""{_HIDING}
+from roverlink import command_line
+for line in ([name] for names in command_line.GROUPS.values() for name in names):
+    try:
+        main([*line, "--help"])
+    except SystemExit as end:
+        assert not end.code, line
+"""
+    others = (
+        "argcomplete,black,cyclonedds,foxglove,grpc_tools,jinja2,mcap,nanopb,prometheus_client,pyarrow,rich,rosbags"
+    )
+    done = subprocess.run([sys.executable, "-c", script, others], env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("package", "line", "install"),
+    ("module", "line", "install"),
     [
-        (
-            "pyarrow",
-            "recording export {run} --topic imu_data --to parquet",
-            "install it with `pip install 'pyarrow>=17'`",
-        ),
-        (
-            "prometheus_client",
-            "run --middleware memory --metrics 0 --ros-args -p listen_port:=0",
-            "install it with `pip install 'prometheus-client>=0.21'`",
-        ),
-        ("cyclonedds", "simulate --bridge dds --seconds 1", "cannot be imported (hidden)"),
+        ("black", "init", "'black<27,>=26.1'"),
+        ("google", "lint", "'protobuf<8,>=7.35.1'"),
+        ("grpc_tools", "lint", "'grpcio-tools==1.85.1'"),
+        ("jinja2", "init", "'jinja2>=3.1.6'"),
+        ("mcap", "recording info {run}", "'mcap>=1.3'"),
+        ("prometheus_client", "run --middleware memory --metrics 0", "'prometheus-client>=0.21'"),
+        ("pyarrow", "recording export {run} --topic imu_data --to parquet", "'pyarrow>=17'"),
+        ("rich", "recording info {run}", "'rich>=14'"),
+        ("rosbags", "echo spoken --type std_msgs/msg/String", "'rosbags>=0.11'"),
+        ("yaml", "lint", "'pyyaml>=6'"),
+        ("cyclonedds", "simulate --bridge dds --seconds 1", "cyclonedds"),
     ],
 )
-def test_a_missing_package_is_told(package: str, line: str, install: str, done: Start, tmp_path: Path) -> None:
+def test_a_missing_package_is_named(
+    module: str, line: str, install: str, environment: dict[str, str], tmp_path: Path
+) -> None:
     """One line says how to install it, exit code 2; no other middleware takes its place."""
-    (tmp_path / f"{package}.py").write_text("raise ImportError('hidden')\n")
-    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
-    run = record_one_message(tmp_path / "run.mcap")
-    code, output, errors = done(*line.format(run=run).split(), PYTHONPATH=path)
-    assert (code, output, len(errors.splitlines())) == (2, "", 1)
-    assert install in errors
-    assert "install" in errors
+    run = record_one_message(tmp_path / "run.mcap") if "{run}" in line else None
+    command = [sys.executable, "-c", f"{_HIDING}sys.exit(main(sys.argv[2:]))", module, *line.format(run=run).split()]
+    (tmp_path / "empty").mkdir()
+    folder = tmp_path / "empty" if line == "init" else _ROOT
+    done = subprocess.run(command, env=environment, cwd=folder, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 1)
+    assert f"install it with `pip install {install}`" in done.stderr
+
+
+def test_a_clone_without_symbolic_links_is_told(tmp_path: Path, environment: dict[str, str]) -> None:
+    """On Windows, git may write the link's target into a file of its name; one line says how to get links."""
+    for path in (_ROOT / "roverlink").iterdir():
+        if path.is_symlink():
+            (tmp_path / "roverlink" / path.name).write_text(os.readlink(path))
+        elif path.suffix == ".py":
+            (tmp_path / "roverlink").mkdir(exist_ok=True)
+            (tmp_path / "roverlink" / path.name).write_bytes(path.read_bytes())
+    shutil.copytree(_ROOT / "roverlink" / "commands", tmp_path / "roverlink" / "commands")
+    command = [sys.executable, "-m", "roverlink", "lint"]
+    done = subprocess.run(command, env={**environment, "PYTHONPATH": ""}, cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
+    assert "run `git config core.symlinks true` and `git checkout .` in the clone" in done.stderr
 
 
 def test_the_project_is_the_nearest_folder_that_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,9 +15,9 @@ from prometheus_client.parser import text_string_to_metric_families
 from rich.console import Console
 
 from generated.registry import REGISTRY
-from roverlink import top_screen
+from roverlink import standard_types, top_screen
 from roverlink.console import LOG_FORMATS
-from roverlink.heard_bridges import HeardBridge, HeardBridges, has_problems, page_of
+from roverlink.heard_bridges import HeardBridge, HeardBridges, has_problems, state_of
 from roverlink.link_page.link_alarms import peers_of
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
@@ -27,7 +27,6 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.core.link_message import LinkMessage
 from roverlink.runtime.core.link_statistics import LinkStatistics
 from roverlink.runtime.core.registry import EndName
-from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, KeyValue
 from roverlink.runtime.monitoring import diagnostic_array, prometheus
 from roverlink.runtime.monitoring.histogram import BOUNDS_S, LatencyProbe
@@ -179,9 +178,9 @@ def _lines(shown: Any, width: int) -> list[str]:
     return console.export_text().splitlines()
 
 
-def _printed(page: Any, width: int) -> list[str]:
-    """The lines of one bridge's page."""
-    return [line.rstrip() for line in _lines(top_screen.printed([HeardBridge(page, 0, 0)], width), width)]
+def _printed(state: Any, width: int) -> list[str]:
+    """The lines of one bridge's state."""
+    return [line.rstrip() for line in _lines(top_screen.printed([HeardBridge(state, 0, 0)], width), width)]
 
 
 def _reports() -> list[EndReport]:
@@ -202,17 +201,17 @@ def test_what_the_link_messages_tell_is_in_the_diagnostics_and_on_the_screen_of_
     bridge = _Bridge()
     bridge.links = _reports()
     array = diagnostic_array.array_of(bridge.monitor.state(), _STAMP, {})
-    page = page_of(array)
-    assert page is not None
-    assert has_problems(page)
-    assert len(page["rows"]) == len(REGISTRY.handlers)
-    board, base = page["links"]
+    state = state_of(array)
+    assert state is not None
+    assert has_problems(state)
+    assert len(state["rows"]) == len(REGISTRY.handlers)
+    board, base = state["links"]
     told = {"name": "Drive of hardware", "level": "WARN", "message": "another schema of drive_motor, drive_diag"}
     told |= {"peer": "hardware", "board": "Drive", "lost_in": 2, "loss_in": 0.1, "restarts": 2, "round_trip": 0.02}
     assert told.items() <= board.items()
     assert {"level": "OK", "message": "no link message yet", "schema": "unknown"}.items() <= base.items()
     assert "loss_in" not in base
-    shown = "".join(f"{line}\n" for line in _printed(page, 200))
+    shown = "".join(f"{line}\n" for line in _printed(state, 200))
     assert (
         "Drive of hardware: another schema of drive_motor, drive_diag; loss in 10.0%; round trip 20.0 ms; "
         "jitter 0.0 ms; clock -4.0 ms; 2 restarts\n" in shown
@@ -265,13 +264,13 @@ def _busy() -> State:
 
 def test_the_page_of_top(request: pytest.FixtureRequest) -> None:
     """The screen, as an operator sees it; `--update-cases` writes it anew."""
-    page = page_of(diagnostic_array.array_of(_busy(), _STAMP, {}))
-    assert page is not None
-    shown = "".join(f"{line}\n" for line in _printed(page, 120))
+    state = state_of(diagnostic_array.array_of(_busy(), _STAMP, {}))
+    assert state is not None
+    shown = "".join(f"{line}\n" for line in _printed(state, 120))
     if request.config.getoption("--update-cases"):
         _SCREEN.write_text(shown, encoding="utf-8")
     assert shown == _SCREEN.read_text(encoding="utf-8")
-    assert has_problems(page)
+    assert has_problems(state)
 
 
 def _array(name: str, **origin: Any) -> DiagnosticArray:
@@ -296,7 +295,7 @@ class _Heard(HeardBridges):
         bridges = self.bridges
         top_screen.live(bridges, self, view, width, height)
         for key in keys:
-            assert view.press(key, [bridge.page for bridge in bridges])
+            assert view.press(key, [bridge.state for bridge in bridges])
         return _lines(top_screen.live(bridges, self, view, width, height), width)
 
 
@@ -332,7 +331,7 @@ def test_two_bridges_with_one_name_are_told_from_one_that_was_started_again() ->
     for _ in range(8):
         heard.hear(instance="b", pid=34, host="laptop")
         assert heard.warnings() == []
-    assert [bridge.page["node"]["instance"] for bridge in heard.bridges] == ["b"]
+    assert [bridge.state["node"]["instance"] for bridge in heard.bridges] == ["b"]
     heard.hear(instance="c", pid=56, host="jetson")
     assert heard.warnings() == []
     heard.hear(instance="b", pid=34, host="laptop")
@@ -367,7 +366,7 @@ def test_rows_are_sorted_and_filtered() -> None:
 
     def names(*keys: str) -> list[str]:
         heard.screen(120, 60, view, *keys)
-        return [row["name"] for row in view.rows(heard.bridges[0].page)]
+        return [row["name"] for row in view.rows(heard.bridges[0].state)]
 
     everything = names()
     assert names("s") == sorted(everything)
@@ -389,7 +388,7 @@ def test_rows_are_sorted_and_filtered() -> None:
 def test_diagnostics_are_those_of_ros2() -> None:
     """The bytes are what the definition of diagnostic_msgs, as rosbags has it, reads."""
     array = diagnostic_array.array_of(_busy(), _STAMP, {})
-    theirs = cdr.decode(from_rosbags.message_type("diagnostic_msgs/msg/DiagnosticArray"), cdr.encode(array))
+    theirs = cdr.decode(standard_types.message_type("diagnostic_msgs/msg/DiagnosticArray"), cdr.encode(array))
     assert message_to_values(theirs) == message_to_values(array)
     values = message_to_values(theirs)
     assert values["header"]["stamp"] == {"sec": 1_700_000_000, "nanosec": 250_000_000}
@@ -489,9 +488,9 @@ def test_the_silent_board_is_named_with_its_address() -> None:
             "its address is not known before its first valid datagram",
         ),
     }
-    page = page_of(array)
-    assert page is not None
-    peers = {peer["name"]: peer for peer in peers_of(page["node"], page["rows"], page["ends"])}
+    state = state_of(array)
+    assert state is not None
+    peers = {peer["name"]: peer for peer in peers_of(state["node"], state["rows"], state["ends"])}
     boards = {board["name"]: (board["address"], board["link"]) for board in peers["hardware"]["boards"]}
     assert boards["ArmBoard"] == ("192.168.0.21:8", "ok")
     assert boards["SensorBoard"] == ("", "not_learned")

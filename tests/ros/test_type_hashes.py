@@ -16,11 +16,11 @@ from golden import ROOT, compiled, passing_cases
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import get_types_from_msg
 
+from roverlink import standard_types
 from roverlink.generator.emit.type_hashes import type_hashes
 from roverlink.generator.ir.model import RosField, RosMessage, RosType
 from roverlink.generator.pipeline import Compiled, compile_table
 from roverlink.runtime.core.cdr import encode
-from roverlink.runtime.interfaces import from_rosbags
 
 # As ROS 2 itself shows them: in the keys of rmw_zenoh, in rosbag2's metadata, in generated code of other projects.
 _PUBLISHED = {
@@ -56,7 +56,7 @@ def test_what_ros_2_published(name: str, fields: tuple[RosField, ...]) -> None:
 @pytest.mark.parametrize("name", _PUBLISHED)
 def test_standard_messages_have_their_hashes(name: str) -> None:
     """What `roverlink pub --type` publishes says the hash that ROS 2's own nodes say."""
-    message = from_rosbags.message_type(name)
+    message = standard_types.message_type(name)
     assert message.__typehash__ == _PUBLISHED[name]
     assert encode(message())  # it is no field
 

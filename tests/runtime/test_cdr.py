@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from rosbags.typesys import Stores, get_typestore
 from strategies import messages
 
+from roverlink import standard_types
 from roverlink.runtime import ConversionError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import (
@@ -33,7 +34,6 @@ from roverlink.runtime.core.messages import (
     UInt32,
     UInt64,
 )
-from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.recording.message_definitions import definition_of
 
 
@@ -111,7 +111,7 @@ def test_every_standard_message_starts_empty() -> None:
     names = [name for name in get_typestore(Stores.ROS2_HUMBLE).fielddefs if "/msg/" in name]
     assert len(names) > 100
     for name in names:
-        _round_trip(from_rosbags.message_type(name)())
+        _round_trip(standard_types.message_type(name)())
 
 
 @given(messages(Everything))
@@ -134,7 +134,9 @@ def test_other_encapsulations_are_refused(header: str) -> None:
 def test_what_other_writers_say_is_understood_or_refused() -> None:
     """Options in the header, and an empty text without its NUL; but no bytes that are not UTF-8, nor false counts."""
     assert cdr.decode(Point, b"\0\1\0\3" + cdr.encode(Point(True, 1.5))[4:]) == Point(True, 1.5)
-    string, empty = from_rosbags.message_type("std_msgs/msg/String"), from_rosbags.message_type("std_msgs/msg/Empty")
+    string, empty = standard_types.message_type("std_msgs/msg/String"), standard_types.message_type(
+        "std_msgs/msg/Empty"
+    )
     assert cdr.decode(string, bytes(1) + b"\1" + bytes(6)) == string()
     with pytest.raises(ConversionError, match="not UTF-8"):
         cdr.decode(string, bytes.fromhex("00010000 02000000 ff00"))
@@ -143,7 +145,7 @@ def test_what_other_writers_say_is_understood_or_refused() -> None:
     assert cdr.decode(empty, bytes.fromhex("0001000000")) == empty()
     for name in ("std_msgs/msg/String", "std_msgs/msg/Float64MultiArray", "tf2_msgs/msg/TFMessage"):
         with pytest.raises(ConversionError, match="too short"):
-            cdr.decode(from_rosbags.message_type(name), b"\0\1\0\0" + b"\xff" * 16)
+            cdr.decode(standard_types.message_type(name), b"\0\1\0\0" + b"\xff" * 16)
     with pytest.raises(ConversionError, match="too short"):
         cdr.decode(empty, bytes.fromhex("00010000"))
 

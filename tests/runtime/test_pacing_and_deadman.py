@@ -14,37 +14,36 @@ from roverlink.runtime.bridge.pacing import Pacer
 
 def test_the_newest_waits_and_the_others_are_counted() -> None:
     """The first passes; of those that come too early, the last is what passes when its time has come."""
-    pacer: Pacer[str] = Pacer(10)
-    assert pacer.offer("a", 1.0)
-    assert not pacer.offer("b", 1.01)
-    assert not pacer.offer("c", 1.02)
+    pacer = Pacer(10)
+    assert pacer.offer([b"-", b"a"], 1.0) == ([b"a"], 1)
+    assert pacer.offer([b"b"], 1.01) == ((), 0)
+    assert pacer.offer([b"-", b"c"], 1.02) == ((), 2)
     assert pacer.next_slot == 1.1
     assert pacer.take(1.09) is None
-    assert pacer.take(1.1) == "c"
+    assert pacer.take(1.1) == b"c"
     assert pacer.take(1.3) is None
     assert pacer.next_slot is None
-    assert pacer.superseded == 1
 
 
 @settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(0, 0.3), st.booleans()), max_size=100))
 def test_order_is_kept_the_rate_is_kept_and_the_sums_agree(events: list[tuple[float, bool]]) -> None:
     """Whatever the times of offers and takes."""
-    pacer: Pacer[int] = Pacer(10)
-    now, offered = 0.0, 0
+    pacer = Pacer(10)
+    now, offered, superseded = 0.0, 0, 0
     passed: list[tuple[float, int]] = []
     for wait, offers in events:
         now += wait
         if offers:
-            if pacer.offer(offered, now):
-                passed.append((now, offered))
-            offered += 1
-        elif (thing := pacer.take(now)) is not None:
-            passed.append((now, thing))
+            passing, replaced = pacer.offer([b"%d" % offered], now)
+            passed += [(now, int(message)) for message in passing]
+            offered, superseded = offered + 1, superseded + replaced
+        elif (message := pacer.take(now)) is not None:
+            passed.append((now, int(message)))
     waits = pacer.withdraw() is not None
-    assert [thing for _, thing in passed] == sorted({thing for _, thing in passed})
+    assert [number for _, number in passed] == sorted({number for _, number in passed})
     assert all(later - earlier > 0.1 - 1e-9 for (earlier, _), (later, _) in itertools.pairwise(passed))
-    assert len(passed) + pacer.superseded + waits == offered
+    assert len(passed) + superseded + waits == offered
 
 
 def _due(watchdog: Watchdog, *times: float) -> list[float]:

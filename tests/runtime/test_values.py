@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import runpy
-import sys
 from typing import Any
 
 import pytest
@@ -17,17 +15,17 @@ from strategies import messages
 
 from generated.messages import ArmBoardDiagnostics, ImuSensorInformation
 from generated.registry import REGISTRY
+from roverlink import standard_types
 from roverlink.runtime import ConversionError, SetupError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import nearest
-from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.text.values import message_from_values, message_to_values, payload_to_values
 
 _TYPES = [
     ImuSensorInformation,
     ArmBoardDiagnostics,
     *map(
-        from_rosbags.message_type,
+        standard_types.message_type,
         ["sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage", "diagnostic_msgs/msg/DiagnosticArray"],
     ),
 ]
@@ -44,7 +42,7 @@ def test_a_message_is_the_same_again_after_plain_values(message_type: Any, data:
 
 def test_fields_that_are_left_out_are_zero() -> None:
     """A message from a part of its values has zeros, empty texts and empty lists in the rest, at every depth."""
-    imu = from_rosbags.message_type("sensor_msgs/msg/Imu")
+    imu = standard_types.message_type("sensor_msgs/msg/Imu")
     message: Any = message_from_values(imu, {"header": {"stamp": {"sec": 7}}})
     assert message.header.stamp.sec == 7
     assert message.header.frame_id == ""
@@ -84,7 +82,7 @@ def test_values_of_another_kind_are_refused_with_their_path(
 ) -> None:
     """A wrong name or value is a `ConversionError` with the path to it, and the nearest name that there is."""
     with pytest.raises(ConversionError) as caught:
-        message_from_values(from_rosbags.message_type(type_name), values)
+        message_from_values(standard_types.message_type(type_name), values)
     assert caught.value.field == path
     assert expected in str(caught.value)
 
@@ -115,24 +113,13 @@ def test_the_nearest_name_is_found() -> None:
 def test_what_is_no_type_name_is_told(name: str) -> None:
     """A name of another form is quoted, with an example."""
     with pytest.raises(SetupError, match="is not the name of a ROS 2 type, such as sensor_msgs/msg/Imu"):
-        from_rosbags.full_name(name)
+        standard_types.full_name(name)
 
 
 def test_an_unknown_type_leads_to_the_nearest() -> None:
     """A type that is not among ROS 2's common interfaces leads to the one that was probably meant."""
     with pytest.raises(SetupError, match=r"unknown ROS 2 type 'sensor_msgs/msg/Imus'; did you mean '.*/Imu'\?"):
-        from_rosbags.message_type("sensor_msgs/msg/Imus")
-
-
-def test_without_rosbags_standard_types_say_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The definitions come with an optional package, which is named where it is missing."""
-    for name in [name for name in sys.modules if name.partition(".")[0] == "rosbags"]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "rosbags", None)
-    monkeypatch.delitem(sys.modules, from_rosbags.__name__)
-    fresh = runpy.run_module(from_rosbags.__name__)
-    with pytest.raises(SetupError, match=r"pip install 'rosbags>=0.11'"):
-        fresh["message_type"]("std_msgs/msg/String")
+        standard_types.message_type("sensor_msgs/msg/Imus")
 
 
 def test_what_json_has_no_form_for_is_shown_field_by_field() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -27,13 +28,16 @@ def _blocks() -> dict[str, tuple[str, tuple[str, ...]]]:
     The marks name the distributions that have the message: ``@jazzy`` means that only Jazzy has it. They are empty if
     all distributions have it. A line is a field or a constant, such as ``int32 sec``.
     """
-    blocks: dict[str, tuple[str, tuple[str, ...]]] = {}
+    return {name: (marks, lines) for name, marks, lines in blocks(FILE.read_text(encoding="utf-8"))}
+
+
+def blocks(text: str) -> Iterator[tuple[str, str, tuple[str, ...]]]:
+    """Yield full name, marks and lines of each message in a text like ``definitions.txt``."""
     # A message starts in the first column, and its lines are indented.
-    for block in re.split(r"\n(?=\w)", FILE.read_text(encoding="utf-8"))[1:]:
+    for block in re.split(r"^(?=\w)", text, flags=re.MULTILINE)[1:]:
         head, *lines = block.splitlines()
         name, _, marks = head.partition(" ")
-        blocks[name] = marks, tuple(line.strip() for line in lines)
-    return blocks
+        yield name, marks, tuple(line.strip() for line in lines)
 
 
 def full_name(name: str) -> str:
@@ -67,8 +71,14 @@ def interface(name: str, distribution: str) -> Interface | None:
     elif apart := [line for line in lines if " @" in line and "=" not in line]:
         field, _, of = apart[0].partition(" @")
         raise DistributionsDisagreeError(f"the field `{field}` of {name} exists only in {_listed('@' + of)}")
-    constants = tuple(_constant(match) for line in kept if (match := _CONSTANT.fullmatch(line)))
-    return Interface(name, tuple(_field(line) for line in kept if "=" not in line.replace("<=", "")), constants)
+    return interface_of(name, kept)
+
+
+def interface_of(name: str, lines: Iterable[str]) -> Interface:
+    """Return the definition of a message from its lines without marks."""
+    lines = list(lines)
+    constants = tuple(_constant(match) for line in lines if (match := _CONSTANT.fullmatch(line)))
+    return Interface(name, tuple(_field(line) for line in lines if "=" not in line.replace("<=", "")), constants)
 
 
 def _is_of(line: str, distribution: str) -> bool:

@@ -9,41 +9,24 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rosbags.typesys import Stores, get_typestore
-from rosbags.typesys.msg import get_types_from_msg
 from roverkit.vision import CameraParameters, FieldPose, Pose, Sighting
 from roverkit.vision.poses.pose import quaternion_of, rotation_of
 from roverkit.vision.ros import sighting_messages
 from roverkit.vision.ros.sighting_messages import FrameNames
 
 from rover.tests.vision.seen import FACING, sighting
+from roverlink.generator.emit.targets.python.runtime_interfaces import store
 from roverlink.runtime import interfaces
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Array, Message, Primitive, Sequence, Text, fields_of
 
 _STAMP = 1_700_000_000_123_456_789
 _NAMES = FrameNames("eye", "mark_")
-
-# As its repository has them since 4.0; rosbags does not know the package.
-_VISION_MSGS = {
-    "ObjectHypothesis": "string class_id\nfloat64 score\n",
-    "ObjectHypothesisWithPose": "ObjectHypothesis hypothesis\ngeometry_msgs/PoseWithCovariance pose\n",
-    "Point2D": "float64 x\nfloat64 y\n",
-    "Pose2D": "vision_msgs/Point2D position\nfloat64 theta\n",
-    "BoundingBox2D": "vision_msgs/Pose2D center\nfloat64 size_x\nfloat64 size_y\n",
-    "Detection2D": "std_msgs/Header header\nObjectHypothesisWithPose[] results\nBoundingBox2D bbox\nstring id\n",
-    "Detection2DArray": "std_msgs/Header header\nDetection2D[] detections\n",
-    "BoundingBox3D": "geometry_msgs/Pose center\ngeometry_msgs/Vector3 size\n",
-    "Detection3D": "std_msgs/Header header\nObjectHypothesisWithPose[] results\nBoundingBox3D bbox\nstring id\n",
-    "Detection3DArray": "std_msgs/Header header\nDetection3D[] detections\n",
-}
 _HYPOTHESIS = "RIHS01_51da43cec11c01957a64d1e05a24acd18aae7745ec30b74348ad5f6d634f7f90"
 """The hash of ObjectHypothesis in code that ROS 2 generated."""
 
 
-STORE = get_typestore(Stores.ROS2_HUMBLE)
-for _name, _text in _VISION_MSGS.items():
-    STORE.register(get_types_from_msg(_text, f"vision_msgs/msg/{_name}"))
+STORE = store()
 
 
 def _ours_of(package: str) -> list[type[Message]]:

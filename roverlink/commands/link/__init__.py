@@ -1,18 +1,15 @@
-"""``roverlink link``: commands for the links between the bridge and its peers, one module each."""
+"""Make the keys for signed datagrams.
+
+Commands for the links between the bridge and its peers: make the keys with which both ends sign datagrams.
+
+Example: roverlink link keygen basestation
+"""
 
 from __future__ import annotations
 
-from roverlink.console import Subparsers, command_group
+from roverlink.console import Subparsers, add_subcommands, documented_command
 
 
 def add(commands: Subparsers) -> None:
-    """Add ``link`` with its subcommands to the command line."""
-    command_group(
-        commands,
-        "link",
-        "make the keys for signed datagrams",
-        "roverlink link keygen basestation",
-        "Commands for the links between the bridge and its peers: make the keys with which both ends sign datagrams.",
-        __name__,
-        ("keygen",),
-    )
+    """Add the command with its subcommands to the command line."""
+    add_subcommands(documented_command(commands, __name__, __doc__), __name__, ("keygen",))

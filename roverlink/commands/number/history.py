@@ -1,13 +1,23 @@
-"""``roverlink number history``: print the payloads that an envelope number has had in git's history."""
+"""Show every payload that has or had a number in the envelope, with the first and the last commit of each.
+
+Show every payload that has or had the number NUMBER in the envelope (the protobuf message that holds each
+payload in a oneof), or every field or value that has or had a number of another message or of an enum. The
+command reads all commits of all branches in git. Use it if `roverlink lint` reports a reused number, or to
+find out which payload an old recording or an old firmware means.
+
+For each payload, the output has its type and name, then the commits that added and removed it, and the
+branches that still have it. Exit code 1: no commit ever used the number.
+
+Example: roverlink number history 18
+"""
 
 from __future__ import annotations
 
 import argparse
-import sys
 from posixpath import normpath
 
 from roverlink.completion import complete, numbers
-from roverlink.console import FINDINGS, UNABLE, Subparsers, command, counted
+from roverlink.console import FINDINGS, UNABLE, Subparsers, counted, documented_command
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.git import Repository
@@ -21,18 +31,7 @@ from roverlink.suggestions import nearest, nearest_names
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "history",
-        "show every payload that has or had a number in the envelope, with the first and the last commit of each",
-        "roverlink number history 18",
-        "Show every payload that has or had the number NUMBER in the envelope (the protobuf message that holds each\n"
-        "payload in a oneof), or every field or value that has or had a number of another message or of an enum. The\n"
-        "command reads all commits of all branches in git. Use it if `roverlink lint` reports a reused number, or to\n"
-        "find out which payload an old recording or an old firmware means.\n\n"
-        "For each payload, the output has its type and name, then the commits that added and removed it, and the\n"
-        "branches that still have it. Exit code 1: no commit ever used the number.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     number = parser.add_argument(
         "number",
         type=type_and_number,
@@ -53,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
             question = Question(history=True, envelope=not named, report=report)
             found = linted(arguments, question)
     except DiagnosticsError as error:
-        show_error(error, folder_of(arguments), sys.stderr)
+        show_error(error, folder_of(arguments))
         return UNABLE
     context = found.context
     owner = named or context.table.envelope.message

@@ -1,4 +1,12 @@
-"""``roverlink number retire``: remove a payload from the bridge, and reserve its envelope number permanently."""
+"""Retire an envelope number, so that it is never used again.
+
+Retire an envelope number whose payload is no longer needed, so that no other payload ever gets this number:
+old firmware and old recordings may still contain it. The command moves the row in mapping.yaml from
+`messages` to `retired`, and runs `roverlink generate`, which reserves the number in the envelope. The
+output lists the changed files.
+
+Example: roverlink number retire 14
+"""
 
 from __future__ import annotations
 
@@ -6,7 +14,7 @@ import argparse
 
 from roverlink.commands.generate import print_changes, report
 from roverlink.completion import complete, numbers
-from roverlink.console import OK, Subparsers, add_table, command, count, table_file
+from roverlink.console import OK, Subparsers, add_table, count, documented_command, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
 from roverlink.generator.pipeline import retire
@@ -14,16 +22,7 @@ from roverlink.generator.pipeline import retire
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "retire",
-        "retire an envelope number, so that it is never used again",
-        "roverlink number retire 14",
-        "Retire an envelope number whose payload is no longer needed, so that no other payload ever gets this number:\n"
-        "old firmware and old recordings may still contain it. The command moves the row in mapping.yaml from\n"
-        "`messages` to `retired`, and runs `roverlink generate`, which reserves the number in the envelope. The\n"
-        "output lists the changed files.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     number = parser.add_argument("number", type=count, metavar="NUMBER", help="number of the payload in the envelope")
     complete(number, numbers)
     add_table(parser)

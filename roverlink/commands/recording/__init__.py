@@ -1,18 +1,15 @@
-"""``roverlink recording``: commands about recordings, one module each."""
+"""Show, export and replay what `roverlink record` wrote.
+
+Commands about recordings: show what one contains, export its values as tables, and replay it.
+
+Example: roverlink recording info run.mcap
+"""
 
 from __future__ import annotations
 
-from roverlink.console import Subparsers, command_group
+from roverlink.console import Subparsers, add_subcommands, documented_command
 
 
 def add(commands: Subparsers) -> None:
-    """Add ``recording`` with its subcommands to the command line."""
-    command_group(
-        commands,
-        "recording",
-        "show, export and replay what `roverlink record` wrote",
-        "roverlink recording info run.mcap",
-        "Commands about recordings: show what one contains, export its values as tables, and replay it.",
-        __name__,
-        ("info", "export", "replay"),
-    )
+    """Add the command with its subcommands to the command line."""
+    add_subcommands(documented_command(commands, __name__, __doc__), __name__, ("info", "export", "replay"))

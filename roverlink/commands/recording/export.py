@@ -1,11 +1,21 @@
-"""``roverlink recording export``: write the messages of one recorded topic to a CSV or Parquet file."""
+"""Write one topic of a recording to a table, with a row for each message and a column for each field.
+
+Write one topic of a recording to a table for spreadsheets or notebooks: a CSV or Parquet file. It has a row
+for each message, and a column for each field, such as accel_x; nested fields have dotted names. The columns
+time_ns and wall_ns are nanoseconds since 1970: time_ns counts on steadily, and wall_ns is what the clock of
+the computer showed. They differ after the clock was set during the recording; a note then says when.
+
+`roverlink recording info` lists the topics. Exit code 1: the topic has no messages.
+
+Example: roverlink recording export run.mcap --topic imu_data --to csv
+"""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, Subparsers, add_recording, command, print_note
+from roverlink.console import FINDINGS, OK, Subparsers, add_recording, documented_command, print_note
 from roverlink.runtime import SetupError
 from roverlink.runtime.atomic_files import replacing
 from roverlink.runtime.recording import EXPORTS
@@ -13,17 +23,7 @@ from roverlink.runtime.recording import EXPORTS
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "export",
-        "write one topic of a recording to a table, with a row for each message and a column for each field",
-        "roverlink recording export run.mcap --topic imu_data --to csv",
-        "Write one topic of a recording to a table for spreadsheets or notebooks: a CSV or Parquet file. It has a row\n"
-        "for each message, and a column for each field, such as accel_x; nested fields have dotted names. The columns\n"
-        "time_ns and wall_ns are nanoseconds since 1970: time_ns counts on steadily, and wall_ns is what the clock of\n"
-        "the computer showed. They differ after the clock was set during the recording; a note then says when.\n\n"
-        "`roverlink recording info` lists the topics. Exit code 1: the topic has no messages.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_recording(parser)
     parser.add_argument("--topic", required=True, help="name of the recorded ROS 2 topic, such as imu_data")
     parser.add_argument("--to", choices=EXPORTS, default="csv", help="format of the table (default: %(default)s)")

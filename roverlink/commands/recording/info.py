@@ -1,4 +1,13 @@
-"""``roverlink recording info``: print the files, the duration and the topics of a recording."""
+"""Show the files, the duration and the topics of a recording.
+
+Show the contents of a recording of `roverlink record`: its files, its start and duration, the fingerprint
+(a hash) of the table with which it was made, and for each topic its message type, the number of messages
+and the messages a second. If the recorder was killed or is still running, a line says that the recording
+is incomplete. If the computer's clock was set during the recording, lines say when and by how much; the
+start and the duration do not depend on that.
+
+Example: roverlink recording info run.mcap
+"""
 
 from __future__ import annotations
 
@@ -7,10 +16,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-from rich.table import Table
-
-from roverlink.console import OK, Subparsers, command
+from roverlink.console import OK, Subparsers, documented_command
 
 if TYPE_CHECKING:
     from roverlink.runtime.recording.clocks import ClockJump
@@ -19,17 +25,7 @@ if TYPE_CHECKING:
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "info",
-        "show the files, the duration and the topics of a recording",
-        "roverlink recording info run.mcap",
-        "Show the contents of a recording of `roverlink record`: its files, its start and duration, the fingerprint\n"
-        "(a hash) of the table with which it was made, and for each topic its message type, the number of messages\n"
-        "and the messages a second. If the recorder was killed or is still running, a line says that the recording\n"
-        "is incomplete. If the computer's clock was set during the recording, lines say when and by how much; the\n"
-        "start and the duration do not depend on that.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument(
         "recording", type=Path, help="an .mcap file: of topics (run.mcap) or of datagrams (run.datagrams.mcap)"
     )
@@ -82,6 +78,9 @@ def _facts(recording: Recording) -> dict[str, Any]:
 
 
 def _print(facts: dict[str, Any], jumps: list[ClockJump]) -> None:
+    from rich.console import Console  # here: --help needs no rich
+    from rich.table import Table
+
     from roverlink.runtime.recording.clocks import local_time
 
     console = Console(highlight=False, markup=False, soft_wrap=True)

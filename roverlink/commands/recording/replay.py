@@ -1,4 +1,19 @@
-"""``roverlink recording replay``: send a recording to a bridge, or publish it for ROS 2 nodes."""
+"""Replay the datagrams of a recording to a bridge, or its topics to ROS 2.
+
+Replay a recording of `roverlink record`, with the original time between its messages. With --as board, the
+recorded datagrams of the peers go to a bridge again, so a bridge can be tested without boards. With
+--as ros, the recorded topics are published again, so ROS 2 nodes can be tested without a bridge. Order and
+pace are right even if the clock of the computer was set during the recording.
+
+On a terminal, a line shows the progress. Keys: space pauses and continues; the left and right arrows go
+10 s of the recording back and forward, the down and up arrows 60 s.
+
+If the table (mapping.yaml) has changed since the recording, each message is converted to the message types
+of the present table. Messages that have another meaning in the present table are reported and skipped
+(exit code 1).
+
+Example: roverlink recording replay run.mcap --speed 2 --as board --to 127.0.0.1:5000
+"""
 
 from __future__ import annotations
 
@@ -6,7 +21,7 @@ import argparse
 import socket
 import sys
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
@@ -16,11 +31,13 @@ from roverlink.console import (
     FINDINGS,
     OK,
     Subparsers,
+    add_destination,
     add_middleware,
     add_project,
     add_recording,
-    command,
     counted,
+    documented_command,
+    print_note,
     project_folder,
     rate,
     seconds,
@@ -31,16 +48,14 @@ from roverlink.runtime import Qos, SetupError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.rosgraph_msgs import Clock
-from roverlink.runtime.middleware import Middleware, Publisher, open_middleware
+from roverlink.runtime.middleware import Middleware, open_middleware
 from roverlink.runtime.net import udp
-from roverlink.runtime.ros_arguments import parameters
 
 if TYPE_CHECKING:
     from roverlink.runtime.recording.playback import Playback
     from roverlink.runtime.recording.reader import Recording
     from roverlink.runtime.recording.replaying import BoardReplay, RosReplay, Timed
 
-_FLUSH_S = 0.2  # a reliable reader may still ask for a lost sample
 _TICK_S = 0.025  # 40 a second, the rate at which rosbag2 publishes /clock
 _SEEK_S = {"left": -10.0, "right": 10.0, "down": -60.0, "up": 60.0}
 _CLOCK_END_NS = (1 << 31) * 1_000_000_000  # builtin_interfaces/msg/Time has 32 bits for the seconds
@@ -51,21 +66,7 @@ Tick = Callable[["Playback"], None]
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "replay",
-        "replay the datagrams of a recording to a bridge, or its topics to ROS 2",
-        "roverlink recording replay run.mcap --speed 2 --as board --to 127.0.0.1:5000",
-        "Replay a recording of `roverlink record`, with the original time between its messages. With --as board, the\n"
-        "recorded datagrams of the peers go to a bridge again, so a bridge can be tested without boards. With\n"
-        "--as ros, the recorded topics are published again, so ROS 2 nodes can be tested without a bridge. Order and\n"
-        "pace are right even if the clock of the computer was set during the recording.\n\n"
-        "On a terminal, a line shows the progress. Keys: space pauses and continues; the left and right arrows go\n"
-        "10 s of the recording back and forward, the down and up arrows 60 s.\n\n"
-        "If the table (mapping.yaml) has changed since the recording, each message is converted to the message types\n"
-        "of the present table. Messages that have another meaning in the present table are reported and skipped\n"
-        "(exit code 1).",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     add_recording(parser)
     parser.add_argument(
@@ -76,12 +77,7 @@ def add(commands: Subparsers) -> None:
         help="board: send the recorded datagrams to a bridge, as the boards did; ros: publish the recorded topics, as "
         "the bridge did (default: %(default)s)",
     )
-    parser.add_argument(
-        "--to",
-        default=f"127.0.0.1:{parameters.LISTEN_PORT}",
-        metavar="HOST:PORT",
-        help="with --as board: address of the bridge (default: %(default)s)",
-    )
+    add_destination(parser, "with --as board: address of the bridge")
     topic = parser.add_argument(
         "--topic",
         action="append",
@@ -112,13 +108,7 @@ def add(commands: Subparsers) -> None:
         help="begin S seconds after the start of the recording (default: 0)",
     )
     parser.add_argument("--loop", action="store_true", help="replay again and again, until Ctrl-C")
-    parser.add_argument(
-        "--wait",
-        type=seconds,
-        default=3.0,
-        metavar="S",
-        help="with --as ros: wait at most S seconds for a subscriber, then publish anyway (default: 3)",
-    )
+    topic_types.add_wait(parser, "with --as ros: ")
     add_middleware(parser)
     parser.set_defaults(run=run, runs_until_stopped=True)
 
@@ -149,7 +139,7 @@ def run(arguments: argparse.Namespace) -> int:
                 ticks.append(_clock(middleware, recording))
             send = _to_topics(ros, middleware, arguments.wait, stack)
         for note in replay.notes:
-            print(note, file=sys.stderr)
+            print_note(note)
         start = recording.start + int(arguments.start * 1e9)
         keyboard = stack.enter_context(Keyboard())
         if sys.stderr.isatty():
@@ -160,7 +150,7 @@ def run(arguments: argparse.Namespace) -> int:
     what = "datagrams" if arguments.role == "board" else "messages"
     print(f"replayed {sent} {what} in {took:.1f} s")
     for reason, count in replay.refused.items():
-        print(f"skipped {counted(count, 'message')}: {reason}", file=sys.stderr)
+        print_note(f"skipped {counted(count, 'message')}: {reason}")
     return FINDINGS if replay.refused else OK
 
 
@@ -248,32 +238,18 @@ def _to_bridge(destination: tuple[str, int], stack: ExitStack) -> Send:
 
 def _to_topics(replay: RosReplay, middleware: Middleware, wait: float, stack: ExitStack) -> Send:
     if replay.left_out:
-        print(
+        print_note(
             f"skipped because they command the rover: {', '.join(replay.left_out)}; --commands publishes them",
-            file=sys.stderr,
         )
     publishers = {
         topic: middleware.publisher(topic, endpoint.message_type, endpoint.qos)
         for topic, endpoint in replay.endpoints.items()
     }
-    _wait_for_subscriber(publishers.values(), wait)
+    topic_types.wait_for_subscriber(publishers.values(), wait, "none of the topics has a subscriber yet")
     # Registered after the middleware, so it runs before the middleware closes.
-    stack.callback(time.sleep, _FLUSH_S)
+    stack.callback(time.sleep, topic_types.FLUSH_S)
 
     def send(message: Timed) -> None:
         publishers[message.topic].publish([message.data])
 
     return send
-
-
-def _wait_for_subscriber(publishers: Collection[Publisher], seconds: float) -> None:
-    """Wait until one of the topics has a subscriber, but at most ``seconds`` seconds.
-
-    Messages that are published before a subscriber is there are lost.
-    """
-    deadline = time.monotonic() + seconds
-    while not any(publisher.has_subscribers() for publisher in publishers):
-        if time.monotonic() > deadline:
-            print("none of the topics has a subscriber yet; publishing anyway", file=sys.stderr)
-            return
-        time.sleep(0.02)

@@ -6,8 +6,9 @@ There is one module for each ROS 2 package: ``generated/interfaces/sensor_msgs.p
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from roverlink.generator import ir
 from roverlink.generator.emit.python_format import literal
@@ -34,6 +35,8 @@ OF_THE_RUNTIME = frozenset(
     }
 )
 """Messages whose classes `roverlink.runtime.interfaces` contains; generated code imports these classes."""
+_DEFAULTS = {("geometry_msgs/msg/Quaternion", "w"): "1.0"}
+"""Defaults that .msg files declare, by message and field; rosbags leaves them out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +65,8 @@ class _Message:
     """Full name of the ROS message."""
     name: str
     suppression: str
+    hash: str
+    """Type hash of ROS 2; empty if the class has none."""
     constants: tuple[_Constant, ...]
     fields: tuple[_Field, ...]
 
@@ -72,7 +77,8 @@ def emit(bridge: ir.Bridge) -> Files:
         return
     for package, interfaces in itertools.groupby(bridge.interfaces, lambda interface: interface.package):
         if package != _TIMES:
-            yield f"generated/interfaces/{package}.py", _module(bridge, package, list(interfaces))
+            parts = header(bridge.table), package, list(interfaces), bridge.python_package
+            yield f"generated/interfaces/{package}.py", module(*parts, imported=OF_THE_RUNTIME)
     docstring = '"""Messages of other ROS 2 packages: one module for each package."""'
     yield "generated/interfaces/__init__.py", f"{header(bridge.table)}\n{docstring}\n"
 
@@ -97,31 +103,45 @@ def import_of(name: str, generated: str) -> Import:
 
 
 def _class(local: str) -> str:
-    return f"{local}_" if local in _TAKEN else spelling.message_class(local)
+    # The request of a service is ListParameters_Request.
+    return f"{local}_" if local in _TAKEN else spelling.message_class(local.replace("_", ""))
 
 
-def _module(bridge: ir.Bridge, package: str, interfaces: list[Interface]) -> str:
+def module(
+    top: str,
+    package: str,
+    interfaces: list[Interface],
+    holder: str,
+    *,
+    imported: Set[str] = frozenset(),
+    hashes: Mapping[str, str] = MappingProxyType({}),
+) -> str:
+    """Return the module with the classes of a ROS 2 package's messages, for ``HOLDER.interfaces``.
+
+    ``top`` is the comment at its top. The classes of ``imported`` come from the runtime. ``hashes`` has the type hashes
+    of ROS 2 by the message's full name.
+    """
     # A class must be defined before another one uses it as a default factory.
-    ours = [interface for interface in _holders_last(interfaces) if interface.name not in OF_THE_RUNTIME]
+    ours = [interface for interface in _holders_last(interfaces) if interface.name not in imported]
     used = {field.type.name for interface in ours for field in interface.fields if field.type.is_message}
     imports: set[Import] = {
         (f"roverlink.runtime.interfaces.{package}", interface.local_name)
         for interface in interfaces
-        if interface.name in OF_THE_RUNTIME
+        if interface.name in imported
     }
-    imports |= {found for name in used if (found := import_of(name, bridge.python_package))[1] != package}
+    imports |= {found for name in used if (found := import_of(name, holder))[1] != package}
     marks = {name for interface in ours for field in interface.fields for name in _marks(field.type)}
     imports |= {("roverlink.runtime.core.messages", name) for name in (["Message", *marks] if ours else [])}
-    messages = [_message(interface, package) for interface in ours]
+    messages = [_message(interface, package, hashes.get(interface.name, "")) for interface in ours]
     fields = [field for message in messages for field in message.fields]
     return render(
         "interfaces.py.j2",
-        header=header(bridge.table),
+        header=top,
         package=package,
         uses_dataclasses=any("dataclasses." in field.default for field in fields),
         typing="Annotated, ClassVar" if any("Annotated[" in field.annotation for field in fields) else "ClassVar",
         imports=import_lines(imports),
-        names=sorted(_class(interface.local_name) for interface in interfaces),
+        names=sorted(_class(interface.local_name) for interface in interfaces) if imported else [],
         messages=messages,
     )
 
@@ -144,14 +164,15 @@ def _holders_last(interfaces: list[Interface]) -> Iterator[Interface]:
         yield from visit(interface)
 
 
-def _message(interface: Interface, package: str) -> _Message:
+def _message(interface: Interface, package: str, hash: str) -> _Message:
     name = _class(interface.local_name)
     return _Message(
         ros=interface.name,
         name=name,
-        suppression=spelling.class_suppression(name, interface.local_name),
+        suppression=spelling.class_suppression(name, interface.local_name.replace("_", "")),
+        hash=hash,
         constants=tuple(_constant(constant) for constant in interface.constants),
-        fields=tuple(_field(field, package) for field in interface.fields),
+        fields=tuple(_field(field, package, _DEFAULTS.get((interface.name, field.name))) for field in interface.fields),
     )
 
 
@@ -189,8 +210,8 @@ def _annotation(type: InterfaceType, package: str) -> str:
     return container if type.bound is None else f"Annotated[{container}, Bound({type.bound})]"
 
 
-def _field(field: InterfaceField, package: str) -> _Field:
-    default = _default(field) or f"dataclasses.field(default_factory={_factory(field.type, package)})"
+def _field(field: InterfaceField, package: str, declared: str | None) -> _Field:
+    default = declared or _default(field) or f"dataclasses.field(default_factory={_factory(field.type, package)})"
     return _Field(field.name, _annotation(field.type, package), default)
 
 
