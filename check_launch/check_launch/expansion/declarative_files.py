@@ -178,7 +178,7 @@ class _Reader:
             self.get(entity, "name"),
             self.get(entity, "namespace"),
             self._parameters(entity),
-            [one for child in entity.children if child.name == "remap" for one in self._remapping(child)],
+            [remapping for child in entity.children if child.name == "remap" for remapping in self._remapping(child)],
             self._words(entity, "args"),
             self._words(entity, "ros_args"),
         )
@@ -260,30 +260,36 @@ def _split(text: str) -> list[str]:
 
 _MAKERS: Mapping[str, Callable[[_Reader, Entity], Action | None]] = {
     "arg": _Reader.argument,
-    "let": lambda reader, one: SetConfiguration(
-        one.place, None, reader.get(one, "name") or "", reader.get(one, "value") or ""
+    "let": lambda reader, entity: SetConfiguration(
+        entity.place, None, reader.get(entity, "name") or "", reader.get(entity, "value") or ""
     ),
-    "set_env": lambda reader, one: SetEnvironment(
-        one.place, None, reader.get(one, "name") or "", reader.get(one, "value") or ""
+    "set_env": lambda reader, entity: SetEnvironment(
+        entity.place, None, reader.get(entity, "name") or "", reader.get(entity, "value") or ""
     ),
     "group": _Reader.group,
     "include": _Reader.include,
-    "push_ros_namespace": lambda reader, one: PushNamespace(one.place, None, reader.get(one, "namespace") or ""),
-    "push-ros-namespace": lambda reader, one: PushNamespace(one.place, None, reader.get(one, "namespace") or ""),
-    "set_remap": lambda reader, one: SetRemap(
-        one.place, None, reader.get(one, "from") or "", reader.get(one, "to") or ""
+    "push_ros_namespace": lambda reader, entity: PushNamespace(
+        entity.place, None, reader.get(entity, "namespace") or ""
     ),
-    "set_parameter": lambda reader, one: SetParameter(
-        one.place, None, reader.get(one, "name") or "", reader._parameter_value(one)[0]
+    "push-ros-namespace": lambda reader, entity: PushNamespace(
+        entity.place, None, reader.get(entity, "namespace") or ""
     ),
-    "set_use_sim_time": lambda reader, one: SetParameter(one.place, None, "use_sim_time", [reader.get(one, "value")]),
-    "set_parameters_from_file": lambda reader, one: SetParametersFromFile(
-        one.place, None, reader.get(one, "filename") or ""
+    "set_remap": lambda reader, entity: SetRemap(
+        entity.place, None, reader.get(entity, "from") or "", reader.get(entity, "to") or ""
+    ),
+    "set_parameter": lambda reader, entity: SetParameter(
+        entity.place, None, reader.get(entity, "name") or "", reader._parameter_value(entity)[0]
+    ),
+    "set_use_sim_time": lambda reader, entity: SetParameter(
+        entity.place, None, "use_sim_time", [reader.get(entity, "value")]
+    ),
+    "set_parameters_from_file": lambda reader, entity: SetParametersFromFile(
+        entity.place, None, reader.get(entity, "filename") or ""
     ),
     "node": _Reader.node,
     "node_container": _Reader.container,
     "load_composable_node": _Reader.container,
     "executable": _Reader.executable,
-    "timer": lambda reader, one: Later(one.place, None, reader.actions(one.children)),
-    "ros_timer": lambda reader, one: Later(one.place, None, reader.actions(one.children)),
+    "timer": lambda reader, entity: Later(entity.place, None, reader.actions(entity.children)),
+    "ros_timer": lambda reader, entity: Later(entity.place, None, reader.actions(entity.children)),
 }

@@ -105,7 +105,9 @@ def _named_entities(key: yaml.ScalarNode, value: yaml.Node, shown: str) -> Itera
             if name.value == "children" and isinstance(inner, yaml.SequenceNode):
                 for child in inner.value:
                     entity.children += _yaml_entity(child, shown)
-            elif isinstance(inner, yaml.SequenceNode) and any(isinstance(one, yaml.MappingNode) for one in inner.value):
+            elif isinstance(inner, yaml.SequenceNode) and any(
+                isinstance(part, yaml.MappingNode) for part in inner.value
+            ):
                 for child in inner.value:  # `param`, `remap`, `arg`: a list of elements with the same name
                     entity.children += _named_entities(name, child, shown)
             elif isinstance(inner, yaml.MappingNode):

@@ -293,10 +293,10 @@ class _Run:
             pushed = self._text(action.namespace)
             context.namespace = joined(context.namespace, pushed) if pushed is not None else context.namespace
         elif isinstance(action, SetRemap):
-            one = StartedRemapping(
+            remapping = StartedRemapping(
                 self._text(action.source), self._text(action.target), action.place, action.place, True
             )
-            context.remappings = [*context.remappings, one]
+            context.remappings = [*context.remappings, remapping]
         elif isinstance(action, SetParameter):
             context.parameters = [*context.parameters, *self._values(action.name, action.value, action.place, False)]
         elif isinstance(action, SetParametersFromFile):
@@ -425,17 +425,19 @@ class _Run:
                 values += self._values(given.name, given.value, given.place, given.is_text)
             elif use := self._file(given):
                 files.append(use)
-        arguments = [self._text(one) for one in action.arguments]
+        arguments = [self._text(argument) for argument in action.arguments]
         remappings = [
-            StartedRemapping(self._text(one.source), self._text(one.target), one.place, one.target_place)
-            for one in action.remappings
+            StartedRemapping(
+                self._text(remapping.source), self._text(remapping.target), remapping.place, remapping.target_place
+            )
+            for remapping in action.remappings
         ]
         for use in self._of_ros_arguments(
-            [*arguments, *(self._text(one) for one in action.ros_arguments)], action.place
+            [*arguments, *(self._text(argument) for argument in action.ros_arguments)], action.place
         ):
             files.append(use)
-        general = [one for one in context.parameters if isinstance(one, GivenValue)]
-        files = [*(one for one in context.parameters if isinstance(one, FileUse)), *files]
+        general = [given for given in context.parameters if isinstance(given, GivenValue)]
+        files = [*(given for given in context.parameters if isinstance(given, FileUse)), *files]
         self.result.nodes.append(
             StartedNode(
                 action.place,
@@ -464,8 +466,8 @@ class _Run:
         if text is None:
             return
         if isinstance(value, Mapping):
-            for inner, one in value.items():
-                yield from self._values([name, ".", inner], one, place, is_text)
+            for inner, inner_value in value.items():
+                yield from self._values([name, ".", inner], inner_value, place, is_text)
             return
         yield GivenValue(text, self._value(value, is_text), place)
 
@@ -473,11 +475,11 @@ class _Run:
         """Return a parameter's value as launch_ros types it: the text of substitutions is read as YAML."""
         if isinstance(value, str | bool | int | float) and not isinstance(value, bytes):
             return value
-        if isinstance(value, list | tuple) and value and not any(hasattr(one, "perform") for one in value):
+        if isinstance(value, list | tuple) and value and not any(hasattr(part, "perform") for part in value):
             values = [
-                self._value(one, False) if not isinstance(one, list | tuple) else self._text(one) for one in value
+                self._value(part, False) if not isinstance(part, list | tuple) else self._text(part) for part in value
             ]
-            return UNKNOWN if any(one is UNKNOWN or one is None for one in values) else values
+            return UNKNOWN if any(part is UNKNOWN or part is None for part in values) else values
         text = self._text(value)
         if text is None:
             return UNKNOWN
@@ -527,22 +529,22 @@ _COMPARED = re.compile("\0(\\w+)\0['\"]?\\s*[!=]=\\s*['\"]([^'\"]*)['\"]")
 def _arguments_in(text: Any, is_condition: bool) -> Iterator[tuple[str, str | None]]:
     """Yield the names of the arguments in conditions and expressions, and the texts that they are compared with."""
     if isinstance(text, list | tuple):
-        for one in text:
-            yield from _arguments_in(one, is_condition)
+        for part in text:
+            yield from _arguments_in(part, is_condition)
     elif isinstance(text, PythonExpression):
         parts = list(_flat(text.expression))
         yield from _arguments_in(parts, True)
         flat = "".join(
-            f"\0{one.variable_name}\0" if isinstance(one, LaunchConfiguration) else str(one) for one in parts
+            f"\0{part.variable_name}\0" if isinstance(part, LaunchConfiguration) else str(part) for part in parts
         )
         yield from ((match[1], match[2]) for match in _COMPARED.finditer(flat))
     elif isinstance(text, LaunchConfiguration):
         if is_condition and isinstance(text.variable_name, str):
             yield text.variable_name, None
     elif isinstance(text, EqualsSubstitution):
-        for one, other in ((text.left, text.right), (text.right, text.left)):
-            if isinstance(one, LaunchConfiguration) and isinstance(one.variable_name, str):
-                yield one.variable_name, other if isinstance(other, str) else None
+        for side, other in ((text.left, text.right), (text.right, text.left)):
+            if isinstance(side, LaunchConfiguration) and isinstance(side.variable_name, str):
+                yield side.variable_name, other if isinstance(other, str) else None
     else:
         for name in ("left", "right", "value", "condition"):
             if hasattr(text, name) and not isinstance(text, str):
@@ -551,8 +553,8 @@ def _arguments_in(text: Any, is_condition: bool) -> Iterator[tuple[str, str | No
 
 def _flat(text: Any) -> Iterator[Any]:
     if isinstance(text, list | tuple):
-        for one in text:
-            yield from _flat(one)
+        for part in text:
+            yield from _flat(part)
     else:
         yield text
 
@@ -574,12 +576,12 @@ def variations(expansion: Expansion) -> Iterator[dict[str, str | None]]:
         if declared is None or name in expansion.arguments:
             continue
         if declared.choices:
-            others: list[str | None] = [one for one in declared.choices if one != declared.default]
+            others: list[str | None] = [choice for choice in declared.choices if choice != declared.default]
         elif declared.default is not None and is_boolean(declared.default):
             others = [_opposite(declared.default)]
         else:
             compared = expansion.compared.get(name, {})
-            others = [one for one in compared if one != declared.default] or [None] * bool(compared)
+            others = [value for value in compared if value != declared.default] or [None] * bool(compared)
         yield from ({name: value} for value in others)
 
 

@@ -61,7 +61,7 @@ class Packages:
                     inner.clear()
                 elif depth >= _DEPTH:
                     inner.clear()
-                inner[:] = sorted(one for one in inner if not one.startswith(".") and one not in _SKIPPED)
+                inner[:] = sorted(name for name in inner if not name.startswith(".") and name not in _SKIPPED)
 
 
 def package_of_share(path: str) -> tuple[str, str] | None:

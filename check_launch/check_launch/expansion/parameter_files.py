@@ -96,8 +96,8 @@ def _with_substitutions(node: yaml.Node | None) -> Iterator[str]:
             yield from _with_substitutions(key)
             yield from _with_substitutions(value)
     elif isinstance(node, yaml.SequenceNode):
-        for one in node.value:
-            yield from _with_substitutions(one)
+        for child in node.value:
+            yield from _with_substitutions(child)
     elif isinstance(node, yaml.ScalarNode) and "$(" in node.value:
         yield node.value
 
@@ -143,7 +143,7 @@ def _values(
 def value_of(node: yaml.Node, text_of: Callable[[str], str | None]) -> Any:
     """Return the value of a YAML node as ROS 2 types it; `UNKNOWN` if it is not known."""
     if isinstance(node, yaml.SequenceNode):
-        values = [value_of(one, text_of) for one in node.value]
+        values = [value_of(item, text_of) for item in node.value]
         return UNKNOWN if UNKNOWN in values else values
     if not isinstance(node, yaml.ScalarNode):
         return UNKNOWN
@@ -181,11 +181,11 @@ def rewritten(sections: list[Section], root: str, rewrites: Mapping[str, Any]) -
             section.place,
             tuple(
                 (
-                    GivenValue(one.name, rewrites[one.name.rpartition(".")[2]], one.place)
-                    if one.name.rpartition(".")[2] in rewrites
-                    else one
+                    GivenValue(given.name, rewrites[given.name.rpartition(".")[2]], given.place)
+                    if given.name.rpartition(".")[2] in rewrites
+                    else given
                 )
-                for one in section.values
+                for given in section.values
             ),
         )
         for section in sections

@@ -98,7 +98,7 @@ class PythonFile:
             sys.modules.update(hidden)
 
     def _place(self, error: BaseException) -> Place:
-        frames = [one for one in traceback.extract_tb(error.__traceback__) if one.filename == str(self._path)]
+        frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(self._path)]
         return Place(self._shown, frames[-1].lineno or 0) if frames else Place(self._shown)
 
 
@@ -112,4 +112,4 @@ def _is_beside(module: Any, folder: Path) -> bool:
 
 
 def _source_of(error: BaseException) -> str:
-    return " ".join(one.name + (one.line or "") for one in traceback.extract_tb(error.__traceback__))
+    return " ".join(frame.name + (frame.line or "") for frame in traceback.extract_tb(error.__traceback__))

@@ -210,7 +210,7 @@ class _File:
         if isinstance(text, list | tuple) and text:
             text = text[0]
         found = [(line, column) for value, line, column in self.literals if value == text]
-        inside = [one for one in found if near.line <= one[0] <= self.spans.get(near.line, near.line)]
+        inside = [literal for literal in found if near.line <= literal[0] <= self.spans.get(near.line, near.line)]
         line, column = next(iter(sorted(inside) or sorted(found)), (near.line, near.column))
         return Place(self.shown, line, column)
 
@@ -250,9 +250,9 @@ class StandIns:
             _source,
         )
         of_substitutions = {
-            name: one
-            for name, one in vars(substitutions).items()
-            if isinstance(one, type) and issubclass(one, Substitution)
+            name: member
+            for name, member in vars(substitutions).items()
+            if isinstance(member, type) and issubclass(member, Substitution)
         }
         share = self._packages.share
 
@@ -305,8 +305,8 @@ class StandIns:
             "Parameter": lambda name, value, value_type=None: {name: ParameterValue(value, value_type)},
         }
         conditions = {
-            one.__name__: one
-            for one in (IfCondition, UnlessCondition, LaunchConfigurationEquals, LaunchConfigurationNotEquals)
+            condition.__name__: condition
+            for condition in (IfCondition, UnlessCondition, LaunchConfigurationEquals, LaunchConfigurationNotEquals)
         }
         found = {
             "get_package_share_directory": self._packages.share,
@@ -341,14 +341,15 @@ class StandIns:
             "launch_ros.event_handlers": {},
             "nav2_common": {},
             "nav2_common.launch": {
-                one.__name__: one for one in (RewrittenYaml, ReplaceString, HasNodeParams, ParseMultiRobotPose)
+                stand_in.__name__: stand_in
+                for stand_in in (RewrittenYaml, ReplaceString, HasNodeParams, ParseMultiRobotPose)
             },
             "ament_index_python": found,
             "ament_index_python.packages": found,
         }
         modules = {name: _module(name, names) for name, names in contents.items()}
         if real_launch.is_installed():
-            modules = {name: real_launch.recording(name, contents[name]) or one for name, one in modules.items()}
+            modules = {name: real_launch.recording(name, contents[name]) or module for name, module in modules.items()}
         for name, module in modules.items():
             if "." in name:
                 setattr(modules[name.rpartition(".")[0]], name.rpartition(".")[2], module)
@@ -417,7 +418,7 @@ class StandIns:
             plugin or "",
             name,
             namespace,
-            [one for given in parameters or () for one in self._given(given, place)],
+            [parameter for given in parameters or () for parameter in self._given(given, place)],
             [
                 Remapping(source, target, self._file.place_of(source, place), self._file.place_of(target, place))
                 for source, target in remappings or ()
@@ -442,13 +443,13 @@ class StandIns:
             yield GivenFile(given, self._file.place_of(given, place), has_substitutions)
 
     def _container(self, *, composable_node_descriptions: Any = None, **options: Any) -> Action:
-        nodes = [one.node for one in composable_node_descriptions or () if isinstance(one, ComposableNode)]
+        nodes = [part.node for part in composable_node_descriptions or () if isinstance(part, ComposableNode)]
         own = self._node(**options)
         condition, own.condition = own.condition, None
         return LoadNodes(own.place, condition, own, nodes)
 
     def _load(self, *, composable_node_descriptions: Any = (), target_container: Any = None, **options: Any) -> Action:
-        nodes = [one.node for one in composable_node_descriptions or () if isinstance(one, ComposableNode)]
+        nodes = [part.node for part in composable_node_descriptions or () if isinstance(part, ComposableNode)]
         return LoadNodes(self.place(), _condition(options), None, nodes)
 
     def _push(self, namespace: Any, **options: Any) -> Action:
@@ -484,11 +485,11 @@ def _condition(options: Mapping[str, Any]) -> tuple[bool, Any] | None:
 
 def _actions(values: Iterable[Any]) -> list[Action]:
     found: list[Action] = []
-    for one in values or ():
-        if isinstance(one, Action):
-            found.append(one)
-        elif isinstance(one, LaunchDescription):
-            found += _actions(one.entities)
+    for value in values or ():
+        if isinstance(value, Action):
+            found.append(value)
+        elif isinstance(value, LaunchDescription):
+            found += _actions(value.entities)
     return found
 
 
@@ -515,7 +516,7 @@ def _handler(
 
 def _module(name: str, contents: Mapping[str, Any]) -> ModuleType:
     module = ModuleType(name)
-    vars(module).update({name: real_launch.derived(one) for name, one in contents.items()})
+    vars(module).update({name: real_launch.derived(content) for name, content in contents.items()})
     vars(module)["__getattr__"] = _unknown
     vars(module)["__path__"] = []
     return module

@@ -60,7 +60,7 @@ def programs_and_components(folder: Path, classes: Iterable[str]) -> tuple[list[
         programs |= dict.fromkeys(_ENTRY_POINT.findall(setup.read_text(encoding="utf-8")), "")
     spelled = {names.get(target, target): class_name for target, class_name in programs.items()}
     built = [BuiltProgram(name, class_name) for name, class_name in spelled.items() if "$" not in name]
-    return sorted(built, key=lambda one: one.name), sorted(set(components))
+    return sorted(built, key=lambda program: program.name), sorted(set(components))
 
 
 def _calls(text: str, variables: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:

@@ -93,7 +93,7 @@ class ParameterView:
             return None
         if isinstance(value, str):
             return value.split()
-        return [str(one) for one in value] if isinstance(value, list) else []
+        return [str(item) for item in value] if isinstance(value, list) else []
 
     def text(self, text: str, prefix: str) -> str | None:
         """Replace ``$(x)`` in a text by the value of the parameter x; None if one of them is not known."""
@@ -184,12 +184,14 @@ class ParameterView:
         for match in _LIST.finditer(pattern):
             names = self.names(prefix + match[1])
             inner = [_ANY_NAME] if names is None else [re.escape(name) for name in names]
-            alternatives = [one.replace(match[0], f"\0{name}\0") for one in alternatives for name in inner]
-        for one in alternatives:
-            parts = one.split("\0")
+            alternatives = [
+                alternative.replace(match[0], f"\0{name}\0") for alternative in alternatives for name in inner
+            ]
+        for alternative in alternatives:
+            parts = alternative.split("\0")
             text = "".join(re.escape(part) if index % 2 == 0 else part for index, part in enumerate(parts))
-            if len(parts) <= 3 and "#" not in one and _ANY_NAME not in one:
-                self.exact.setdefault(prefix + re.sub(r"\\(.)", r"\1", one.replace("\0", "")), parameter)
+            if len(parts) <= 3 and "#" not in alternative and _ANY_NAME not in alternative:
+                self.exact.setdefault(prefix + re.sub(r"\\(.)", r"\1", alternative.replace("\0", "")), parameter)
             else:
                 self.patterns.append((re.compile(re.escape(prefix) + text.replace(r"\{\#\}", _NUMBER)), parameter))
 
@@ -214,15 +216,15 @@ class ParameterView:
 
     def _add_spare(self, slot: PluginSlot, prefix: str, seen: set[str]) -> None:
         """Add the parameters of plugins that are configured, but not in the list of those that are loaded."""
-        configured = {one.name for one in self.plugins}
-        for key, one in list(self.given.items()):
+        configured = {plugin.name for plugin in self.plugins}
+        for key, given in list(self.given.items()):
             name = key.removeprefix(prefix).removesuffix(".plugin")
             if key != f"{prefix}{name}.plugin" or not name or "." in name or prefix + name in configured:
                 continue
-            plugin = self.catalogue.plugins.get(str(one.value))
+            plugin = self.catalogue.plugins.get(str(given.value))
             if plugin is not None and plugin.base.rpartition("::")[2] == slot.base.rpartition("::")[2]:
                 self.exact.setdefault(key, Parameter("string"))
-                spare = LoadedPlugin(slot, prefix + name, str(one.value), one.place, is_spare=True)
+                spare = LoadedPlugin(slot, prefix + name, str(given.value), given.place, is_spare=True)
                 self._load(spare, f"{prefix}{name}.", prefix, seen)
 
     def _type(self, slot: PluginSlot, facts: NodeClass, prefix: str, name: str) -> tuple[str | None, Place | None]:
@@ -282,5 +284,6 @@ def _is_of(name: str, groups: tuple[str, ...]) -> bool:
     """Return true if a name of RTAB-Map is of one of the groups, such as ``Grid``, ``Odom*`` or ``Kp/ByteToFloat``."""
     group = name.partition("/")[0]
     return any(
-        name == one or group == one or (one.endswith("*") and name.startswith(one.removesuffix("*"))) for one in groups
+        name == wanted or group == wanted or (wanted.endswith("*") and name.startswith(wanted.removesuffix("*")))
+        for wanted in groups
     )

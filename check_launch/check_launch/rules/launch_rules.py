@@ -470,4 +470,4 @@ Good::
 
 def launch_rules() -> dict[str, Rule]:
     """Return all rules by their ids, such as ``PAR101``."""
-    return dict(sorted((one.id, one) for one in globals().values() if isinstance(one, Rule)))
+    return dict(sorted((rule.id, rule) for rule in globals().values() if isinstance(rule, Rule)))

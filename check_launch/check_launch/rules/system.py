@@ -145,17 +145,19 @@ def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> N
             system.findings.append(
                 UNKNOWN_PLUGIN.at(span(place), f"RViz has no display or tool '{plugin}'", f"did you mean '{near[0]}'?")
             )
-    for one in read.topics:
-        known = catalogue.plugins.get(one.plugin)
+    for rviz_topic in read.topics:
+        known = catalogue.plugins.get(rviz_topic.plugin)
         type_ = known.message_types[0] if known and len(known.message_types) == 1 else ""
-        type_ = MAP_UPDATES if one.is_update else type_
-        kind = "publisher" if one.is_published else "subscription"
-        endpoint = Endpoint(kind, one.topic, type_, one.reliability, one.durability)
-        topic = full_name(one.topic, node)
+        type_ = MAP_UPDATES if rviz_topic.is_update else type_
+        kind = "publisher" if rviz_topic.is_published else "subscription"
+        endpoint = Endpoint(kind, rviz_topic.topic, type_, rviz_topic.reliability, rviz_topic.durability)
+        topic = full_name(rviz_topic.topic, node)
         rule = next((rule for rule in node.started.remappings if topic in sources_of(rule, node)), None)
         topic = full_name(rule.target, node) if rule and rule.target else topic
         node.connections.append(
-            Connection(node, endpoint, topic, one.place, True, one.reliability, one.durability, False)
+            Connection(
+                node, endpoint, topic, rviz_topic.place, True, rviz_topic.reliability, rviz_topic.durability, False
+            )
         )
     if read.fixed_frame:
         node.frames.append(read.fixed_frame)
@@ -170,11 +172,11 @@ def _with_frames_of_topics(node: RunningNode, system: System) -> Iterator[tuple[
         if not child.startswith("@"):
             yield parent, child
             continue
-        topics = {one.topic for one in node.connections if one.endpoint.name == child[1:]}
+        topics = {end.topic for end in node.connections if end.endpoint.name == child[1:]}
         publishers = (
             other
             for other in system.nodes
-            if any(one.topic in topics and one.endpoint.kind == "publisher" for one in other.connections)
+            if any(end.topic in topics and end.endpoint.kind == "publisher" for end in other.connections)
         )
         frames = [transform[0] for other in publishers for transform in other.transforms if transform[0][0] != "@"]
         yield from ((parent, frame) for frame in frames[:1])
@@ -247,19 +249,19 @@ def _component(plugin: str, package: Package, catalogue: Catalogue, system: Syst
 def _complete(node: RunningNode, facts: NodeClass, catalogue: Catalogue) -> None:
     """Find the parameters, topics and transforms of a node."""
     started = node.started
-    given: dict[str, GivenValue] = {one.name: one for one in started.general_values}
+    given: dict[str, GivenValue] = {value.name: value for value in started.general_values}
     for use in started.files:
         for section in use.sections:
             if section.matches(node.full_name):
                 node.sections.append((use, section))
-                given |= {one.name: one for one in section.values}
+                given |= {value.name: value for value in section.values}
     if not node.is_inner:
-        given |= {one.name: one for one in started.values}
-    given |= {one.name: one for one in _of_arguments(started, facts.arguments)}
+        given |= {value.name: value for value in started.values}
+    given |= {value.name: value for value in _of_arguments(started, facts.arguments)}
     view = node.view = ParameterView(facts, given, catalogue)
     for prefix, endpoint in view.endpoints:
         node.connections += _connections(node, view, prefix, endpoint, started.remappings)
-    of_tree = next((one for one in started.remappings if one.target and "/tf" in sources_of(one, node)), None)
+    of_tree = next((rule for rule in started.remappings if rule.target and "/tf" in sources_of(rule, node)), None)
     # A node in another node's process listens to transforms with the namespace of the process.
     process = RunningNode(started, None, "", _absolute(started.namespace or ""))
     node.tree = full_name(of_tree.target or "", process) if of_tree else "/tf"
@@ -285,7 +287,7 @@ def _of_arguments(started: StartedNode, arguments: Mapping[str, str]) -> Iterato
         for option, name in arguments.items():
             if option.endswith(":") and word and word.startswith(option):
                 yield GivenValue(name, word.removeprefix(option), started.place)
-    plain = [one for one in words if one is None or not one.startswith("--")]
+    plain = [word for word in words if word is None or not word.startswith("--")]
     if words and len(plain) == len(words) and len(words) in (8, 9):  # the older spelling: x y z angles parent child
         for name, value in zip(arguments.values(), words[-2:], strict=False):
             if value is not None:
@@ -306,7 +308,9 @@ def _connections(
             node.connections_before.append(topic)
         if view.holds(when, prefix) is False:
             continue
-        rule = next((one for one in rules if topic and one.source is not None and topic in sources_of(one, node)), None)
+        rule = next(
+            (rule for rule in rules if topic and rule.source is not None and topic in sources_of(rule, node)), None
+        )
         if rule is not None:
             topic = full_name(rule.target, node) if rule.target is not None else None
             place = rule.target_place
@@ -326,8 +330,8 @@ def _connections(
 def _spellings(view: ParameterView, prefix: str, endpoint: Endpoint) -> Iterator[tuple[str, str, str]]:
     """Yield the name of a topic and its two conditions, for each name that ``{x}`` in them stands for."""
     joint = "\0".join((endpoint.name.replace("{node}", "\1"), endpoint.when, endpoint.needed))
-    for one in view.spelled(joint, prefix):
-        name, when, needed = one.split("\0")
+    for spelling in view.spelled(joint, prefix):
+        name, when, needed = spelling.split("\0")
         yield name.replace("\1", "{node}"), when, needed
 
 

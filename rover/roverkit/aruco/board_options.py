@@ -78,7 +78,7 @@ def board_of(arguments: argparse.Namespace) -> CalibrationBoard:
     given: dict[str, Any] = {name: value for name in names if (value := getattr(arguments, name)) is not None}
     for name in given:
         if name not in _OPTIONS[kind]:
-            known = ", ".join(f"--{one}" for one in _OPTIONS[kind])
+            known = ", ".join(f"--{option}" for option in _OPTIONS[kind])
             raise SetupError(f"--{name} does not belong to --board {kind}, which has {known}")
     if size := given.pop("squares", None):
         given["columns"], given["rows"] = size

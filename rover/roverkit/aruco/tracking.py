@@ -66,22 +66,26 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
         hears_ros = arguments.middleware or any(entry.source.startswith(TOPIC) for entry in entries)
         ros_of_mounts = connection if hears_ros else None
         eyes = {
-            one.name: Eye(tracker(one), one.name, _mount(one, ros_of_mounts, arguments, logger, now=located))
-            for one in cameras
+            camera.name: Eye(
+                tracker(camera), camera.name, _mount(camera, ros_of_mounts, arguments, logger, now=located)
+            )
+            for camera in cameras
         }
-        lookout = Lookout(sum(bool(ros_of_mounts or one.mount) for one in entries), targets.landmarks)
+        lookout = Lookout(sum(bool(ros_of_mounts or entry.mount) for entry in entries), targets.landmarks)
         outputs = [output for camera in cameras for output in _files(camera, arguments, stack)]
         if arguments.middleware:
             stack.enter_context(publish_log(logger, connection.middleware, ros))
             outputs += [_publisher(camera, connection, arguments, logger) for camera in cameras]
             outputs.append(_rover_publisher(connection, arguments, logger, now=located))
-        log = stack.enter_context(TrackingLog(logger, targets.markers, {one.name: one.parameters for one in cameras}))
+        log = stack.enter_context(
+            TrackingLog(logger, targets.markers, {camera.name: camera.parameters for camera in cameras})
+        )
         frames = frames_of(cameras, arguments, connection)
         for camera, frame in log.timed(_with_progress(frames, cameras, arguments)):
             if wanted.targets is not targets:
                 targets = wanted.targets
-                for one in cameras:
-                    eyes[one.name].tracker = tracker(one)
+                for tracked in cameras:
+                    eyes[tracked.name].tracker = tracker(tracked)
                 lookout.use(targets.landmarks)
                 log.look_for(targets.markers)
             view = lookout.view(eyes[camera.name], frame)
@@ -137,8 +141,8 @@ def _with_progress(
         yield from frames
         return
     with progress(", ".join(camera.source.name for camera in cameras)) as report:
-        for done, one in enumerate(frames, 1):
-            yield one
+        for done, item in enumerate(frames, 1):
+            yield item
             report(done, sum(known))
 
 

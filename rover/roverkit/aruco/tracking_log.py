@@ -65,18 +65,18 @@ class TrackingLog:
         self._frames += 1
         self._with_landmarks += bool(view.sightings)
         by = f"{view.camera}: " if view.camera else ""
-        for one in view.sightings:
-            if (view.camera, one.id) not in self._seen:
-                self._seen.add((view.camera, one.id))
-                distance = np.linalg.norm(one.pose.translation)
-                self._logger.info("%sfound landmark %s at a distance of %.2f m", by, one.id, distance)
-            if one.shared and one.id not in self._shared:
-                self._shared.add(one.id)
+        for sighting in view.sightings:
+            if (view.camera, sighting.id) not in self._seen:
+                self._seen.add((view.camera, sighting.id))
+                distance = np.linalg.norm(sighting.pose.translation)
+                self._logger.info("%sfound landmark %s at a distance of %.2f m", by, sighting.id, distance)
+            if sighting.shared and sighting.id not in self._shared:
+                self._shared.add(sighting.id)
                 self._logger.warning(
                     "%sseveral markers with the number %s are visible; their frames are not on /tf, and none of them "
                     "is used as a landmark; print each marker with a number of its own",
                     by,
-                    one.id,
+                    sighting.id,
                 )
         if not (self._seen or self._hinted) and (self._frames.bit_count() == 1 or self._frames % _HINT_EVERY == 0):
             self._hint(view)

@@ -72,9 +72,9 @@ class FieldGraph(Generic[T]):
         if len(self._trusted) < _ENOUGH:
             return {}
         return {
-            one: self._surveyed[one].pose.distance_to(self._place(self._keys[one]))
-            for one in self._keys
-            if one not in self._trusted
+            landmark: self._surveyed[landmark].pose.distance_to(self._place(self._keys[landmark]))
+            for landmark in self._keys
+            if landmark not in self._trusted
         }
 
     def pose(self, point: OdometryPoint) -> PlanarGaussian | None:
@@ -94,29 +94,29 @@ class FieldGraph(Generic[T]):
 
         Does nothing if the image is older than the last one, shows nothing new, or shows no surveyed landmark.
         """
-        sightings = {one: place for one, place in sightings.items() if one in self._surveyed}
+        sightings = {landmark: place for landmark, place in sightings.items() if landmark in self._surveyed}
         if not sightings or not self._is_new(point, sightings):
             return
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         if self._last is None:
             # The landmark that is seen best is believed until others contradict.
-            best = min(sightings, key=lambda one: float(np.trace(sightings[one].covariance)))
+            best = min(sightings, key=lambda landmark: float(np.trace(sightings[landmark].covariance)))
             self._trusted = frozenset({best})
             start = state_of(self._surveyed[best].pose @ sightings[best].pose.inverse(), np.zeros(2))
             factors.add(state_factor(gtsam.symbol("x", 0), 3, start[3:], _ANY_SLIP))
         else:
             start = self._follow(point, factors)
         key = self._add_pose(point, start, values)
-        for one, place in sightings.items():
-            if one not in self._keys:
-                self._keys[one] = gtsam.symbol("l", len(self._keys))
-                values.insert(self._keys[one], pose2(pose_of(start) @ place.pose))
-            factors.add(sighting_factor(key, self._keys[one], place.pose, _robust(place.covariance)))
+        for landmark, place in sightings.items():
+            if landmark not in self._keys:
+                self._keys[landmark] = gtsam.symbol("l", len(self._keys))
+                values.insert(self._keys[landmark], pose2(pose_of(start) @ place.pose))
+            factors.add(sighting_factor(key, self._keys[landmark], place.pose, _robust(place.covariance)))
         self._solve(factors, values)
         self._last_seen = frozenset(sightings)
         self._seen.update(sightings.keys())
         # Each doubling of what is known about a landmark is a reason to ask again.
-        if any(_is_power_of_two(self._seen[one]) for one in sightings):
+        if any(_is_power_of_two(self._seen[landmark]) for landmark in sightings):
             self._judge()
 
     def locate(self, position: Floats, covariance: Floats, point: OdometryPoint) -> None:
@@ -181,14 +181,14 @@ class FieldGraph(Generic[T]):
         held.add(state_factor(first, 0, values.atVector(first)[:3], _HELD))
         joint = gtsam.Marginals(held, values).jointMarginalCovariance(list(self._keys.values()))
         trusted = agreeing(
-            {one: self._place(key) for one, key in self._keys.items()},
-            lambda one, other: joint.at(self._keys[one], self._keys[other]),
+            {landmark: self._place(key) for landmark, key in self._keys.items()},
+            lambda landmark, other: joint.at(self._keys[landmark], self._keys[other]),
             self._surveyed,
             self._trusted,
         )
         if trusted == self._trusted:
             return
-        anchor = next(one for one in self._keys if one in (trusted & self._trusted or trusted))
+        anchor = next(landmark for landmark in self._keys if landmark in (trusted & self._trusted or trusted))
         move = self._surveyed[anchor].pose @ self._place(self._keys[anchor]).inverse()
         for key in self._keys.values():
             values.update(key, pose2(move @ self._place(key)))
@@ -201,11 +201,11 @@ class FieldGraph(Generic[T]):
     def _restart(self, values: Any) -> None:
         """Solve all anew, with the surveyed places of the trusted landmarks."""
         factors = gtsam.NonlinearFactorGraph(self._measured)
-        for one in self._keys:
-            if one in self._trusted:
-                place = self._surveyed[one]
+        for landmark in self._keys:
+            if landmark in self._trusted:
+                place = self._surveyed[landmark]
                 noise = gtsam.noiseModel.Gaussian.Covariance(place.covariance)
-                factors.add(gtsam.PriorFactorPose2(self._keys[one], pose2(place.pose), noise))
+                factors.add(gtsam.PriorFactorPose2(self._keys[landmark], pose2(place.pose), noise))
         self._solver = _solver()
         self._solver.update(factors, values)
         for _ in range(_ROUNDS):

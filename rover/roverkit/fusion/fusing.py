@@ -162,7 +162,7 @@ class Fusion:
     def _wait(self, stamp: int, use: Callable[[OdometryPoint], None]) -> None:
         """Use a measurement with the odometry of its time, which comes later if its message takes longer."""
         self._waiting.append((stamp, use))
-        self._waiting.sort(key=lambda one: one[0])
+        self._waiting.sort(key=lambda waiting: waiting[0])
         del self._waiting[:-_WAITING]
         if (newest := self._track.newest) is not None:
             self._catch_up(newest.stamp)

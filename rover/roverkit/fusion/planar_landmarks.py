@@ -25,10 +25,10 @@ def surveyed_places(landmarks: Landmarks) -> dict[TargetId, PlanarGaussian]:
     """Return the places of the landmarks on the plane, with the accuracy of the survey."""
     return {
         name: PlanarGaussian(
-            PlanarPose(float(one.pose.translation[0]), float(one.pose.translation[1]), 0.0),
-            np.diag([one.position_sigma, one.position_sigma, one.rotation_sigma]) ** 2,
+            PlanarPose(float(landmark.pose.translation[0]), float(landmark.pose.translation[1]), 0.0),
+            np.diag([landmark.position_sigma, landmark.position_sigma, landmark.rotation_sigma]) ** 2,
         )
-        for name, one in landmarks.places.items()
+        for name, landmark in landmarks.places.items()
     }
 
 
@@ -42,10 +42,14 @@ def planar_sightings(
     """
     names = {str(name): name for name in landmarks.places}
     sightings = {}
-    for one in message.detections:
-        if not one.id or not one.results or (name := names.get(one.results[0].hypothesis.class_id)) is None:
+    for detection in message.detections:
+        if (
+            not detection.id
+            or not detection.results
+            or (name := names.get(detection.results[0].hypothesis.class_id)) is None
+        ):
             continue
-        seen = one.results[0].pose
+        seen = detection.results[0].pose
         place = mount @ _pose(seen.pose)
         turn = place.rotation @ landmarks.places[name].pose.rotation.T
         yaw = math.atan2(turn[1, 0], turn[0, 0])

@@ -204,7 +204,10 @@ def _rules(entries: Mapping[str, Item], default: GoalRules) -> GoalRules:
         "on_failure": ("stops", _stops),
         "back_up": ("back_up", lambda item: _number(item, 0, 10, "metres")),
         "look": ("look", lambda item: _number(item, 0.1, _LONGEST_S, "seconds")),
-        "search": ("search", lambda item: _list(item, lambda one: math.radians(_number(one, -180, 180, "degrees")))),
+        "search": (
+            "search",
+            lambda item: _list(item, lambda angle: math.radians(_number(angle, -180, 180, "degrees"))),
+        ),
     }
     stated = {field: convert(entries[key]) for key, (field, convert) in read.items() if key in entries}
     return replace(default, **stated)  # type: ignore[arg-type]  # each function returns the type of its field
@@ -241,4 +244,4 @@ def _list(item: Item, read: Callable[[Item], T]) -> tuple[T, ...]:
     items = item.items(f"an entry of {item.name}")
     if items is None:
         raise item.error(f"{item.name} is {item.shown}; it must be a list, such as [a, b]")
-    return tuple(read(one) for one in items)
+    return tuple(read(item) for item in items)

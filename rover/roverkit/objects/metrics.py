@@ -35,17 +35,21 @@ def average_precisions(images: Iterable[tuple[Sequence[Detection], Sequence[tupl
         for name, _ in truth:
             wanted[name] += 1
         free = list(truth)
-        for one in sorted(detections, key=lambda one: -one.confidence):
-            fits = [(overlap(one.box, box), index) for index, (name, box) in enumerate(free) if name == one.class_name]
+        for detection in sorted(detections, key=lambda detection: -detection.confidence):
+            fits = [
+                (overlap(detection.box, box), index)
+                for index, (name, box) in enumerate(free)
+                if name == detection.class_name
+            ]
             best, index = max(fits, default=(0.0, 0))
-            scored[one.class_name].append((one.confidence, best >= _OVERLAP))
+            scored[detection.class_name].append((detection.confidence, best >= _OVERLAP))
             if best >= _OVERLAP:
                 del free[index]
     return {name: _average_precision(scored[name], count) for name, count in sorted(wanted.items())}
 
 
 def _average_precision(scored: Sequence[tuple[float, bool]], wanted: int) -> float:
-    hits = np.array([hit for _, hit in sorted(scored, key=lambda one: -one[0])], float)
+    hits = np.array([hit for _, hit in sorted(scored, key=lambda entry: -entry[0])], float)
     found = np.cumsum(hits)
     precision: Floats = found / np.arange(1, len(hits) + 1)
     # The best precision at this recall or a larger one.

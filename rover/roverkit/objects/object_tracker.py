@@ -116,7 +116,7 @@ class ObjectTracker:
         if self._stamp is not None and stamp < self._stamp:
             self._tracks = []
         self._stamp = stamp
-        self._tracks = [one for one in self._tracks if stamp - one.stamp < FORGOTTEN_S * 1e9]
+        self._tracks = [track for track in self._tracks if stamp - track.stamp < FORGOTTEN_S * 1e9]
         for track in self._tracks:
             track.predict(stamp)
         found: list[tuple[_Track, Detection]] = []
@@ -129,7 +129,7 @@ class ObjectTracker:
             self._tracks.append(track)
         return [
             TrackedObject(track.id, detection.box, track.class_name, track.confidence)
-            for track, detection in sorted(found, key=lambda one: one[0].id)
+            for track, detection in sorted(found, key=lambda pair: pair[0].id)
             if track.seen >= CONFIRMED
         ]
 
@@ -137,7 +137,7 @@ class ObjectTracker:
         """Shift all predictions by the motion that most objects have in common: that of the camera."""
         pairs = _pairs(self._tracks, detections)
         if len(pairs) >= _IN_COMMON:
-            shift = np.median([(_measured(one.box) - track.box)[:2] for track, one in pairs], axis=0)
+            shift = np.median([(_measured(detection.box) - track.box)[:2] for track, detection in pairs], axis=0)
             for track in self._tracks:
                 track.shift(shift)
 
@@ -145,8 +145,8 @@ class ObjectTracker:
 def _parted(detections: Iterable[Detection]) -> tuple[list[Detection], list[Detection]]:
     certain: list[Detection] = []
     uncertain: list[Detection] = []
-    for one in detections:
-        (certain if one.confidence >= CERTAIN else uncertain).append(one)
+    for detection in detections:
+        (certain if detection.confidence >= CERTAIN else uncertain).append(detection)
     return certain, uncertain
 
 
@@ -158,15 +158,17 @@ def _joined(
     for track, detection in pairs:
         track.update(detection, stamp)
     found += pairs
-    used = {id(one) for pair in pairs for one in pair}
-    return [one for one in tracks if id(one) not in used], [one for one in detections if id(one) not in used]
+    used = {id(member) for pair in pairs for member in pair}
+    return [track for track in tracks if id(track) not in used], [
+        detection for detection in detections if id(detection) not in used
+    ]
 
 
 def _pairs(tracks: Sequence[_Track], detections: Sequence[Detection]) -> list[tuple[_Track, Detection]]:
     """Return the pairs of tracks and detections with the smallest total distance."""
     if not tracks or not detections:
         return []
-    seen = np.array([_measured(one.box) for one in detections])
+    seen = np.array([_measured(detection.box) for detection in detections])
     predicted = np.array([track.box for track in tracks])
     # In sizes of the detected box.
     distances = np.linalg.norm(seen - predicted[:, None], axis=2) / np.sqrt(seen[:, 2] * seen[:, 3])

@@ -68,13 +68,13 @@ class ObjectView:
             "stamp": frame.stamp,
             "frame": frame.number,
             "frame_id": frame.frame_id,
-            "objects": [self._object(one) for one in self.objects],
+            "objects": [self._object(tracked) for tracked in self.objects],
         }
 
-    def _object(self, one: TrackedObject) -> dict[str, Any]:
-        box = {name: _number(getattr(one.box, name)) for name in ("x", "y", "width", "height")}
-        found = {"id": one.id, "class": one.class_name, "confidence": _number(one.confidence), "box": box}
-        if location := self.locations.get(one.id):
+    def _object(self, tracked: TrackedObject) -> dict[str, Any]:
+        box = {name: _number(getattr(tracked.box, name)) for name in ("x", "y", "width", "height")}
+        found = {"id": tracked.id, "class": tracked.class_name, "confidence": _number(tracked.confidence), "box": box}
+        if location := self.locations.get(tracked.id):
             found["position"] = [_number(value) for value in location.point.tolist()]
             found["covariance"] = [_number(value) for value in location.covariance.ravel().tolist()]
         return found
@@ -160,7 +160,7 @@ def _locations(objects: list[TrackedObject], frame: Frame, depth: DepthCamera | 
         image = depth.image(frame.stamp)
     except NoDepthError:  # the depth camera has said it
         return {}
-    found = {one.id: locate(one.box, image.depth, image.camera) for one in objects}
+    found = {tracked.id: locate(tracked.box, image.depth, image.camera) for tracked in objects}
     return {number: location for number, location in found.items() if location}
 
 
@@ -202,7 +202,7 @@ def _publishers(
     types = ObjectTypes(classes, row.types, names, logger.warning)
 
     def send(view: ObjectView) -> None:
-        objects = [(one, types.of(one.class_name)) for one in view.objects]
+        objects = [(tracked, types.of(tracked.class_name)) for tracked in view.objects]
         publisher.publish(list(row.messages(objects, view.frame.size)))
 
     yield send

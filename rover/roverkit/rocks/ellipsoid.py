@@ -93,7 +93,7 @@ class LineView:
 
 def fit_ellipsoid(view: LineView) -> tuple[float, float] | None:
     """Return the length and the width in metres of the rock; None if the bare ground is the better explanation."""
-    cost, shape = min((_descended(view, start) for start in _STARTS), key=lambda one: one[0])
+    cost, shape = min((_descended(view, start) for start in _STARTS), key=lambda found: found[0])
     if cost >= view.cost(None):
         return None
     (half_length, half_width, _), _ = view.sizes(shape)

@@ -79,22 +79,22 @@ def read_streams(path: Path, host: str = "") -> StreamsFile:
 def _stream(folder: Path, name: object, item: Item, host: str) -> StreamSettings:
     given = item.known_entries(_KEYS)
     values: dict[str, Any] = {"host": host}
-    for key, one in given.items():
+    for key, entry in given.items():
         if key in _TEXTS:
-            values[key] = _text(one)
+            values[key] = _text(entry)
         elif key in _NUMBERS:
-            values[key] = _number(one)
+            values[key] = _number(entry)
         elif key == "source":
-            values[key] = _source(folder, one)
+            values[key] = _source(folder, entry)
         elif key == "port":
-            values[key] = _whole(one)
+            values[key] = _whole(entry)
         elif key == "size":
-            width, height = one.numbers(2)
+            width, height = entry.numbers(2)
             values[key] = int(width), int(height)
         elif key == "overlay":
-            values[key] = _texts(one)
+            values[key] = _texts(entry)
         else:
-            values[key] = _flag(one)
+            values[key] = _flag(entry)
     if "source" not in values:
         raise item.error(f"{item.name} has no source; add 'source: topic:/camera/image_raw', or a number, file or URL")
     try:
@@ -120,7 +120,7 @@ def _texts(item: Item) -> tuple[str, ...]:
     items = item.items(f"a part of {item.name}")
     if items is None:
         raise item.error(f"{item.name} is {item.shown}; it must be a list, such as [time, objects]")
-    return tuple(_text(one) for one in items)
+    return tuple(_text(item) for item in items)
 
 
 def _number(item: Item) -> float:

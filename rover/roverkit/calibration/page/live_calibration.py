@@ -116,7 +116,7 @@ class LiveCalibration:
 
     def thumbnail(self, view: int) -> bytes | None:
         """Return the thumbnail of the view with this number on the page, as JPEG; None if there is no such view."""
-        return next((one.thumbnail for one in self._taken if one.number == view), None)
+        return next((taken.thumbnail for taken in self._taken if taken.number == view), None)
 
     def report(self) -> str | None:
         """Return the report of the last calibration as HTML; None before the first calibration."""
@@ -145,11 +145,11 @@ class LiveCalibration:
     # --- with the lock held -----------------------------------------------------------------------------------------
 
     def _drop(self, number: int | None) -> None:
-        found = [one for one in self._taken if one.number == number]
+        found = [taken for taken in self._taken if taken.number == number]
         if not found:
             raise SetupError(f"view {number} does not exist; it may have been dropped already")
         self._collection.discard(found[0].view)
-        self._taken = tuple(one for one in self._taken if one is not found[0])
+        self._taken = tuple(taken for taken in self._taken if taken is not found[0])
 
     def _start(self) -> None:
         self._calibrating, self._refused = True, ()

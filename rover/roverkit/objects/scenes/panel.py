@@ -70,7 +70,9 @@ class Panel(World):
         drawing, mask = draw_part(name, rng)
         scale = rng.uniform(0.85, 1.15)
         turn = cv2.getRotationMatrix2D((SIDE / 2, SIDE / 2), float(rng.normal(0, 4)), scale)
-        drawing, mask = (cv2.warpAffine(one, turn, (SIDE, SIDE), flags=cv2.INTER_NEAREST) for one in (drawing, mask))
+        drawing, mask = (
+            cv2.warpAffine(image, turn, (SIDE, SIDE), flags=cv2.INTER_NEAREST) for image in (drawing, mask)
+        )
         half = SIDE // 2
         area = np.s_[y - half : y + half, x - half : x + half]
         grown = cv2.dilate(mask, np.ones((17, 17), np.uint8))
@@ -86,7 +88,7 @@ class Panel(World):
         places = canvas.pose.translation + depth[..., None] * canvas.rays
         width, height = _PANEL
         across, down = width / 2 - 1000 * places[..., 1], height + 1000 * (self._LOW - places[..., 2])
-        x, y = (np.nan_to_num(one, nan=-1e6).astype(np.float32) for one in (across, down))
+        x, y = (np.nan_to_num(values, nan=-1e6).astype(np.float32) for values in (across, down))
         # Millimetres in a pixel: the drawing is made as coarse, as the area of a pixel would.
         coarse = float(np.nanmedian(depth)) / CAMERA.focal[0] * 1000
         drawing = cv2.GaussianBlur(self._drawing, (0, 0), 0.45 * coarse) if coarse > 1 else self._drawing

@@ -39,11 +39,11 @@ class RocksOnGround(World):
         for _ in range(rng.integers(1, 9)):
             place = np.array([rng.uniform(0.9, 4.5), rng.uniform(-1.4, 1.4)])
             radius = rng.uniform(0.05, 0.25)
-            if all(np.linalg.norm(place - one.place) > 0.7 * (radius + one.radius) for one in self._rocks):
+            if all(np.linalg.norm(place - rock.place) > 0.7 * (radius + rock.radius) for rock in self._rocks):
                 self._rocks.append(_rock(rng, place, radius, self.ground))
 
     def _draw(self, canvas: Canvas, look: Look) -> None:
-        order = sorted(range(len(self._rocks)), key=lambda one: -self._seen(canvas, self._rocks[one])[2])
+        order = sorted(range(len(self._rocks)), key=lambda index: -self._seen(canvas, self._rocks[index])[2])
         for index in order:
             _shade_ground(canvas, self._rocks[index], look)
         for index in order:
@@ -54,7 +54,9 @@ class RocksOnGround(World):
         return canvas.seen(np.append(rock.place, 0.8 * rock.radius * rock.flat))
 
     def _objects(self) -> list[tuple[str, Floats]]:
-        return [("rock", np.append(one.place - (one.radius, 0), 0.8 * one.radius * one.flat)) for one in self._rocks]
+        return [
+            ("rock", np.append(rock.place - (rock.radius, 0), 0.8 * rock.radius * rock.flat)) for rock in self._rocks
+        ]
 
     def way(self, rng: np.random.Generator) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
         """Return the places of the camera, and the points at which it looks, at the begin and the end of a drive."""
@@ -97,7 +99,7 @@ def _draw_rock(canvas: Canvas, rock: _Rock, middle: Floats, number: int, look: L
     width = max(4, round(2 * 1.15 * rock.radius * CAMERA.focal[0] / middle[2]))
     height = max(4, round(width * rock.flat))
     size = width, height
-    distance, relief = (cv2.resize(one, size, interpolation=cv2.INTER_AREA) for one in (rock.outline, rock.relief))
+    distance, relief = (cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (rock.outline, rock.relief))
     slope_y, slope_x = np.gradient(relief * width / 2.3)
     length = np.sqrt(slope_x**2 + slope_y**2 + 1)
     # The light comes from the side of `light`, and from above.

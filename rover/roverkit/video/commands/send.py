@@ -34,29 +34,29 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--host", help="name or address of the receiver (default: that of the file; for one source, this computer)"
     )
-    one = parser.add_argument_group("options for one source (for several, they are keys in the file)").add_argument
-    one("--port", type=port, help="UDP port of the receiver (default: 4500)")
-    one(
+    add = parser.add_argument_group("options for one source (for several, they are keys in the file)").add_argument
+    add("--port", type=port, help="UDP port of the receiver (default: 4500)")
+    add(
         "--size",
         type=image_size,
         metavar="WxH",
         help="size of the sent images, such as 640x480 (default: the source's)",
     )
-    one("--rate", type=rate, metavar="HZ", help="most images a second (default: 30)")
-    one("--bitrate", type=float, metavar="KBIT/S", help="most kbit/s (default: 1000)")
-    one(
+    add("--rate", type=rate, metavar="HZ", help="most images a second (default: 30)")
+    add("--bitrate", type=float, metavar="KBIT/S", help="most kbit/s (default: 1000)")
+    add(
         "--overlay",
         type=_names,
         metavar="WHAT",
         help="draw into the images: time, objects (of `roverlink objects track`), link; several with commas",
     )
-    one(
+    add(
         "--pipeline",
         metavar="TEXT",
         help="let GStreamer encode and send, with a pipeline, in which $host, $port, $bitrate, $rate, $width and "
         "$height are replaced, or with the one named legacy (the rover's earlier script)",
     )
-    one(
+    add(
         "--link-rate",
         type=float,
         metavar="KBIT/S",
@@ -83,4 +83,4 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _names(text: str) -> tuple[str, ...]:
-    return tuple(one.strip() for one in text.split(",") if one.strip())
+    return tuple(part.strip() for part in text.split(",") if part.strip())

@@ -105,16 +105,16 @@ def _camera(folder: Path, name: object, item: Item) -> CameraEntry:
 def _settings(item: Item, given: Mapping[str, Item]) -> CameraSettings:
     values: dict[str, Any] = {}
     for key in (key for key in _SETTINGS if key in given):
-        one = given[key]
+        entry = given[key]
         if key == "format":
-            values[key] = _text(one)
+            values[key] = _text(entry)
         elif key == "size":
-            width, height = one.numbers(2)
+            width, height = entry.numbers(2)
             values[key] = (int(width), int(height))
-        elif math.isfinite(one.number):
-            values[key] = one.number
+        elif math.isfinite(entry.number):
+            values[key] = entry.number
         else:
-            raise one.error(f"{one.name} is {one.shown}; it must be a number")
+            raise entry.error(f"{entry.name} is {entry.shown}; it must be a number")
     try:
         return CameraSettings(**values)
     except SetupError as error:

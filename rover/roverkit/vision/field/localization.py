@@ -79,17 +79,17 @@ def localize_rover(shots: Sequence[Shot], landmarks: Landmarks) -> FieldPose | N
     If only two landmarks are visible and contradict each other, it is unknown which one is wrong. Then the more
     accurate one is used, and `FieldPose.agreed` is false.
     """
-    shared = {one.id for shot in shots for one in shot.sightings if one.shared}
+    shared = {sighting.id for shot in shots for sighting in shot.sightings if sighting.shared}
     known = [
-        _known(one, landmarks.places[one.id], camera, shot.mount)
+        _known(sighting, landmarks.places[sighting.id], camera, shot.mount)
         for camera, shot in enumerate(shots)
-        for one in shot.sightings
-        if one.id in landmarks.places and one.id not in shared
+        for sighting in shot.sightings
+        if sighting.id in landmarks.places and sighting.id not in shared
     ]
     starts = [
-        one.mount @ solution.pose @ landmarks.places[one.sighting.id].pose.inverse()
-        for one in known
-        for solution in one.sighting.solutions
+        observation.mount @ solution.pose @ landmarks.places[observation.sighting.id].pose.inverse()
+        for observation in known
+        for solution in observation.sighting.solutions
     ]
     # Best start first: usually it explains all landmarks, and the loop ends after it.
     starts.sort(key=lambda start: _cost(known, start, _SLACK[0]))
@@ -107,8 +107,8 @@ def localize_rover(shots: Sequence[Shot], landmarks: Landmarks) -> FieldPose | N
         frame=landmarks.frame,
         pose=pose.inverse(),
         covariance=_of_inverse(pose, _covariance(used, pose)),
-        used=tuple(one.sighting.id for one in used),
-        rejected=tuple(one.sighting.id for one in known if one not in used),
+        used=tuple(observation.sighting.id for observation in used),
+        rejected=tuple(observation.sighting.id for observation in known if observation not in used),
     )
 
 
@@ -154,9 +154,9 @@ def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Know
     """
     used: list[_Known] = []
     for slack in _SLACK:
-        used = [one for one in known if _chi2(one, pose) < slack * one.limit]
+        used = [observation for observation in known if _chi2(observation, pose) < slack * observation.limit]
         if not used:  # a compromise between landmarks that contradict each other, which fits none of them
-            used = [min(known, key=lambda one: _chi2(one, pose) / one.limit)]
+            used = [min(known, key=lambda observation: _chi2(observation, pose) / observation.limit)]
         refined = _refine(used, pose)
         if refined is None:
             return None
@@ -166,32 +166,34 @@ def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Know
 
 def _cost(known: Sequence[_Known], pose: Pose, slack: float = 1.0) -> float:
     """Return the sum of chi squared over all sightings; a sighting that does not fit counts only as `slack` * limit."""
-    return sum(min(_chi2(one, pose), slack * one.limit) for one in known)
+    return sum(min(_chi2(observation, pose), slack * observation.limit) for observation in known)
 
 
-def _chi2(one: _Known, pose: Pose) -> float:
-    residuals, _ = _terms(one, pose)
+def _chi2(observation: _Known, pose: Pose) -> float:
+    residuals, _ = _terms(observation, pose)
     chi2 = float(residuals @ residuals)
     return chi2 if np.isfinite(chi2) else np.inf
 
 
-def _terms(one: _Known, pose: Pose) -> tuple[Floats, Floats]:
+def _terms(observation: _Known, pose: Pose) -> tuple[Floats, Floats]:
     """Return the residuals (2N,) of a landmark's corners, and the derivative (2N, 6) of the predicted corners.
 
     Both are in standard deviations. The derivative is with respect to the pose (field to rover).
     """
-    to_camera = one.mount.inverse()
-    rays, by_camera = predict(to_camera @ pose, one.points)
+    to_camera = observation.mount.inverse()
+    rays, by_camera = predict(to_camera @ pose, observation.points)
     # The camera moves and turns as the rover does, seen in its own axes.
     by_rover = by_camera.reshape(-1, 2, 3) @ to_camera.rotation
-    return one.whitening @ (one.sighting.seen.rays - rays).ravel(), one.whitening @ by_rover.reshape(-1, 6)
+    return observation.whitening @ (
+        observation.sighting.seen.rays - rays
+    ).ravel(), observation.whitening @ by_rover.reshape(-1, 6)
 
 
 def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
     """Return the normal equations at a pose (matrix (6, 6) and right side (6,)), and the sum of chi squared."""
     normal, right, chi2 = np.zeros((6, 6)), np.zeros(6), 0.0
-    for one in used:
-        residuals, derivative = _terms(one, pose)
+    for observation in used:
+        residuals, derivative = _terms(observation, pose)
         normal += derivative.T @ derivative
         right += derivative.T @ residuals
         chi2 += float(residuals @ residuals)
@@ -207,10 +209,10 @@ def _covariance(used: Sequence[_Known], pose: Pose) -> Floats:
     inverse = np.linalg.inv(_normal(used, pose)[0])
     covariance = np.zeros((6, 6))
     shared: dict[int, Floats] = {}
-    for one in used:
-        gain = inverse @ _terms(one, pose)[1].T @ one.whitening
-        covariance += gain @ one.own @ gain.T
-        shared[one.camera] = shared.get(one.camera, 0) + gain @ one.sighting.seen.shifts
+    for observation in used:
+        gain = inverse @ _terms(observation, pose)[1].T @ observation.whitening
+        covariance += gain @ observation.own @ gain.T
+        shared[observation.camera] = shared.get(observation.camera, 0) + gain @ observation.sighting.seen.shifts
     whole: Floats = covariance + sum(moved @ moved.T for moved in shared.values())
     return whole
 

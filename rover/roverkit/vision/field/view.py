@@ -32,7 +32,7 @@ class View:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the results as JSON values: metres, pixels, quaternions x y z w, covariances row by row."""
-        markers = [_sighting(one) for one in self.sightings]
+        markers = [_sighting(sighting) for sighting in self.sightings]
         frame = {"stamp": self.frame.stamp, "frame": self.frame.number, "frame_id": self.frame.frame_id}
         found = {**({"name": self.camera} if self.camera else {}), **frame, "markers": markers}
         if self.place:
@@ -77,25 +77,25 @@ class Lookout:
         return View(frame, sightings, place, eye.name, rover.add(eye.name, frame.stamp, shot))
 
 
-def _sighting(one: Sighting) -> Mapping[str, Any]:
+def _sighting(sighting: Sighting) -> Mapping[str, Any]:
     return {
-        "id": one.id,
-        **_pose(one.pose, one.covariance),
-        "corners": [_numbers(corner) for corner in one.corners],
-        "error": _number(one.error),
-        "other_pose": _other(one),
-        "shared": one.shared,
+        "id": sighting.id,
+        **_pose(sighting.pose, sighting.covariance),
+        "corners": [_numbers(corner) for corner in sighting.corners],
+        "error": _number(sighting.error),
+        "other_pose": _other(sighting),
+        "shared": sighting.shared,
     }
 
 
-def _other(one: Sighting) -> Mapping[str, Any] | None:
+def _other(sighting: Sighting) -> Mapping[str, Any] | None:
     """Return the pose of a landmark that was not chosen, as JSON values; None if there is only one possible pose.
 
     `ambiguity` is the ratio of its reprojection error to that of the chosen pose.
     """
-    for solution in one.solutions:
-        if solution.pose is not one.pose:
-            return {**_pose(solution.pose, solution.covariance), "ambiguity": _number(one.ambiguity)}
+    for solution in sighting.solutions:
+        if solution.pose is not sighting.pose:
+            return {**_pose(solution.pose, solution.covariance), "ambiguity": _number(sighting.ambiguity)}
     return None
 
 

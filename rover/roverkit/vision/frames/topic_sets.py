@@ -128,7 +128,7 @@ class _Topic:
             self._say(f"waiting: nothing publishes on {self._name} yet{self._similar()}")
 
     def _similar(self) -> str:
-        types = {one.__msgtype__ for one in self._types}
+        types = {type_.__msgtype__ for type_ in self._types}
         topics = [topic for topic, type_name in self._middleware.topics().items() if type_name in types]
         return f"; {nearest(self._name, sorted(topics))}" if topics else ""
 
@@ -224,7 +224,7 @@ class TopicSets:
         """
         for _, arrived in self.arrivals():
             try:
-                messages = tuple(one.read() for one in arrived)
+                messages = tuple(message.read() for message in arrived)
             except ConversionError as error:
                 self._bad.add(error)
                 continue
@@ -246,19 +246,19 @@ class TopicSets:
     def _add(self, index: int, arrived: list[Arrived]) -> None:
         """Add the messages of a topic, on a thread of the middleware."""
         with self._lock:
-            for one in arrived:
-                for complete in self._complete(index, one):
+            for message in arrived:
+                for complete in self._complete(index, message):
                     self._newest.put((self._count, complete))
                     self._count += 1
 
-    def _complete(self, index: int, one: Arrived) -> list[tuple[Arrived, ...]]:
+    def _complete(self, index: int, message: Arrived) -> list[tuple[Arrived, ...]]:
         # A single topic needs no stamps; they may be all zero.
         if len(self._topics) == 1:
-            return [(one,)]
+            return [(message,)]
         try:
             # Every message that a topic here can have begins with a header, and the decoder ignores the rest.
-            stamp = stamp_of(cdr.decode(Header, one.data))
+            stamp = stamp_of(cdr.decode(Header, message.data))
         except ConversionError as error:
             self._bad.add(error)
             return []
-        return self._synchronizer.add(index, stamp, one)
+        return self._synchronizer.add(index, stamp, message)

@@ -33,12 +33,14 @@ def draw(image: Image, camera: CameraParameters, sightings: Sequence[Sighting], 
     """
     drawn = to_colour(image)
     rejected = place.rejected if place else ()
-    for one in sightings:
-        _outline(drawn, one, REJECTED if one.shared or one.id in rejected else SEEN)
-        _axes(drawn, camera, one)
-        low = one.corners.min(axis=0)
+    for sighting in sightings:
+        _outline(drawn, sighting, REJECTED if sighting.shared or sighting.id in rejected else SEEN)
+        _axes(drawn, camera, sighting)
+        low = sighting.corners.min(axis=0)
         write_label(
-            drawn, f"{one.id}: {np.linalg.norm(one.pose.translation):.2f} m", (low[0], low[1] - 4 * line_width(drawn))
+            drawn,
+            f"{sighting.id}: {np.linalg.norm(sighting.pose.translation):.2f} m",
+            (low[0], low[1] - 4 * line_width(drawn)),
         )
     if place:
         x, y, z = place.pose.translation
@@ -59,16 +61,16 @@ def line_width(image: Image) -> int:
     return max(1, round(height / _LINE))
 
 
-def _outline(image: Image, one: Sighting, colour: Colour) -> None:
-    for corners in one.corners.reshape(-1, 4, 2):
+def _outline(image: Image, sighting: Sighting, colour: Colour) -> None:
+    for corners in sighting.corners.reshape(-1, 4, 2):
         cv2.polylines(image, [_fixed(corners)], True, colour, line_width(image) + 1, cv2.LINE_AA, _SHIFT)
         cv2.circle(image, _fixed(corners[0]).tolist(), 3 << _SHIFT, colour, -1, cv2.LINE_AA, _SHIFT)
 
 
-def _axes(image: Image, camera: CameraParameters, one: Sighting) -> None:
+def _axes(image: Image, camera: CameraParameters, sighting: Sighting) -> None:
     """Draw the axes of a landmark's frame at its origin; their length is half the side of a marker."""
-    length = float(np.linalg.norm(one.seen.points[1] - one.seen.points[0])) / 2
-    ends = camera.project(one.pose.apply(np.vstack([np.zeros(3), length * np.eye(3)])))
+    length = float(np.linalg.norm(sighting.seen.points[1] - sighting.seen.points[0])) / 2
+    ends = camera.project(sighting.pose.apply(np.vstack([np.zeros(3), length * np.eye(3)])))
     if not np.isfinite(ends).all():
         return
     start, *tips = _fixed(ends).tolist()

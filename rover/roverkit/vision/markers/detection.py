@@ -121,7 +121,7 @@ class Detector:
         part = np.ascontiguousarray(image[region.top : region.bottom, region.left : region.right])
         offset = (region.left, region.top)
         found = self._detect(part, _REGION) or self._detect(part, _THOROUGH)
-        return [Detection(one.number, one.corners + offset) for one in found]
+        return [Detection(marker.number, marker.corners + offset) for marker in found]
 
     def _detect(self, image: Image, search: _Search) -> list[Detection]:
         height, width = image.shape

@@ -211,7 +211,7 @@ class Tracker:
         lost = [track for track in self._tracks if track not in seen]
         scanned = due or len(lost) > _REGIONS
         found = self._scan(grey) if due else self._detector.scan_quickly(grey) if scanned else []
-        numbers = [one.number for one in _distinct(found, seen)]
+        numbers = [detection.number for detection in _distinct(found, seen)]
         for track in lost:
             if track.number in numbers:
                 numbers.remove(track.number)
@@ -232,9 +232,9 @@ class Tracker:
         places = self._predicted(grey, stamp)
         guesses = [Guess(self._markers.pattern(track.number), place, track.blur) for track, place in places]
         seen: list[_Track] = []
-        for (track, place), one in zip(places, fit_markers(grey, self._camera, guesses)):
-            if one and np.abs(one.corners - place).max() <= NEAR * one.shrunk:
-                track.moved(one, stamp)
+        for (track, place), fitted in zip(places, fit_markers(grey, self._camera, guesses)):
+            if fitted and np.abs(fitted.corners - place).max() <= NEAR * fitted.shrunk:
+                track.moved(fitted, stamp)
                 seen.append(track)
         return seen
 
@@ -262,18 +262,18 @@ class Tracker:
 
     def _fit_found(self, grey: Image, found: Sequence[Detection], stamp: int) -> list[_Track]:
         """Fit detected markers, and return their tracks: those of lost markers with the same numbers, or new ones."""
-        guesses = [Guess(self._markers.pattern(one.number), one.corners) for one in found]
+        guesses = [Guess(self._markers.pattern(detection.number), detection.corners) for detection in found]
         seen = []
-        for detection, one in zip(found, fit_markers(grey, self._camera, guesses)):
-            if one is None:
+        for detection, fitted in zip(found, fit_markers(grey, self._camera, guesses)):
+            if fitted is None:
                 continue
             lost = [track for track in self._tracks if track.number == detection.number and track.stamp != stamp]
-            track = min(lost, key=lambda track: _distance(track.corners, one.corners), default=None)
+            track = min(lost, key=lambda track: _distance(track.corners, fitted.corners), default=None)
             if track is None:
-                track = _Track(detection.number, one.fit, one.corners, stamp, one.blur)
+                track = _Track(detection.number, fitted.fit, fitted.corners, stamp, fitted.blur)
                 self._tracks.append(track)
             else:
-                track.moved(one, stamp)
+                track.moved(fitted, stamp)
             seen.append(track)
         return seen
 
@@ -312,7 +312,10 @@ class Tracker:
         pixels = [floor, pixels_by_camera(self._camera, self._roots, rays), motion[..., None]]
         shifts = pixels_to_rays(self._camera, rays, np.concatenate(pixels, axis=2)) * given.covariance_scale
         of_tracks = iter(shifts.reshape(len(tracks), 4, 2, -1))
-        return [self._corners(one, np.concatenate([next(of_tracks) for _ in one.tracks])) for one in landmarks]
+        return [
+            self._corners(landmark, np.concatenate([next(of_tracks) for _ in landmark.tracks]))
+            for landmark in landmarks
+        ]
 
     def _corners(self, landmark: _Landmark, shifts: Floats) -> Corners:
         """Return a landmark's corners; `shifts` (N, 2, S) of its rays are due to all errors, the first two its own."""
@@ -355,17 +358,17 @@ def _distinct(found: Iterable[Detection], seen: Iterable[_Track]) -> list[Detect
     """Return the detections of markers that are not seen yet; of several detections of a marker, the largest one."""
     distinct: list[Detection | _Track] = list(seen)
     known = len(distinct)
-    for one in sorted(found, key=lambda one: -extent(one.corners)):
-        if not any(_is_same(one, other) for other in distinct):
-            distinct.append(one)
-    return [one for one in distinct[known:] if isinstance(one, Detection)]
+    for detection in sorted(found, key=lambda detection: -extent(detection.corners)):
+        if not any(_is_same(detection, other) for other in distinct):
+            distinct.append(detection)
+    return [detection for detection in distinct[known:] if isinstance(detection, Detection)]
 
 
-def _is_same(one: Detection | _Track, other: Detection | _Track) -> bool:
+def _is_same(marker: Detection | _Track, other: Detection | _Track) -> bool:
     """Return true if these are the same marker, and not two markers with the same number."""
-    if one.number != other.number:
+    if marker.number != other.number:
         return False
-    return _distance(one.corners, other.corners) < max(extent(one.corners), extent(other.corners)) / 2
+    return _distance(marker.corners, other.corners) < max(extent(marker.corners), extent(other.corners)) / 2
 
 
 def _distance(corners: Floats, others: Floats) -> float:

@@ -65,10 +65,10 @@ class Publishing:
         stamp, sightings = view.frame.stamp, view.sightings
         names = FrameNames(view.frame.frame_id, self._marker_frame)
         # With two frames of the same name, a listener to /tf would see one marker that jumps.
-        if unique := [one for one in sightings if not one.shared]:
+        if unique := [sighting for sighting in sightings if not sighting.shared]:
             self._transforms.put(lambda: sighting_messages.transforms_of(unique, names))
-        for one in unique:
-            self._pose_of(names.of(one.id)).put(partial(sighting_messages.marker_pose_of, one, names))
+        for sighting in unique:
+            self._pose_of(names.of(sighting.id)).put(partial(sighting_messages.marker_pose_of, sighting, names))
         self._detections.put(lambda: sighting_messages.detections_of(sightings, stamp, names))
         self._camera_info.put(lambda: sighting_messages.camera_info_of(self._camera, view.frame.size, stamp, names))
         self._image.put(lambda: compressed_of(self._drawn(view), stamp, names.camera))

@@ -39,7 +39,9 @@ class FrameNames:
 
 def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.TFMessage:
     """Return a message for /tf with the transforms from the camera's frame to the landmarks (markers and boards)."""
-    return tf2_msgs.TFMessage([transform_of(one.pose, names.camera, names.of(one.id), one.stamp) for one in sightings])
+    return tf2_msgs.TFMessage(
+        [transform_of(sighting.pose, names.camera, names.of(sighting.id), sighting.stamp) for sighting in sightings]
+    )
 
 
 def transform_of(pose: Pose, parent: str, child: str, stamp: int) -> geometry_msgs.TransformStamped:
@@ -48,10 +50,10 @@ def transform_of(pose: Pose, parent: str, child: str, stamp: int) -> geometry_ms
     return geometry_msgs.TransformStamped(header_of(stamp, parent), child, transform)
 
 
-def marker_pose_of(one: Sighting, names: FrameNames) -> geometry_msgs.PoseWithCovarianceStamped:
+def marker_pose_of(sighting: Sighting, names: FrameNames) -> geometry_msgs.PoseWithCovarianceStamped:
     """Return a message with the pose of a landmark (marker or board) in the camera's frame, and its covariance."""
-    pose = _with_covariance(one.pose, one.covariance)
-    return geometry_msgs.PoseWithCovarianceStamped(header_of(one.stamp, names.camera), pose)
+    pose = _with_covariance(sighting.pose, sighting.covariance)
+    return geometry_msgs.PoseWithCovarianceStamped(header_of(sighting.stamp, names.camera), pose)
 
 
 def field_pose_of(place: FieldPose, stamp: int) -> geometry_msgs.PoseWithCovarianceStamped:
@@ -66,7 +68,7 @@ def detections_of(sightings: Sequence[Sighting], stamp: int, names: FrameNames) 
     The first pose of a landmark is the chosen one.
     """
     header = header_of(stamp, names.camera)
-    return vision_msgs.Detection3DArray(header, [_detection(one, header, names) for one in sightings])
+    return vision_msgs.Detection3DArray(header, [_detection(sighting, header, names) for sighting in sightings])
 
 
 def camera_info_of(
@@ -88,31 +90,32 @@ def camera_info_of(
     )
 
 
-def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.Detection3D:
+def _detection(sighting: Sighting, header: Header, names: FrameNames) -> vision_msgs.Detection3D:
     # False sorts before True: the chosen pose comes first.
-    ordered = sorted(one.solutions, key=lambda solution: solution.pose is not one.pose)
+    ordered = sorted(sighting.solutions, key=lambda solution: solution.pose is not sighting.pose)
     results = [
         vision_msgs.ObjectHypothesisWithPose(
-            vision_msgs.ObjectHypothesis(str(one.id), _score(solution, one.solutions)),
+            vision_msgs.ObjectHypothesis(str(sighting.id), _score(solution, sighting.solutions)),
             _with_covariance(solution.pose, solution.covariance),
         )
         for solution in ordered
     ]
-    low, high = one.seen.points.min(axis=0), one.seen.points.max(axis=0)
-    centre = Pose(one.pose.rotation, one.pose.apply((low + high) / 2))
+    low, high = sighting.seen.points.min(axis=0), sighting.seen.points.max(axis=0)
+    centre = Pose(sighting.pose.rotation, sighting.pose.apply((low + high) / 2))
     return vision_msgs.Detection3D(
         header,
         results,
         vision_msgs.BoundingBox3D(_pose(centre), geometry_msgs.Vector3(*_plain(high - low))),
-        "" if one.shared else names.of(one.id),  # the id of an object, so two objects cannot have the same one
+        # The id of an object, so two objects cannot have the same one.
+        "" if sighting.shared else names.of(sighting.id),
     )
 
 
 def _score(solution: Solution, solutions: Sequence[Solution]) -> float:
     """Return the probability that `solution` is the true one of `solutions`, from chi squared of this image only."""
     # Relative to the best one: exp of a large chi squared alone would be 0 for all.
-    least = min(one.chi2 for one in solutions)
-    weights = [math.exp((least - one.chi2) / 2) for one in solutions]
+    least = min(other.chi2 for other in solutions)
+    weights = [math.exp((least - other.chi2) / 2) for other in solutions]
     return math.exp((least - solution.chi2) / 2) / sum(weights)
 
 
