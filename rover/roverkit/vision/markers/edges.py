@@ -37,7 +37,7 @@ from roverkit.vision.markers.edge_samples import (
     make_views,
     product,
 )
-from roverkit.vision.markers.pattern import Pattern, look
+from roverkit.vision.markers.pattern import Pattern, predict_grey
 from roverkit.vision.poses.chi_squared import chi2_limit
 
 # Why not OpenCV's refinements: SUBPIX looks for saddles, and the outer corners of a marker are none, which biases the
@@ -299,23 +299,23 @@ def _design(views: Views, state: _State, pixels: Pixels, *, with_lines: bool) ->
     square, by_point = apply(np.linalg.inv(state.homography), pixels.points)
     by_pixel = product(by_point, pixels.by_pixel) * views.half
     places = square * views.half + views.half
-    seen = look(views.differences, places, by_pixel, state.blur, state.lines, with_lines=with_lines)
+    predicted = predict_grey(views.differences, places, by_pixel, state.blur, state.lines, with_lines=with_lines)
     w = (state.homography[:, 2:, :2] @ square)[:, 0] + 1
-    by_place = seen.by_u[:, None] * by_point[:, 0] + seen.by_v[:, None] * by_point[:, 1]
+    by_place = predicted.by_u[:, None] * by_point[:, 0] + predicted.by_v[:, None] * by_point[:, 1]
     by_place *= (-views.half * pixels.real / w)[:, None]
-    design = np.empty((len(square), _UNKNOWNS + seen.by_lines.shape[1], square.shape[2]))
+    design = np.empty((len(square), _UNKNOWNS + predicted.by_lines.shape[1], square.shape[2]))
     design[:, 0:2] = by_place[:, :1] * square
     design[:, 2] = by_place[:, 0]
     design[:, 3:5] = by_place[:, 1:] * square
     design[:, 5] = by_place[:, 1]
     design[:, 6:8] = -(by_place * pixels.points).sum(axis=1)[:, None] * square
-    design[:, 8:11] = seen.by_blur * pixels.real[:, None]
+    design[:, 8:11] = predicted.by_blur * pixels.real[:, None]
     design[:, 11] = pixels.real
     design[:, 12:14] = square * pixels.real[:, None]
-    design[:, 14] = seen.grey * pixels.real
+    design[:, 14] = predicted.grey * pixels.real
     design[:, 15:17] = design[:, 14, None] * square
-    design[:, 17] = seen.by_growth * pixels.real
-    design[:, _UNKNOWNS:] = seen.by_lines * pixels.real[:, None]
+    design[:, 17] = predicted.by_growth * pixels.real
+    design[:, _UNKNOWNS:] = predicted.by_lines * pixels.real[:, None]
     return design, square
 
 
