@@ -23,7 +23,7 @@ from roverkit.node.ros_connection import RosConnection
 from roverkit.vision import Tracker
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.camera.uncertainty import Uncertainty
-from roverkit.vision.field.view import Eye, Lookout, View
+from roverkit.vision.field.field_tracker import FieldTracker, LandmarkResult, MountedCamera
 from roverkit.vision.frames import Frame
 from roverkit.vision.frames.open_source import TOPIC
 from roverkit.vision.images.drawing import draw, write_above
@@ -42,7 +42,7 @@ from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
-Output = Callable[[View], None]
+Output = Callable[[LandmarkResult], None]
 
 
 def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> int:
@@ -65,13 +65,13 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
 
         hears_ros = arguments.middleware or any(entry.source.startswith(TOPIC) for entry in entries)
         ros_of_mounts = connection if hears_ros else None
-        eyes = {
-            camera.name: Eye(
+        mounted = {
+            camera.name: MountedCamera(
                 tracker(camera), camera.name, _mount(camera, ros_of_mounts, arguments, logger, now=located)
             )
             for camera in cameras
         }
-        lookout = Lookout(sum(bool(ros_of_mounts or entry.mount) for entry in entries), targets.landmarks)
+        field_tracker = FieldTracker(sum(bool(ros_of_mounts or entry.mount) for entry in entries), targets.landmarks)
         outputs = [output for camera in cameras for output in _files(camera, arguments, stack)]
         if arguments.middleware:
             stack.enter_context(publish_log(logger, connection.middleware, ros))
@@ -85,15 +85,15 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             if wanted.targets is not targets:
                 targets = wanted.targets
                 for tracked in cameras:
-                    eyes[tracked.name].tracker = tracker(tracked)
-                lookout.use(targets.landmarks)
+                    mounted[tracked.name].tracker = tracker(tracked)
+                field_tracker.use(targets.landmarks)
                 log.look_for(targets.markers)
-            view = lookout.view(eyes[camera.name], frame)
-            log.add(view)
+            result = field_tracker.track(mounted[camera.name], frame)
+            log.add(result)
             if arguments.json:
-                print(json.dumps(view.as_dict()), flush=True)
+                print(json.dumps(result.as_dict()), flush=True)
             for output in outputs:
-                output(view)
+                output(result)
     return OK
 
 
@@ -148,7 +148,7 @@ def _with_progress(
 
 def _of(camera: TrackedCamera, output: Output) -> Output:
     """Return an output that gets only the results of one camera."""
-    return lambda view: output(view) if view.camera == camera.name else None
+    return lambda result: output(result) if result.camera == camera.name else None
 
 
 def _files(camera: TrackedCamera, arguments: argparse.Namespace, stack: ExitStack) -> Iterator[Output]:
@@ -158,7 +158,7 @@ def _files(camera: TrackedCamera, arguments: argparse.Namespace, stack: ExitStac
         if own.exists() and Path(camera.entry.source).exists() and own.samefile(camera.entry.source):
             raise SetupError(f"{own} is the source of the images; give --save another name")
         film = stack.enter_context(Film(own, camera.source.rate))
-        yield _of(camera, lambda view: film.add(_drawn(view, camera), view.frame.stamp))
+        yield _of(camera, lambda result: film.add(_drawn(result, camera), result.frame.stamp))
 
 
 def _publisher(
@@ -192,20 +192,20 @@ def _rover_publisher(ros: RosConnection, arguments: argparse.Namespace, logger: 
             return poses, lambda _: None
         return poses, position_publisher(ros.middleware, registry, ros.topic, logger.warning)
 
-    def publish(view: View) -> None:
-        if view.rover and view.rover.place.agreed:
+    def publish(result: LandmarkResult) -> None:
+        if result.rover and result.rover.field_pose.agreed:
             poses, publish_position = publishers()
-            poses.publish(view.rover)
-            publish_position(view.rover.place.pose.translation)
+            poses.publish(result.rover)
+            publish_position(result.rover.field_pose.pose.translation)
 
     if now:
         publishers()
     return publish
 
 
-def _drawn(view: View, camera: TrackedCamera) -> Image:
+def _drawn(result: LandmarkResult, camera: TrackedCamera) -> Image:
     """Return the image of a film: a frame with its landmarks, its stamp in seconds, and its coordinate frame."""
-    frame = view.frame
+    frame = result.frame
     stamp = f"{frame.stamp // 10**9}.{frame.stamp % 10**9:09d}"
-    drawn = draw(frame.image, camera.parameters, view.sightings, view.place)
+    drawn = draw(frame.image, camera.parameters, result.detections, result.camera_pose)
     return write_above(drawn, f"{stamp} {frame.frame_id}")

@@ -37,7 +37,7 @@ def motion_factor(start: int, end: int, motion: SlippingMotion) -> Any:
     return gtsam.CustomFactor(gtsam.noiseModel.Gaussian.Covariance(motion.covariance), [start, end], error)
 
 
-def sighting_factor(key: int, landmark: int, place: PlanarPose, noise: Any) -> Any:
+def detection_factor(key: int, landmark: int, place: PlanarPose, noise: Any) -> Any:
     """Return the factor of a landmark with a place in the frame of the rover."""
     expected = pose2(place)
 

@@ -20,7 +20,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from roverkit.driving.arcs import PlanarPose
-from roverkit.fusion.field_factors import motion_factor, pose2, sighting_factor, state_factor
+from roverkit.fusion.field_factors import detection_factor, motion_factor, pose2, state_factor
 from roverkit.fusion.gtsam_library import gtsam
 from roverkit.fusion.landmark_agreement import agreeing
 from roverkit.fusion.odometry_track import OdometryPoint
@@ -33,7 +33,7 @@ _APART_RAD = 0.15
 _GPS_APART_M = 1.0
 """Least distance between two GPS positions: the errors of successive ones are nearly the same."""
 _HUBER = 3.0
-"""Error in standard deviations from which a sighting or a GPS position counts less (Huber's estimator)."""
+"""Error in standard deviations from which a detection or a GPS position counts less (Huber's estimator)."""
 _ENOUGH = 2
 """Landmarks that must agree before there is a pose, if the survey has more: a single one may have been moved."""
 _HELD = gtsam.noiseModel.Isotropic.Sigma(3, 1e-3)
@@ -89,34 +89,34 @@ class FieldGraph(Generic[T]):
         state, covariance = self._solver.calculateEstimateVector(last), self._solver.marginalCovariance(last)
         return self._last.motion_to(point).pose_after(state, covariance)
 
-    def see(self, sightings: Mapping[T, PlanarGaussian], point: OdometryPoint) -> None:
+    def see(self, detections: Mapping[T, PlanarGaussian], point: OdometryPoint) -> None:
         """Add an image: the places of landmarks in the frame of the rover, and the odometry at its time.
 
         Does nothing if the image is older than the last one, shows nothing new, or shows no surveyed landmark.
         """
-        sightings = {landmark: place for landmark, place in sightings.items() if landmark in self._surveyed}
-        if not sightings or not self._is_new(point, sightings):
+        detections = {landmark: place for landmark, place in detections.items() if landmark in self._surveyed}
+        if not detections or not self._is_new(point, detections):
             return
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         if self._last is None:
             # The landmark that is seen best is believed until others contradict.
-            best = min(sightings, key=lambda landmark: float(np.trace(sightings[landmark].covariance)))
+            best = min(detections, key=lambda landmark: float(np.trace(detections[landmark].covariance)))
             self._trusted = frozenset({best})
-            start = state_of(self._surveyed[best].pose @ sightings[best].pose.inverse(), np.zeros(2))
+            start = state_of(self._surveyed[best].pose @ detections[best].pose.inverse(), np.zeros(2))
             factors.add(state_factor(gtsam.symbol("x", 0), 3, start[3:], _ANY_SLIP))
         else:
             start = self._follow(point, factors)
         key = self._add_pose(point, start, values)
-        for landmark, place in sightings.items():
+        for landmark, place in detections.items():
             if landmark not in self._keys:
                 self._keys[landmark] = gtsam.symbol("l", len(self._keys))
                 values.insert(self._keys[landmark], pose2(pose_of(start) @ place.pose))
-            factors.add(sighting_factor(key, self._keys[landmark], place.pose, _robust(place.covariance)))
+            factors.add(detection_factor(key, self._keys[landmark], place.pose, _robust(place.covariance)))
         self._solve(factors, values)
-        self._last_seen = frozenset(sightings)
-        self._seen.update(sightings.keys())
+        self._last_seen = frozenset(detections)
+        self._seen.update(detections.keys())
         # Each doubling of what is known about a landmark is a reason to ask again.
-        if any(_is_power_of_two(self._seen[landmark]) for landmark in sightings):
+        if any(_is_power_of_two(self._seen[landmark]) for landmark in detections):
             self._judge()
 
     def locate(self, position: Floats, covariance: Floats, point: OdometryPoint) -> None:
@@ -135,14 +135,14 @@ class FieldGraph(Generic[T]):
         self._last_gps = point
         self._solve(factors, values)
 
-    def _is_new(self, point: OdometryPoint, sightings: Mapping[T, PlanarGaussian]) -> bool:
+    def _is_new(self, point: OdometryPoint, detections: Mapping[T, PlanarGaussian]) -> bool:
         if self._last is None:
             return True
         if point.stamp <= self._last.stamp:
             return False
         turn = math.remainder(point.pose.yaw - self._last.pose.yaw, 2 * math.pi)
         return (
-            not sightings.keys() <= self._last_seen
+            not detections.keys() <= self._last_seen
             or point.pose.distance_to(self._last.pose) >= _APART_M
             or abs(turn) >= _APART_RAD
         )

@@ -35,7 +35,7 @@ from roverkit.driving.geodesy import Datum
 from roverkit.fusion.field_graph import FieldGraph
 from roverkit.fusion.odometry_track import OdometryPoint, OdometryTrack
 from roverkit.fusion.planar_gaussian import PlanarGaussian, is_covariance
-from roverkit.fusion.planar_landmarks import planar_sightings, surveyed_places
+from roverkit.fusion.planar_landmarks import planar_detections, surveyed_places
 from roverkit.node.ros_connection import RosConnection
 from roverkit.odometry.odometry_messages import UNKNOWN_VARIANCE, pose_of
 from roverkit.vision.camera.cameras_file import read_cameras
@@ -142,8 +142,8 @@ class Fusion:
                     # Once for each reason: the age in the text changes with every image.
                     self._say_once(f"ignoring landmarks: {str(error).partition(':')[0]}")
                     continue
-                sightings = planar_sightings(message, place, self._landmarks)
-                self._wait(stamp, partial(self._graph.see, sightings))
+                detections = planar_detections(message, place, self._landmarks)
+                self._wait(stamp, partial(self._graph.see, detections))
 
     def _take_fixes(self, messages: Sequence[bytes]) -> None:
         with self._lock:

@@ -1,6 +1,6 @@
 """Agreement of landmarks: those that stand where the survey says, and those that somebody has moved since.
 
-The sightings of landmarks during a drive give their places relative to each other, whatever the survey says. Two
+The detections of landmarks during a drive give their places relative to each other, whatever the survey says. Two
 landmarks agree if they stand to each other as in the survey. The largest set of landmarks that all agree is right; one
 that was moved agrees with none of them.
 """
@@ -31,7 +31,7 @@ def agreeing(
 ) -> frozenset[T]:
     """Return the largest set of landmarks that agree with each other.
 
-    ``seen`` has the places by the sightings, in any frame, and ``covariance`` their joint covariance (3, 3) for two
+    ``seen`` has the places by the detections, in any frame, and ``covariance`` their joint covariance (3, 3) for two
     landmarks. Of sets of one size, the one with most of ``preferred`` is returned.
     """
     friends: dict[T, frozenset[T]] = {landmark: frozenset() for landmark in seen}

@@ -1,4 +1,4 @@
-"""Landmarks, and sightings of them, on the plane of the field.
+"""Landmarks, and detections of them, on the plane of the field.
 
 A landmark's pose on the plane has the yaw 0 if the landmark stands as the survey says, however it is mounted: the yaw
 is its rotation about the vertical since the survey. So a landmark on the ground has one as well as one on a wall.
@@ -32,7 +32,7 @@ def surveyed_places(landmarks: Landmarks) -> dict[TargetId, PlanarGaussian]:
     }
 
 
-def planar_sightings(
+def planar_detections(
     message: vision_msgs.Detection3DArray, mount: Pose, landmarks: Landmarks
 ) -> dict[TargetId, PlanarGaussian]:
     """Return the places of the surveyed landmarks in a message of ``roverlink aruco track``, in the rover's frame.
@@ -41,7 +41,7 @@ def planar_sightings(
     those without a covariance.
     """
     names = {str(name): name for name in landmarks.places}
-    sightings = {}
+    detections = {}
     for detection in message.detections:
         if (
             not detection.id
@@ -59,8 +59,8 @@ def planar_sightings(
         own = rotation(yaw).T @ covariance @ rotation(yaw)
         x, y, _ = place.translation.tolist()
         if is_covariance(own):
-            sightings[name] = PlanarGaussian(PlanarPose(x, y, yaw), own)
-    return sightings
+            detections[name] = PlanarGaussian(PlanarPose(x, y, yaw), own)
+    return detections
 
 
 def _pose(pose: geometry_msgs.Pose) -> Pose:

@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
-from roverkit.driving.approach import LandmarkView, Waypoint
+from roverkit.driving.approach import LandmarkViewpoint, Waypoint
 from roverkit.driving.arcs import PlanarPose
 from roverkit.driving.geodesy import Datum
 from roverkit.vision.field.landmarks import FRAME, Landmarks, read_landmarks
@@ -64,7 +64,7 @@ class Goal:
 
     name: str
     """Name in messages, such as ``goal 2 (landmark 7)``."""
-    place: Waypoint | LandmarkView
+    place: Waypoint | LandmarkViewpoint
     pause: float
     """Time in seconds for which the rover stays at the goal."""
     rules: GoalRules
@@ -82,7 +82,7 @@ class Mission:
     @property
     def has_landmarks(self) -> bool:
         """True if the mission has goals at landmarks."""
-        return any(isinstance(goal.place, LandmarkView) for goal in self.goals)
+        return any(isinstance(goal.place, LandmarkViewpoint) for goal in self.goals)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,16 +125,16 @@ def _goal(item: Item, facts: _Field, rules: GoalRules) -> Goal:
         if key in entries and kind not in owners:
             raise entries[key].error(f"{item.name} has a {key}, which belongs to a goal with {' or '.join(owners)}")
     place = _place(kind, entries, facts)
-    what = f"landmark {place.landmark}" if isinstance(place, LandmarkView) else kind
+    what = f"landmark {place.landmark}" if isinstance(place, LandmarkViewpoint) else kind
     name = _name(entries["name"]) if "name" in entries else what
     pause = _number(entries["pause"], 0, _LONGEST_S, "seconds") if "pause" in entries else 0.0
     return Goal(f"{item.name} ({name})", place, pause, _rules(entries, rules))
 
 
-def _place(kind: str, entries: Mapping[str, Item], facts: _Field) -> Waypoint | LandmarkView:
+def _place(kind: str, entries: Mapping[str, Item], facts: _Field) -> Waypoint | LandmarkViewpoint:
     if kind == "landmark":
         distance = _number(entries["distance"], 0.1, _FARTHEST_M, "metres") if "distance" in entries else 1.0
-        return _view(entries["landmark"], facts.landmarks, distance)
+        return _viewpoint(entries["landmark"], facts.landmarks, distance)
     yaw = math.radians(_number(entries["heading"], -360, 360, "degrees")) if "heading" in entries else None
     first, second = (float(number) for number in entries[kind].numbers(2))
     if kind == "position":
@@ -143,7 +143,7 @@ def _place(kind: str, entries: Mapping[str, Item], facts: _Field) -> Waypoint | 
     return Waypoint(place.x, place.y, yaw)
 
 
-def _view(item: Item, landmarks: Landmarks | None, distance: float) -> LandmarkView:
+def _viewpoint(item: Item, landmarks: Landmarks | None, distance: float) -> LandmarkViewpoint:
     if landmarks is None:
         raise item.error("a goal at a landmark needs the places of the landmarks; write landmarks: FILE")
     name = item.value
@@ -154,7 +154,7 @@ def _view(item: Item, landmarks: Landmarks | None, distance: float) -> LandmarkV
     x, y, _ = (float(part) for part in known.pose.translation)
     east, north, _ = (float(part) for part in known.pose.rotation[:, 2])  # z points out of the print
     facing = math.atan2(north, east) if math.hypot(east, north) >= _UPRIGHT else None
-    return LandmarkView(str(name), x, y, facing, distance)
+    return LandmarkViewpoint(str(name), x, y, facing, distance)
 
 
 def _on_map(item: Item, latitude: float, longitude: float, facts: _Field) -> PlanarPose:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from roverkit.objects.detected_objects import Box, Detection
+from roverkit.objects.detected_objects import Box, ObjectDetection
 from roverkit.objects.layouts import LAYOUTS, Candidates, Layout, Signature, candidates
 from roverkit.objects.runtime_session import Array, Session
 from roverkit.vision.markers.detection import Image, to_colour
@@ -56,7 +56,7 @@ class ObjectDetector:
         self.class_names: tuple[str, ...] = tuple(known)
         """Names of the classes; empty if neither the caller nor the model names them."""
 
-    def detect(self, image: Image) -> list[Detection]:
+    def detect(self, image: Image) -> list[ObjectDetection]:
         """Return the objects in a grey or BGR image, the surest one first; their boxes are clipped to the image.
 
         Raises `SetupError` if the model fails.
@@ -76,7 +76,7 @@ class ObjectDetector:
             Candidates(np.hstack([boxes[good, :2], lengths[good]]), found.scores[good], found.classes[good])
         )
         return [
-            Detection(Box(*(float(value) for value in box)), self._class_name(index), float(score))
+            ObjectDetection(Box(*(float(value) for value in box)), self._class_name(index), float(score))
             for box, score, index in chosen
         ]
 

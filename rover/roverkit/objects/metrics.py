@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from roverkit.objects.detected_objects import Box, Detection
+from roverkit.objects.detected_objects import Box, ObjectDetection
 from roverkit.vision.camera.camera_model import Floats
 
 _OVERLAP = 0.5
@@ -23,7 +23,9 @@ def overlap(first: Box, second: Box) -> float:
     return both / (first.width * first.height + second.width * second.height - both) if both else 0.0
 
 
-def average_precisions(images: Iterable[tuple[Sequence[Detection], Sequence[tuple[str, Box]]]]) -> dict[str, float]:
+def average_precisions(
+    images: Iterable[tuple[Sequence[ObjectDetection], Sequence[tuple[str, Box]]]],
+) -> dict[str, float]:
     """Return the average precision (AP50) of each class that the truth has; their mean is mAP50.
 
     Each image has what was detected, with all scores, and the truth. The precision is interpolated at 101 recalls, as

@@ -19,7 +19,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from roverkit.objects.detected_objects import Box, Detection, TrackedObject
+from roverkit.objects.detected_objects import Box, ObjectDetection, TrackedObject
 from roverkit.vision.camera.camera_model import Floats
 from roverlink.runtime.core.errors import SetupError
 
@@ -56,7 +56,7 @@ class _Track:
     The four numbers have the same noise, so they have one covariance, of the number and its change.
     """
 
-    def __init__(self, id: int, detection: Detection, stamp: int) -> None:
+    def __init__(self, id: int, detection: ObjectDetection, stamp: int) -> None:
         self.id, self.stamp, self.seen = id, stamp, 1
         self.confidence = detection.confidence
         self.classes: dict[str, float] = defaultdict(float, {detection.class_name: detection.confidence})
@@ -88,7 +88,7 @@ class _Track:
         """Move the predicted centre by pixels (2,)."""
         self._state[0, :2] += pixels
 
-    def update(self, detection: Detection, stamp: int) -> None:
+    def update(self, detection: ObjectDetection, stamp: int) -> None:
         """Correct the state by a detection."""
         innovation = self._covariance[0, 0] + (_JITTER * _size(detection.box)) ** 2
         gain = self._covariance[0] / innovation
@@ -108,7 +108,7 @@ class ObjectTracker:
         self._ids = itertools.count(1)
         self._stamp: int | None = None
 
-    def track(self, detections: Iterable[Detection], stamp: int) -> list[TrackedObject]:
+    def track(self, detections: Iterable[ObjectDetection], stamp: int) -> list[TrackedObject]:
         """Return the objects that are visible in a frame, with the detections in it; `stamp` is in nanoseconds.
 
         An object comes out when it is detected for the second time. If the time jumps back, all objects are new.
@@ -119,7 +119,7 @@ class ObjectTracker:
         self._tracks = [track for track in self._tracks if stamp - track.stamp < FORGOTTEN_S * 1e9]
         for track in self._tracks:
             track.predict(stamp)
-        found: list[tuple[_Track, Detection]] = []
+        found: list[tuple[_Track, ObjectDetection]] = []
         certain, uncertain = _parted(detections)
         self._follow_camera(certain)
         left, news = _joined(self._tracks, certain, stamp, found)
@@ -133,7 +133,7 @@ class ObjectTracker:
             if track.seen >= CONFIRMED
         ]
 
-    def _follow_camera(self, detections: Sequence[Detection]) -> None:
+    def _follow_camera(self, detections: Sequence[ObjectDetection]) -> None:
         """Shift all predictions by the motion that most objects have in common: that of the camera."""
         pairs = _pairs(self._tracks, detections)
         if len(pairs) >= _IN_COMMON:
@@ -142,17 +142,20 @@ class ObjectTracker:
                 track.shift(shift)
 
 
-def _parted(detections: Iterable[Detection]) -> tuple[list[Detection], list[Detection]]:
-    certain: list[Detection] = []
-    uncertain: list[Detection] = []
+def _parted(detections: Iterable[ObjectDetection]) -> tuple[list[ObjectDetection], list[ObjectDetection]]:
+    certain: list[ObjectDetection] = []
+    uncertain: list[ObjectDetection] = []
     for detection in detections:
         (certain if detection.confidence >= CERTAIN else uncertain).append(detection)
     return certain, uncertain
 
 
 def _joined(
-    tracks: Sequence[_Track], detections: Sequence[Detection], stamp: int, found: list[tuple[_Track, Detection]]
-) -> tuple[list[_Track], list[Detection]]:
+    tracks: Sequence[_Track],
+    detections: Sequence[ObjectDetection],
+    stamp: int,
+    found: list[tuple[_Track, ObjectDetection]],
+) -> tuple[list[_Track], list[ObjectDetection]]:
     """Join tracks and detections, and return those that are left over; `found` gets the pairs."""
     pairs = _pairs(tracks, detections)
     for track, detection in pairs:
@@ -164,7 +167,7 @@ def _joined(
     ]
 
 
-def _pairs(tracks: Sequence[_Track], detections: Sequence[Detection]) -> list[tuple[_Track, Detection]]:
+def _pairs(tracks: Sequence[_Track], detections: Sequence[ObjectDetection]) -> list[tuple[_Track, ObjectDetection]]:
     """Return the pairs of tracks and detections with the smallest total distance."""
     if not tracks or not detections:
         return []

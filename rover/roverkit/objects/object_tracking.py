@@ -54,7 +54,7 @@ _DIGITS = 6  # significant digits of JSON
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ObjectView:
+class ObjectResult:
     """Frame with the objects in it, and those of their positions that are known, by the objects' numbers."""
 
     frame: Frame
@@ -80,7 +80,7 @@ class ObjectView:
         return found
 
 
-Output = Callable[[ObjectView], None]
+Output = Callable[[ObjectResult], None]
 
 
 def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> int:
@@ -103,11 +103,11 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
         tracker = ObjectTracker()
         for frame in _frames(source, arguments, connection):
             objects = tracker.track(detector.detect(frame.image), frame.stamp)
-            view = ObjectView(frame, objects, _locations(objects, frame, depth))
+            result = ObjectResult(frame, objects, _locations(objects, frame, depth))
             if arguments.json:
-                print(json.dumps(view.as_dict()), flush=True)
+                print(json.dumps(result.as_dict()), flush=True)
             for output in outputs:
-                output(view)
+                output(result)
             log.add(frame, objects, live=source.live)
     return OK
 
@@ -170,7 +170,7 @@ def _film(source: FrameSource, text: str, arguments: argparse.Namespace, stack: 
         if path.exists() and Path(text).exists() and path.samefile(text):
             raise SetupError(f"{path} is the source of the images; give --save another name")
         film = stack.enter_context(Film(path, source.rate))
-        yield lambda view: film.add(_drawn(view), view.frame.stamp)
+        yield lambda result: film.add(_drawn(result), result.frame.stamp)
 
 
 def _publishers(
@@ -186,11 +186,11 @@ def _publishers(
     solid = outputs.open("objects/detections_3d", vision_msgs.Detection3DArray)
     image = outputs.open("objects/image/compressed", sensor_msgs.CompressedImage, LATEST)
 
-    def publish(view: ObjectView) -> None:
-        stamp, frame = view.frame.stamp, view.frame.frame_id
-        flat.put(lambda: detections_2d_of(view.objects, stamp, frame))
-        solid.put(lambda: detections_3d_of(view.objects, view.locations, stamp, frame))
-        image.put(lambda: compressed_of(_drawn(view), stamp, frame))
+    def publish(result: ObjectResult) -> None:
+        stamp, frame = result.frame.stamp, result.frame.frame_id
+        flat.put(lambda: detections_2d_of(result.objects, stamp, frame))
+        solid.put(lambda: detections_3d_of(result.objects, result.locations, stamp, frame))
+        image.put(lambda: compressed_of(_drawn(result), stamp, frame))
 
     yield publish
     try:
@@ -201,15 +201,15 @@ def _publishers(
     publisher = ros.middleware.publisher(ros.topic(row.route.topic), row.message_type, row.route.qos)
     types = ObjectTypes(classes, row.types, names, logger.warning)
 
-    def send(view: ObjectView) -> None:
-        objects = [(tracked, types.of(tracked.class_name)) for tracked in view.objects]
-        publisher.publish(list(row.messages(objects, view.frame.size)))
+    def send(result: ObjectResult) -> None:
+        objects = [(tracked, types.of(tracked.class_name)) for tracked in result.objects]
+        publisher.publish(list(row.messages(objects, result.frame.size)))
 
     yield send
 
 
-def _drawn(view: ObjectView) -> Any:
-    return draw_objects(view.frame.image, view.objects, view.locations)
+def _drawn(result: ObjectResult) -> Any:
+    return draw_objects(result.frame.image, result.objects, result.locations)
 
 
 def _number(value: float) -> float:

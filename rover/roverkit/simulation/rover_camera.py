@@ -18,7 +18,7 @@ from roverkit.vision.images.rendering import Print, marker_print, outline, rende
 from roverkit.vision.markers.detection import Image
 from roverkit.vision.opencv import cv2
 from roverkit.vision.poses.pose import rotation_of
-from roverkit.vision.ros.sighting_messages import FrameNames, camera_info_of
+from roverkit.vision.ros.landmark_messages import FrameNames, camera_info_of
 
 from roverlink.runtime import SetupError
 from roverlink.runtime.interfaces import sensor_msgs

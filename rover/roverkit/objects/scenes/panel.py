@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from roverkit.objects.scenes.camera_view import CAMERA, FAR, Canvas, Look
 from roverkit.objects.scenes.panel_parts import PARTS, SIDE, draw_part
+from roverkit.objects.scenes.rendered_camera import CAMERA, FAR, Canvas, ImagingConditions
 from roverkit.objects.scenes.world import World, smooth
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.opencv import cv2
@@ -83,7 +83,7 @@ class Panel(World):
         self._drawing[area][inside] = drawing[inside]
         self._numbers[area][inside] = len(self._parts)
 
-    def _draw(self, canvas: Canvas, look: Look) -> None:  # noqa: ARG002  # as for rocks
+    def _draw(self, canvas: Canvas, conditions: ImagingConditions) -> None:  # noqa: ARG002  # as for rocks
         depth = canvas.meet(np.array([self._AHEAD, 0, 0]), np.array([1.0, 0, 0]))
         places = canvas.pose.translation + depth[..., None] * canvas.rays
         width, height = _PANEL

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roverkit.objects.scenes.camera_view import CAMERA, HEIGHT, WIDTH, Canvas, Look
+from roverkit.objects.scenes.rendered_camera import CAMERA, HEIGHT, WIDTH, Canvas, ImagingConditions
 from roverkit.objects.scenes.world import World, smooth
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.opencv import cv2
@@ -42,12 +42,12 @@ class RocksOnGround(World):
             if all(np.linalg.norm(place - rock.place) > 0.7 * (radius + rock.radius) for rock in self._rocks):
                 self._rocks.append(_rock(rng, place, radius, self.ground))
 
-    def _draw(self, canvas: Canvas, look: Look) -> None:
+    def _draw(self, canvas: Canvas, conditions: ImagingConditions) -> None:
         order = sorted(range(len(self._rocks)), key=lambda index: -self._seen(canvas, self._rocks[index])[2])
         for index in order:
-            _shade_ground(canvas, self._rocks[index], look)
+            _shade_ground(canvas, self._rocks[index], conditions)
         for index in order:
-            _draw_rock(canvas, self._rocks[index], self._seen(canvas, self._rocks[index]), index + 1, look)
+            _draw_rock(canvas, self._rocks[index], self._seen(canvas, self._rocks[index]), index + 1, conditions)
 
     @staticmethod
     def _seen(canvas: Canvas, rock: _Rock) -> Floats:
@@ -83,16 +83,16 @@ def _rock(rng: np.random.Generator, place: Floats, radius: float, ground: Floats
     return _Rock(place, radius, rng.uniform(0.5, 0.95), colour, distance, relief)
 
 
-def _shade_ground(canvas: Canvas, rock: _Rock, look: Look) -> None:
+def _shade_ground(canvas: Canvas, rock: _Rock, conditions: ImagingConditions) -> None:
     """Darken the ground at the side of a rock that is turned away from the light."""
     places = canvas.pose.translation[:2] + canvas.depth[..., None] * canvas.rays[..., :2]
-    middle = rock.place - 0.5 * rock.radius * look.light
+    middle = rock.place - 0.5 * rock.radius * conditions.light
     away = np.linalg.norm(places - middle, axis=-1) / rock.radius
     dark = 0.55 * np.clip(1.6 - away, 0, 1)
     canvas.image *= 1 - np.nan_to_num(dark).astype(np.float32)[..., None]
 
 
-def _draw_rock(canvas: Canvas, rock: _Rock, middle: Floats, number: int, look: Look) -> None:
+def _draw_rock(canvas: Canvas, rock: _Rock, middle: Floats, number: int, conditions: ImagingConditions) -> None:
     """Draw a rock at its middle (3,) in the optical frame."""
     if middle[2] < 0.2:
         return
@@ -103,7 +103,7 @@ def _draw_rock(canvas: Canvas, rock: _Rock, middle: Floats, number: int, look: L
     slope_y, slope_x = np.gradient(relief * width / 2.3)
     length = np.sqrt(slope_x**2 + slope_y**2 + 1)
     # The light comes from the side of `light`, and from above.
-    lit = (0.75 * look.light[1] * slope_x + 0.9 * slope_y + 0.7) / length
+    lit = (0.75 * conditions.light[1] * slope_x + 0.9 * slope_y + 0.7) / length
     shade = 0.35 + 0.75 * np.clip(lit, 0, 1.2)
     left, top = np.rint(CAMERA.project(middle) - (width / 2, height / 2)).astype(int).tolist()
     x1, y1, x2, y2 = max(left, 0), max(top, 0), min(left + width, WIDTH), min(top + height, HEIGHT)

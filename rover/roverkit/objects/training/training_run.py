@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import mean
 
 from roverkit.objects.chosen_detector import open_detector
-from roverkit.objects.detected_objects import Box, Detection
+from roverkit.objects.detected_objects import Box, ObjectDetection
 from roverkit.objects.detector import ObjectDetector
 from roverkit.objects.metrics import average_precisions
 from roverkit.objects.scenes import CLASSES, scenes
@@ -82,7 +82,7 @@ def measure(arguments: argparse.Namespace) -> None:
 def _measured(detector: ObjectDetector, images: Sequence[LabelledImage], names: Sequence[str]) -> Mapping[str, float]:
     """Return the average precision of each class that the images show."""
 
-    def results() -> Iterator[tuple[list[Detection], list[tuple[str, Box]]]]:
+    def results() -> Iterator[tuple[list[ObjectDetection], list[tuple[str, Box]]]]:
         with progress(f"measuring {detector.name}") as report:
             for number, labelled in enumerate(images, 1):
                 image, labels = labelled.read()
