@@ -63,7 +63,7 @@ class LiveCalibration:
         self._asked = threading.Event()
         self.finished = threading.Event()
         """Set when the calibration has been saved."""
-        self._pictures: LatestValue[tuple[Image, Floats]] = LatestValue()
+        self._images: LatestValue[tuple[Image, Floats]] = LatestValue()
         self._states: LatestValue[dict[str, Any]] = LatestValue()
         self._publish_state()
 
@@ -87,7 +87,7 @@ class LiveCalibration:
                 self._note = f"View {self._number} is taken: {offer.reason}"
                 self._number += 1
             self._publish_state()
-        self._pictures.put((image, offer.view.corners))
+        self._images.put((image, offer.view.corners))
         return offer
 
     def ended(self) -> None:
@@ -106,12 +106,12 @@ class LiveCalibration:
         version, state = self._states.get(after, _TIMEOUT_S) or self._states.now()
         return {"version": version, **state}
 
-    def picture(self, after: int) -> tuple[int, bytes] | None:
+    def image(self, after: int) -> tuple[int, bytes] | None:
         """Return number and JPEG of the newest image, with its corners marked.
 
         Waits some seconds for a number greater than `after`; returns None if no such image comes.
         """
-        newest = self._pictures.get(after, _TIMEOUT_S)
+        newest = self._images.get(after, _TIMEOUT_S)
         return newest and (newest[0], _jpeg(*newest[1], _SHOWN))
 
     def thumbnail(self, view: int) -> bytes | None:
