@@ -21,7 +21,6 @@ from check_launch.expansion.actions import (
     Later,
     LoadNodes,
     Opaque,
-    Problem,
     PushNamespace,
     SetConfiguration,
     SetEnvironment,
@@ -41,7 +40,6 @@ from check_launch.expansion.parameter_files import (
     rewritten,
     typed,
 )
-from check_launch.expansion.places import Place
 from check_launch.expansion.python_files import NeedsMoreError, PythonFile
 from check_launch.expansion.stored_files import actions_of_stored
 from check_launch.expansion.substitutions import (
@@ -54,6 +52,9 @@ from check_launch.expansion.substitutions import (
     text_of,
 )
 from check_launch.expansion.written_text import WrongTextError, parse_text
+from check_launch.misspellings import did_you_mean, nearest
+from check_launch.rules.launch_rules import NOT_EXPANDED, UNDECLARED_ARGUMENT, UNREADABLE, WRONG_VALUE
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 
 _DEEPEST = 30  # includes within includes
 
@@ -62,7 +63,7 @@ _DEEPEST = 30  # includes within includes
 class FileUse:
     """A parameter file that a node gets."""
 
-    place: Place
+    place: Span
     """Place of the path in the launch file."""
     shown: str
     sections: tuple[Section, ...]
@@ -74,8 +75,8 @@ class StartedRemapping:
 
     source: str | None
     target: str | None
-    place: Place
-    target_place: Place
+    place: Span
+    target_place: Span
     is_general: bool = False
 
 
@@ -83,7 +84,7 @@ class StartedRemapping:
 class StartedNode:
     """A node that a launch file starts. A text is None if it is known at run time only."""
 
-    place: Place
+    place: Span
     package: str | None
     executable: str | None
     plugin: str | None
@@ -108,7 +109,7 @@ class Declared:
     name: str
     default: str | None
     choices: tuple[str, ...]
-    place: Place
+    place: Span
     has_default: bool
 
 
@@ -119,7 +120,7 @@ class Expansion:
     arguments: Mapping[str, str | None]
     """Values that differ from the defaults."""
     nodes: list[StartedNode] = field(default_factory=list)
-    problems: list[Problem] = field(default_factory=list)
+    findings: list[Diagnostic] = field(default_factory=list)
     declared: dict[str, Declared] = field(default_factory=dict)
     used: dict[str, None] = field(default_factory=dict)
     """Arguments on which conditions depend, in the order of their use."""
@@ -127,9 +128,9 @@ class Expansion:
     """Texts with which conditions and expressions compare arguments, by the name of the argument."""
     runs_programs: bool = False
     """True if programs run that are no nodes of a package, whose topics are not known."""
-    undeclared: list[tuple[str, Place]] = field(default_factory=list)
+    undeclared: list[tuple[str, Span]] = field(default_factory=list)
     """Arguments that are used, and that no launch file declares, with the places of their use."""
-    skipped: dict[str, Place] = field(default_factory=dict)
+    skipped: dict[str, Span] = field(default_factory=dict)
     """Packages of which launch files are included, but not there."""
 
 
@@ -149,7 +150,7 @@ class Expander:
         no news that they are not there.
         """
         self._packages, self._shown, self._stored, self.known = packages, shown, stored, known
-        self._declarative: dict[str, tuple[list[Action], list[Problem]]] = {}
+        self._declarative: dict[str, tuple[list[Action], list[Diagnostic]]] = {}
         self._python: dict[str, PythonFile] = {}
         self._parameter_files: dict[str, ParameterFile] = {}
 
@@ -157,11 +158,11 @@ class Expander:
         """Return what a launch file starts with some values of its arguments. Raises `UnreadableFileError`."""
         run, file = _Run(self, self._packages, arguments), str(path.resolve())
         run.context.file = file
-        run.include(file, Place(self._shown(file)))
+        run.include(file, Span(self._shown(file)))
         run.result.undeclared = list(dict.fromkeys(run.context.undeclared))
         return run.result
 
-    def actions(self, path: str) -> tuple[list[Action], list[Problem]]:
+    def actions(self, path: str) -> tuple[list[Action], list[Diagnostic]]:
         """Return the actions of a launch file. Raises `UnreadableFileError` or `NeedsMoreError`."""
         if path.endswith(".py"):
             return self.python(path).actions(), []
@@ -203,21 +204,21 @@ class _Run:
         self._depth = 0
         self._path = ""  # path of the launch file whose actions are expanded
 
-    def include(self, path: str, place: Place) -> None:
+    def include(self, path: str, place: Span) -> None:
         """Expand the actions of a launch file."""
         self._depth += 1
         if self._depth > _DEEPEST:
             raise UnreadableFileError(place, "launch files include each other without end")
         before, self._path = self._path, path
         try:
-            actions, problems = self._actions(path, place)
-            self.result.problems += problems
+            actions, findings = self._actions(path, place)
+            self.result.findings += findings
             self._run(actions)
         finally:
             self._path = before
             self._depth -= 1
 
-    def _actions(self, path: str, place: Place) -> tuple[list[Action], list[Problem]]:
+    def _actions(self, path: str, place: Span) -> tuple[list[Action], list[Diagnostic]]:
         if missing := package_of_share(path):
             package, inner = missing
             stored = self._expander.stored(package, inner)
@@ -228,7 +229,7 @@ class _Run:
         try:
             return self._expander.actions(path)
         except NeedsMoreError as error:
-            return [], [Problem("needs", error.place, str(error))]
+            return [], [NOT_EXPANDED.at(error.place, str(error))]
 
     def _run(self, actions: Iterable[Action]) -> None:
         for action in actions:
@@ -245,7 +246,7 @@ class _Run:
         try:
             value = text_of(text, self.context)
             if not is_boolean(value):
-                self._report("condition", action.place, f"the condition is '{value}', which is neither true nor false")
+                self._report(WRONG_VALUE, action.place, f"the condition is '{value}', which is neither true nor false")
                 return True
             return is_true(value) == wanted
         except UnknownTextError:
@@ -258,8 +259,8 @@ class _Run:
             if compared is not None:
                 self.result.compared.setdefault(name, {})[compared] = None
 
-    def _report(self, kind: str, place: Place, message: str, help: str = "") -> None:
-        self.result.problems.append(Problem(kind, place, message, help))
+    def _report(self, rule: Rule, place: Span, message: str, help: str = "") -> None:
+        self.result.findings.append(rule.at(place, message, help))
 
     def _text(self, value: Any) -> str | None:
         """Return a text; None if it is known at run time only."""
@@ -329,7 +330,7 @@ class _Run:
         value = self.context.configurations.setdefault(name, default)
         if action.choices and value is not None and value not in action.choices:
             known = ", ".join(action.choices)
-            self._report("choice", action.place, f"the argument '{name}' is '{value}'; it must be one of: {known}")
+            self._report(WRONG_VALUE, action.place, f"the argument '{name}' is '{value}'; it must be one of: {known}")
 
     def _group(self, action: Group) -> None:
         context = self.context
@@ -362,19 +363,19 @@ class _Run:
             if text := self._text(name):
                 self.context.configurations[text] = self._text(value)
         if path is None:
-            self._report("needs", action.place, "the path of an included launch file is known at run time only")
+            self._report(NOT_EXPANDED, action.place, "the path of an included launch file is known at run time only")
             return
         before = set(self.result.declared)
-        problems = len(self.result.problems)
+        findings = len(self.result.findings)
         try:
             self.include(path, action.place)
         except UnreadableFileError as error:
             place = error.place if error.place.line else action.place
             self._report(
-                "include", place, f"{self._expander.shown(path)}: {error}" if place == action.place else str(error)
+                UNREADABLE, place, f"{self._expander.shown(path)}: {error}" if place == action.place else str(error)
             )
             return
-        is_complete = len(self.result.problems) == problems and not package_of_share(path)
+        is_complete = len(self.result.findings) == findings and not package_of_share(path)
         for name, _, place in action.arguments:
             text = self._text(name)
             if (
@@ -385,10 +386,10 @@ class _Run:
                 and not self._is_used(path, text)
             ):
                 self._report(
-                    "argument",
+                    UNDECLARED_ARGUMENT,
                     place,
                     f"{self._expander.shown(path)} has no argument '{text}'",
-                    _nearest(text, self.result.declared),
+                    did_you_mean(nearest(text, self.result.declared)),
                 )
 
     def _absolute(self, path: str) -> str:
@@ -410,9 +411,9 @@ class _Run:
             if self._path.endswith(".py"):
                 self._run(self._expander.python(self._path).called(action.function, self.context))
         except NeedsMoreError as error:
-            self._report("needs", error.place, str(error))
+            self._report(NOT_EXPANDED, error.place, str(error))
         except UnknownTextError as error:
-            self._report("needs", action.place, f"a function needs '{error}', which is known at run time only")
+            self._report(NOT_EXPANDED, action.place, f"a function needs '{error}', which is known at run time only")
 
     def _start(self, action: StartNode) -> None:
         context = self.context
@@ -455,13 +456,13 @@ class _Run:
             )
         )
 
-    def _of_ros_arguments(self, words: list[str | None], place: Place) -> Iterator[FileUse]:
+    def _of_ros_arguments(self, words: list[str | None], place: Span) -> Iterator[FileUse]:
         """Yield the parameter files that arguments name: ``--params-file FILE``."""
         for option, value in itertools.pairwise(words):
             if option == "--params-file" and value and (use := self._file(GivenFile(value, place))):
                 yield use
 
-    def _values(self, name: Any, value: Any, place: Place, is_text: bool) -> Iterator[GivenValue]:
+    def _values(self, name: Any, value: Any, place: Span, is_text: bool) -> Iterator[GivenValue]:
         text = self._text(name)
         if text is None:
             return
@@ -499,7 +500,7 @@ class _Run:
             sections = self._expander.sections(path, self._file_text if given.has_substitutions else None)
         except UnreadableFileError as error:
             place = error.place if error.place.line else given.place
-            self._report("parameter-file", place, str(error) if error.place.line else f"{shown}: {error}")
+            self._report(UNREADABLE, place, str(error) if error.place.line else f"{shown}: {error}")
             return None
         rewrites: dict[str, Any] = {}
         for name, value in given.rewrites.items():
@@ -557,13 +558,6 @@ def _flat(text: Any) -> Iterator[Any]:
             yield from _flat(part)
     else:
         yield text
-
-
-def _nearest(word: str, known: Iterable[str]) -> str:
-    from difflib import get_close_matches
-
-    near = get_close_matches(word, list(known), 1)
-    return f"did you mean '{near[0]}'?" if near else ""
 
 
 def variations(expansion: Expansion) -> Iterator[dict[str, str | None]]:

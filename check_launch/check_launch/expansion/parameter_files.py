@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from check_launch.expansion.entities import UnreadableFileError, compose, place_of, plain
-from check_launch.expansion.places import Place
+from roverlink.generator.diagnostics import Span
 
 KEY = "ros__parameters"
 _FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
@@ -33,7 +33,7 @@ class GivenValue:
 
     name: str
     value: Any
-    place: Place
+    place: Span
     """Place of the last part of the name."""
 
 
@@ -42,7 +42,7 @@ class Section:
     """Parameters for the nodes whose full names match a pattern: ``/**``, ``/local_costmap/local_costmap``."""
 
     pattern: str
-    place: Place
+    place: Span
     values: tuple[GivenValue, ...]
 
     def matches(self, full_name: str) -> bool:
@@ -66,7 +66,7 @@ class ParameterFile:
             text = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             reason = getattr(error, "strerror", None) or error
-            raise UnreadableFileError(Place(shown), f"cannot read the file: {reason}") from error
+            raise UnreadableFileError(Span(shown), f"cannot read the file: {reason}") from error
         self._root, self._shown = compose(text, shown), shown
         self._with_substitutions = list(dict.fromkeys(_with_substitutions(self._root)))
         self._sections: dict[tuple[str | None, ...], list[Section]] = {}

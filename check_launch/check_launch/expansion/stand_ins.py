@@ -40,8 +40,8 @@ from check_launch.expansion.actions import (
     StartNode,
 )
 from check_launch.expansion.launch_context import Context, Packages
-from check_launch.expansion.places import Place
 from check_launch.expansion.substitutions import Substitution, UnknownTextError, is_true, text_of
+from roverlink.generator.diagnostics import Span
 
 
 class Ignored:
@@ -205,14 +205,14 @@ class _File:
                 column = node.col_offset + 1
                 self.columns[node.lineno] = min(column, self.columns.get(node.lineno, column))
 
-    def place_of(self, text: Any, near: Place) -> Place:
+    def place_of(self, text: Any, near: Span) -> Span:
         """Return the place of a literal text: in the call at a place, or else the first one in the file."""
         if isinstance(text, list | tuple) and text:
             text = text[0]
         found = [(line, column) for value, line, column in self.literals if value == text]
         inside = [literal for literal in found if near.line <= literal[0] <= self.spans.get(near.line, near.line)]
         line, column = next(iter(sorted(inside) or sorted(found)), (near.line, near.column))
-        return Place(self.shown, line, column)
+        return Span(self.shown, line, column)
 
 
 class StandIns:
@@ -226,19 +226,19 @@ class StandIns:
         """Remember the literals of the file, which are found again when an object with one of them is created."""
         self._file.read(tree)
 
-    def place(self) -> Place:
+    def place(self) -> Span:
         """Return the place in the launch file that is being executed."""
         frame = sys._getframe(1)
         while frame is not None and frame.f_code.co_filename != self._file.path:
             frame = frame.f_back  # type: ignore[assignment]
         if frame is None:
-            return Place(self._file.shown)
+            return Span(self._file.shown)
         if hasattr(frame.f_code, "co_positions"):  # since Python 3.11; before, only the line is known
             positions = list(frame.f_code.co_positions())
             line, _, start, _ = positions[frame.f_lasti // 2]
             if line is not None and start is not None:
-                return Place(self._file.shown, line, start + 1)
-        return Place(self._file.shown, frame.f_lineno, self._file.columns.get(frame.f_lineno, 0))
+                return Span(self._file.shown, line, start + 1)
+        return Span(self._file.shown, frame.f_lineno, self._file.columns.get(frame.f_lineno, 0))
 
     def modules(self) -> dict[str, ModuleType]:
         """Return the modules by their names, for `sys.modules`."""
@@ -427,7 +427,7 @@ class StandIns:
             list(ros_arguments or ()),
         )
 
-    def _given(self, given: Any, place: Place) -> Iterable[GivenParameter | GivenFile]:
+    def _given(self, given: Any, place: Span) -> Iterable[GivenParameter | GivenFile]:
         if isinstance(given, Mapping):
             for name, value in given.items():
                 read, is_text = _value(value)

@@ -12,8 +12,8 @@ from typing import Any
 
 from check_launch.expansion import actions as of_launch
 from check_launch.expansion.actions import Action, GivenFile, GivenParameter, Remapping, StartNode
-from check_launch.expansion.places import Place
 from check_launch.expansion.substitutions import from_stored, stored_text
+from roverlink.generator.diagnostics import Span
 
 _ACTIONS: Mapping[str, type[Action]] = {
     member.__name__: member
@@ -44,16 +44,16 @@ def _stored(value: Any) -> Any:
     if isinstance(value, list | tuple) and any(
         dataclasses.is_dataclass(part) or isinstance(part, tuple) for part in value
     ):
-        return {"list": [_stored(part) for part in value if not isinstance(part, Place)]}
+        return {"list": [_stored(part) for part in value if not isinstance(part, Span)]}
     return stored_text(value)
 
 
-def actions_of_stored(stored: list[Any], place: Place) -> list[Action]:
+def actions_of_stored(stored: list[Any], place: Span) -> list[Action]:
     """Return the actions of a description; ``place`` is that of the action that includes them."""
     return [_read(entry, place) for entry in stored]
 
 
-def _read(value: Any, place: Place) -> Any:
+def _read(value: Any, place: Span) -> Any:
     if isinstance(value, dict):
         if "is" in value:
             return _object(value, place)
@@ -70,7 +70,7 @@ def _hashable(name: Any) -> Any:
     return tuple(name) if isinstance(name, list) else name
 
 
-def _object(value: dict[str, Any], place: Place) -> Any:
+def _object(value: dict[str, Any], place: Span) -> Any:
     fields = {name: _read(part, place) for name, part in value.items() if name != "is"}
     kind = value["is"]
     if kind == "Remapping":

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from check_launch.catalogue.facts import OWN_SOURCE, Catalogue
-from check_launch.expansion.actions import Problem
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.expander import Expander, Expansion, variations
 from check_launch.expansion.launch_context import Packages
@@ -19,9 +18,7 @@ from check_launch.rules.launch_rules import (
     NOT_EXPANDED,
     OUTSIDE,
     UNDECLARED_ARGUMENT,
-    UNKNOWN_ACTION,
     UNREADABLE,
-    WRONG_VALUE,
 )
 from check_launch.rules.parameter_findings import (
     parameter_findings,
@@ -29,23 +26,13 @@ from check_launch.rules.parameter_findings import (
     used_parameters,
     used_sections,
 )
-from check_launch.rules.system import System, Variants, span, system_of
+from check_launch.rules.system import System, Variants, system_of
 from check_launch.rules.topic_findings import ends_of, topic_findings, used_remappings
-from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, in_order
+from roverlink.generator.diagnostics import Diagnostic, Severity, in_order
 
 LAUNCH_ENDINGS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch")
 _COMPLETE = re.compile(r"^[ \t]*(?:#|<!--)[ \t]*check-launch: complete\b", re.MULTILINE)
 """Comment in a launch file that starts everything."""
-_RULES: Mapping[str, Rule] = {
-    "element": UNKNOWN_ACTION,
-    "text": UNKNOWN_ACTION,
-    "condition": WRONG_VALUE,
-    "choice": WRONG_VALUE,
-    "argument": UNDECLARED_ARGUMENT,
-    "include": UNREADABLE,
-    "parameter-file": UNREADABLE,
-    "needs": NOT_EXPANDED,
-}
 
 
 @dataclass(slots=True)
@@ -90,7 +77,7 @@ class Checker:
                     sections = ParameterFile(path, shown_path(str(path))).sections(_known_text)
                     checked.findings += standalone_findings(sections, self._catalogue)
             except UnreadableFileError as error:
-                checked.findings.append(UNREADABLE.at(span(error.place), str(error)))
+                checked.findings.append(UNREADABLE.at(error.place, str(error)))
         checked.findings = in_order(_once(checked.findings))
         return checked
 
@@ -124,12 +111,12 @@ class Checker:
     def _of_expansion(
         self, expansion: Expansion, system: System, variants: Variants, complete: bool
     ) -> Iterator[Diagnostic]:
-        yield from (_of_problem(problem) for problem in expansion.problems)
+        yield from expansion.findings
         for name, place in expansion.undeclared:
-            yield UNDECLARED_ARGUMENT.at(span(place), f"the argument '{name}' is not declared", "declare it with `arg`")
+            yield UNDECLARED_ARGUMENT.at(place, f"the argument '{name}' is not declared", "declare it with `arg`")
         for package, place in expansion.skipped.items():
             message = f"the launch files of '{package}' are not here; what they start is not checked"
-            yield NOT_EXPANDED.at(span(place), message)
+            yield NOT_EXPANDED.at(place, message)
         yield from system.findings
         yield from parameter_findings(system, self._catalogue, variants)
         yield from topic_findings(system, variants, self._known, complete)
@@ -156,10 +143,6 @@ def _once(findings: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
         if key not in seen:
             seen.add(key)
             yield finding
-
-
-def _of_problem(problem: Problem) -> Diagnostic:
-    return _RULES[problem.kind].at(span(problem.place), problem.message, problem.help)
 
 
 def shown_path(path: str) -> str:

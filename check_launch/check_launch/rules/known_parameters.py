@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
 from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Parameter, PluginSlot
 from check_launch.expansion.parameter_files import UNKNOWN, GivenValue
-from check_launch.expansion.places import Place
 from check_launch.expansion.substitutions import UnknownTextError, evaluated
+from check_launch.misspellings import nearest
+from roverlink.generator.diagnostics import Span
 
 _LIST = re.compile(r"\{([^{}#*]+)\}")
 _VALUE = re.compile(r"\$\(([^()|]+)(?:\|([^()]*))?\)")
@@ -30,7 +30,7 @@ class LoadedPlugin:
     """Full name of the plugin's parameters, such as ``FollowPath.RotateToGoal``."""
     type: str | None
     """Type as the parameter or its default says; None if it is not known."""
-    place: Place | None
+    place: Span | None
     """Place of the parameter that decides; None if defaults decide."""
     base: str = ""
     """Base class of the plugin; empty if the plugin is not known."""
@@ -227,7 +227,7 @@ class ParameterView:
                 spare = LoadedPlugin(slot, prefix + name, str(given.value), given.place, is_spare=True)
                 self._load(spare, f"{prefix}{name}.", prefix, seen)
 
-    def _type(self, slot: PluginSlot, facts: NodeClass, prefix: str, name: str) -> tuple[str | None, Place | None]:
+    def _type(self, slot: PluginSlot, facts: NodeClass, prefix: str, name: str) -> tuple[str | None, Span | None]:
         """Return the type of a plugin, and the place that states it; the type is empty if nothing states it."""
         if not slot.type_key:
             return name, None
@@ -248,8 +248,7 @@ class ParameterView:
                 found = found or self.catalogue.plugins.get(spelling.format(plugin.type))
         self.plugins.append(replace(plugin, base=found.base if found else ""))
         if found is None and plugin.type:  # the parameters of the plugin that is likely meant; rules report the type
-            near = get_close_matches(plugin.type, self.catalogue.plugins, 1, _SIMILAR)
-            found = self.catalogue.plugins[near[0]] if near else None
+            found = self.catalogue.plugins.get(nearest(plugin.type, self.catalogue.plugins, _SIMILAR))
         facts = self.catalogue.classes.get(found.class_name) if found else None
         if found is None:
             self.open.append(prefix)

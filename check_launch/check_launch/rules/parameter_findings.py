@@ -5,12 +5,11 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from difflib import get_close_matches
 from typing import Any
 
 from check_launch.catalogue.facts import Catalogue, NodeClass, Parameter
 from check_launch.expansion.parameter_files import UNKNOWN, GivenValue, Section
-from check_launch.expansion.places import Place
+from check_launch.misspellings import did_you_mean, is_near, nearest
 from check_launch.rules.known_parameters import LoadedPlugin, ParameterView
 from check_launch.rules.launch_rules import (
     MISPLACED_PARAMETER,
@@ -23,9 +22,8 @@ from check_launch.rules.launch_rules import (
     UNUSED_SECTION,
     WRONG_TYPE,
 )
-from check_launch.rules.misspellings import is_near
-from check_launch.rules.system import RunningNode, System, Use, Variants, span
-from roverlink.generator.diagnostics import Diagnostic
+from check_launch.rules.system import RunningNode, System, Use, Variants
+from roverlink.generator.diagnostics import Diagnostic, Span
 
 _OF_RCL = re.compile(r"(?:qos_overrides\..*|use_sim_time)")
 """Parameters that the client libraries declare."""
@@ -134,17 +132,17 @@ def _of_value(
 def _unknown(
     given: GivenValue, shown: str, node: RunningNode | None, view: ParameterView, system: System | None
 ) -> Diagnostic:
-    at = span(given.place)
+    at = given.place
     known = list(view.exact)
+    message = f"{shown} has no parameter '{given.name}'"
     for shared in view.facts.shared:
         renamed = view.catalogue.sets[shared.set].renamed
         if given.name in renamed:
             new = renamed[given.name]
             help = f"it is now '{new}'" if new else "it is gone, and nothing replaces it"
-            return UNKNOWN_PARAMETER.at(at, f"{shown} has no parameter '{given.name}' any more", help)
-    near = get_close_matches(given.name, known, 1, 0.75)
-    if near:
-        return UNKNOWN_PARAMETER.at(at, f"{shown} has no parameter '{given.name}'", f"did you mean '{near[0]}'?")
+            return UNKNOWN_PARAMETER.at(at, f"{message} any more", help)
+    if near := nearest(given.name, known, 0.75):
+        return UNKNOWN_PARAMETER.at(at, message, did_you_mean(near))
     last = given.name.rpartition(".")[2]
     elsewhere = [name for name in known if name.rpartition(".")[2] == last]
     if elsewhere:
@@ -152,14 +150,10 @@ def _unknown(
         return MISPLACED_PARAMETER.at(at, f"'{given.name}' has no effect here in {shown}", f"it belongs to {places}")
     others = [other.name for other in system.nodes if _has(other, given.name) and other is not node] if system else []
     if others:
-        return MISPLACED_PARAMETER.at(
-            at, f"{shown} has no parameter '{given.name}'", f"it belongs to {_listed(others)}"
-        )
-    near = get_close_matches(last, {name.rpartition(".")[2]: name for name in known}, 1)
-    full = next((name for name in known if near and name.rpartition(".")[2] == near[0]), "")
-    return UNKNOWN_PARAMETER.at(
-        at, f"{shown} has no parameter '{given.name}'", f"did you mean '{full}'?" if full else ""
-    )
+        return MISPLACED_PARAMETER.at(at, message, f"it belongs to {_listed(others)}")
+    near = nearest(last, dict.fromkeys(name.rpartition(".")[2] for name in known))
+    full = next((name for name in known if near and name.rpartition(".")[2] == near), "")
+    return UNKNOWN_PARAMETER.at(at, message, did_you_mean(full))
 
 
 def _has(node: RunningNode, name: str) -> bool:
@@ -172,7 +166,7 @@ def _listed(names: Iterable[str]) -> str:
 
 
 def _wrong_value(given: GivenValue, parameter: Parameter) -> Iterator[Diagnostic]:
-    value, at = given.value, span(given.place)
+    value, at = given.value, given.place
     if value is UNKNOWN or value is None or value == []:
         return
     if parameter.type and not _fits(value, parameter.type):
@@ -186,8 +180,7 @@ def _wrong_value(given: GivenValue, parameter: Parameter) -> Iterator[Diagnostic
         yield OUT_OF_RANGE.at(at, f"the parameter '{given.name}' is {value}; it must be {_limits(low, high)}")
     if parameter.choices and value not in parameter.choices:
         known = ", ".join(str(choice) for choice in parameter.choices)
-        near = get_close_matches(str(value), [str(choice) for choice in parameter.choices], 1)
-        help = f"did you mean '{near[0]}'?" if near else ""
+        help = did_you_mean(nearest(str(value), map(str, parameter.choices)))
         yield OUT_OF_RANGE.at(at, f"the parameter '{given.name}' is {value!r}; it must be one of: {known}", help)
 
 
@@ -235,7 +228,7 @@ def _of_plugins(view: ParameterView, catalogue: Catalogue) -> Iterator[Diagnosti
     for plugin in view.plugins:
         if plugin.place is None or plugin.type is None:
             continue
-        at = span(plugin.place)
+        at = plugin.place
         if plugin.is_spare:
             yield from _spare(plugin, view)
         elif not plugin.type:
@@ -243,8 +236,7 @@ def _of_plugins(view: ParameterView, catalogue: Catalogue) -> Iterator[Diagnosti
             known = sorted(
                 {name.rpartition(".")[0] for name in view.given if name.endswith(f".{plugin.slot.type_key}")}
             )
-            near = get_close_matches(plugin.name, known, 1)
-            help = f"did you mean '{near[0].rpartition('.')[2]}'?" if near else f"set '{key}'"
+            help = did_you_mean(nearest(plugin.name, known).rpartition(".")[2], f"set '{key}'")
             yield UNKNOWN_PLUGIN.at(at, f"the plugin '{plugin.name}' has no type", help)
         elif not plugin.base:
             yield from _unknown_plugin(plugin, at, catalogue)
@@ -265,7 +257,7 @@ def _spare(plugin: LoadedPlugin, view: ParameterView) -> Iterator[Diagnostic]:
     near = [name for name in bare if is_near(plugin.name, name, 2)]
     if plugin.place is not None and near:
         message = f"the plugin '{plugin.name}' is not in '{plugin.slot.parameter}'"
-        yield UNKNOWN_PLUGIN.at(span(plugin.place), message, f"did you mean '{near[0]}'?")
+        yield UNKNOWN_PLUGIN.at(plugin.place, message, did_you_mean(near[0]))
 
 
 def _unknown_plugin(plugin: LoadedPlugin, at: Any, catalogue: Catalogue) -> Iterator[Diagnostic]:
@@ -273,10 +265,10 @@ def _unknown_plugin(plugin: LoadedPlugin, at: Any, catalogue: Catalogue) -> Iter
     base = plugin.slot.base.rpartition("::")[2]
     fitting = {name for name, known in catalogue.plugins.items() if known.base.rpartition("::")[2] == base}
     short = {name.rpartition("::")[2]: name for name in fitting}
-    near = get_close_matches(type_, [*fitting, *short], 1, 0.7)
+    near = nearest(type_, [*fitting, *short], 0.7)
     package = re.split(r"::|/", type_)[0]
     if near or package in catalogue.packages or plugin.slot.spellings:
-        help = f"did you mean '{near[0]}'?" if near else f"plugins of this kind: {', '.join(sorted(fitting))}"
+        help = did_you_mean(near, f"plugins of this kind: {', '.join(sorted(fitting))}")
         yield UNKNOWN_PLUGIN.at(at, f"unknown plugin '{type_}' for '{plugin.slot.parameter}'", help)
     else:
         yield UNCHECKED_PLUGIN.at(
@@ -292,9 +284,7 @@ def _of_axes(view: ParameterView) -> Iterator[Diagnostic]:
         )
         for x in counterparts:
             if x in view.exact and given.name in view.exact and x not in view.given:
-                yield ONE_AXIS.at(
-                    span(given.place), f"'{given.name}' is given, but '{x}' is not", f"did you mean '{x}'?"
-                )
+                yield ONE_AXIS.at(given.place, f"'{given.name}' is given, but '{x}' is not", did_you_mean(x))
 
 
 def _of_arguments(node: RunningNode, view: ParameterView) -> Iterator[Diagnostic]:
@@ -307,15 +297,16 @@ def _of_arguments(node: RunningNode, view: ParameterView) -> Iterator[Diagnostic
             match = _CORE.match(word)
             if match is None or any(match[1] in group.parameters or match[1] in group.renamed for group in sets):
                 continue
-            near = get_close_matches(match[1], [name for group in sets for name in group.parameters], 1)
-            help = f"did you mean '--{near[0]}'?" if near else ""
-            at = span(node.started.place)
-            yield UNKNOWN_PARAMETER.at(at, f"{node.name} has no parameter '{match[1]}' (argument '{word}')", help)
+            near = nearest(match[1], [name for group in sets for name in group.parameters])
+            help = did_you_mean(near and f"--{near}")
+            yield UNKNOWN_PARAMETER.at(
+                node.started.place, f"{node.name} has no parameter '{match[1]}' (argument '{word}')", help
+            )
 
 
 def _of_general_values(system: System) -> Iterator[Diagnostic]:
     """Yield findings about parameters for all nodes of a group that no node has."""
-    users: dict[tuple[str, Place], list[RunningNode]] = {}
+    users: dict[tuple[str, Span], list[RunningNode]] = {}
     for node in system.nodes:
         for given in node.started.general_values:
             users.setdefault((given.name, given.place), []).append(node)
@@ -324,9 +315,8 @@ def _of_general_values(system: System) -> Iterator[Diagnostic]:
             continue
         if not _OF_RCL.fullmatch(name):
             known = {parameter for node in nodes if node.view for parameter in node.view.exact}
-            near = get_close_matches(name, known, 1)
-            help = f"did you mean '{near[0]}'?" if near else ""
-            yield UNKNOWN_PARAMETER.at(span(place), f"no node of this group has a parameter '{name}'", help)
+            message = f"no node of this group has a parameter '{name}'"
+            yield UNKNOWN_PARAMETER.at(place, message, did_you_mean(nearest(name, known)))
 
 
 def _of_sections(system: System, catalogue: Catalogue, variants: Variants) -> Iterator[Diagnostic]:
@@ -349,7 +339,7 @@ def _of_sections(system: System, catalogue: Catalogue, variants: Variants) -> It
 def _of_unused_section(
     section: Section, nodes: list[RunningNode], classes: dict[str, NodeClass], catalogue: Catalogue
 ) -> Iterator[Diagnostic]:
-    at = span(section.place)
+    at = section.place
     same = [node for node in nodes if node.name == section.node_name]
     if same:
         full = same[0].full_name
@@ -359,9 +349,8 @@ def _of_unused_section(
     if section.node_name in classes:
         yield from standalone_findings([section], catalogue)  # for a node that another launch file starts
         return
-    near = get_close_matches(section.node_name, [node.name for node in nodes], 1, 0.7)
-    if near:
-        yield UNUSED_SECTION.at(at, f"no node has the name '{section.node_name}'", f"did you mean '{near[0]}'?")
+    if near := nearest(section.node_name, [node.name for node in nodes], 0.7):
+        yield UNUSED_SECTION.at(at, f"no node has the name '{section.node_name}'", did_you_mean(near))
     else:
         yield from _of_unknown_section(section, classes)
 
@@ -369,10 +358,8 @@ def _of_unused_section(
 def _of_unknown_section(section: Section, classes: dict[str, NodeClass]) -> Iterator[Diagnostic]:
     if "*" in section.node_name:
         return
-    near = get_close_matches(section.node_name, classes, 1, 0.85)
-    if near:
-        at = span(section.place)
-        yield UNUSED_SECTION.at(at, f"no node has the name '{section.node_name}'", f"did you mean '{near[0]}'?")
+    if near := nearest(section.node_name, classes, 0.85):
+        yield UNUSED_SECTION.at(section.place, f"no node has the name '{section.node_name}'", did_you_mean(near))
 
 
 def _repeated(section: Section) -> Iterator[Diagnostic]:
@@ -381,6 +368,6 @@ def _repeated(section: Section) -> Iterator[Diagnostic]:
         if counts[given.name] > 1:
             counts[given.name] -= 1
             yield REPEATED_PARAMETER.at(
-                span(given.place),
+                given.place,
                 f"the parameter '{given.name}' stands again further down, and only the last one has an effect",
             )

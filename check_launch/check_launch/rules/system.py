@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from itertools import pairwise
 
 from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Package
 from check_launch.expansion.expander import Expansion, FileUse, StartedNode, StartedRemapping, joined
 from check_launch.expansion.parameter_files import GivenValue, Section
-from check_launch.expansion.places import Place
+from check_launch.misspellings import did_you_mean, nearest
 from check_launch.rules.known_parameters import ParameterView
 from check_launch.rules.launch_rules import (
     MISSPELT_PACKAGE,
@@ -39,7 +38,7 @@ class Connection:
     endpoint: Endpoint
     topic: str | None
     """Full name after remappings; None if it is known at run time only."""
-    place: Place
+    place: Span
     """Place that decides the name: that of the remapping, the parameter, or the node."""
     is_named: bool
     """True if a launch file or parameter file names the topic."""
@@ -64,7 +63,7 @@ class RunningNode:
     connections_before: list[str] = field(default_factory=list)
     """Full names of all topics, services and actions that the node may have, before remappings."""
     transforms: list[tuple[str, str]] = field(default_factory=list)
-    frames: list[tuple[str, Place]] = field(default_factory=list)
+    frames: list[tuple[str, Span]] = field(default_factory=list)
     tree: str = "/tf"
     """Topic of the node's transforms after remappings: robots with different topics have different trees."""
     sections: list[tuple[FileUse, Section]] = field(default_factory=list)
@@ -86,7 +85,7 @@ class System:
     """True if nodes run that the catalogue does not know, or that were not expanded."""
 
 
-Use = tuple[str, Place]
+Use = tuple[str, Span]
 """A name, such as that of a parameter, and the place where a file uses it."""
 
 
@@ -102,11 +101,6 @@ class Variants:
     """Remappings that have an effect."""
     ends: frozenset[tuple[str, str]]
     """Kind and topic of each publisher and subscriber."""
-
-
-def span(place: Place) -> Span:
-    """Return a place as diagnostics have it."""
-    return Span(place.file, place.line, place.column)
 
 
 def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
@@ -141,10 +135,9 @@ def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> N
     if read is None:
         return
     for plugin, place in read.plugins:
-        if plugin not in catalogue.plugins and (near := get_close_matches(plugin, catalogue.plugins, 1, 0.85)):
-            system.findings.append(
-                UNKNOWN_PLUGIN.at(span(place), f"RViz has no display or tool '{plugin}'", f"did you mean '{near[0]}'?")
-            )
+        if plugin not in catalogue.plugins and (near := nearest(plugin, catalogue.plugins, 0.85)):
+            message = f"RViz has no display or tool '{plugin}'"
+            system.findings.append(UNKNOWN_PLUGIN.at(place, message, did_you_mean(near)))
     for rviz_topic in read.topics:
         known = catalogue.plugins.get(rviz_topic.plugin)
         type_ = known.message_types[0] if known and len(known.message_types) == 1 else ""
@@ -201,16 +194,13 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
         system.has_unknown = True
         return None
     known = catalogue.packages.get(package)
-    at = span(started.place)
+    at = started.place
     if known is None:
         if package in _WITHOUT_NODES and executable in _CONTAINERS:
             return None
         system.has_unknown = True
-        near = get_close_matches(package, catalogue.packages, 1, 0.86)
-        if near:
-            system.findings.append(
-                MISSPELT_PACKAGE.at(at, f"unknown package '{package}'", f"did you mean '{near[0]}'?")
-            )
+        if near := nearest(package, catalogue.packages, 0.86):
+            system.findings.append(MISSPELT_PACKAGE.at(at, f"unknown package '{package}'", did_you_mean(near)))
         else:
             system.findings.append(
                 UNKNOWN_PACKAGE.at(at, f"the package '{package}' is not in the catalogue; its nodes are not checked")
@@ -219,9 +209,8 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
     if started.plugin:
         return _component(started.plugin, known, catalogue, system, at)
     if executable is None or executable not in known.executables:
-        near = get_close_matches(executable or "", known.executables, 1)
         names = ", ".join(known.executables) or "none"
-        help = f"did you mean '{near[0]}'?" if near else f"executables of {package}: {names}"
+        help = did_you_mean(nearest(executable or "", known.executables), f"executables of {package}: {names}")
         system.findings.append(
             UNKNOWN_EXECUTABLE.at(at, f"the package '{package}' has no executable '{executable}'", help)
         )
@@ -236,9 +225,8 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
 def _component(plugin: str, package: Package, catalogue: Catalogue, system: System, at: Span) -> NodeClass | None:
     if plugin in package.components:
         return catalogue.classes.get(plugin)
-    near = get_close_matches(plugin, package.components, 1)
     names = ", ".join(package.components) or "none"
-    help = f"did you mean '{near[0]}'?" if near else f"nodes of {package.name} for containers: {names}"
+    help = did_you_mean(nearest(plugin, package.components), f"nodes of {package.name} for containers: {names}")
     system.findings.append(
         UNKNOWN_EXECUTABLE.at(at, f"the package '{package.name}' has no node '{plugin}' for a container", help)
     )

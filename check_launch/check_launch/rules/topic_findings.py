@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 
 from check_launch.expansion.expander import StartedRemapping
+from check_launch.misspellings import did_you_mean, is_near, nearest
 from check_launch.rules.launch_rules import (
     DIFFERENT_TYPES,
     INCOMPATIBLE_QOS,
@@ -14,7 +15,6 @@ from check_launch.rules.launch_rules import (
     OUTSIDE,
     UNKNOWN_REMAPPING,
 )
-from check_launch.rules.misspellings import is_near
 from check_launch.rules.system import (
     MAP_UPDATES,
     Connection,
@@ -24,7 +24,6 @@ from check_launch.rules.system import (
     Variants,
     full_name,
     sources_of,
-    span,
 )
 from roverlink.generator.diagnostics import Diagnostic
 
@@ -109,10 +108,10 @@ def _of_types(connections: list[Connection]) -> Iterator[Diagnostic]:
         if wrong and len(wrong) == len(publishers):
             other = wrong[0]
             yield DIFFERENT_TYPES.at(
-                span(subscriber.place),
+                subscriber.place,
                 f"{subscriber.node.name} subscribes to '{subscriber.topic}' as {subscriber.endpoint.type}, but "
                 f"{other.node.name} publishes {other.endpoint.type}",
-                also=[(span(other.place), f"{other.node.name} publishes it")],
+                also=[(other.place, f"{other.node.name} publishes it")],
             )
 
 
@@ -124,9 +123,9 @@ def _of_qos(connections: list[Connection]) -> Iterator[Diagnostic]:
             wanted = _unmet(end, other)
             if wanted:
                 yield INCOMPATIBLE_QOS.at(
-                    span(end.place),
+                    end.place,
                     f"{end.node.name} gets nothing from {other.node.name} on '{end.topic}': {wanted}",
-                    also=[(span(other.place), f"{other.node.name} publishes it")],
+                    also=[(other.place, f"{other.node.name} publishes it")],
                 )
 
 
@@ -188,18 +187,18 @@ def _missing(
         return None  # nobody needs to hear it, or the subscriber that does is reported
     if near:
         end = fitting[near[0]]
-        also = [(span(end.place), f"{end.node.name} has '{near[0]}'")]
-        return rule.at(span(connection.place), message + interruption, f"did you mean '{near[0]}'?", also)
+        also = [(end.place, f"{end.node.name} has '{near[0]}'")]
+        return rule.at(connection.place, message + interruption, did_you_mean(near[0]), also)
     full = {full_name(name, connection.node) for of_kind, name in known if of_kind == kind}
     if is_closed and (connection.is_needed or not _may_be_missing(topic, connection, full)):
         help = f"topics of this type: {', '.join(sorted(fitting))}" if fitting else ""
-        return rule.at(span(connection.place), message + interruption, help)
+        return rule.at(connection.place, message + interruption, help)
     of_programs = [
         name for name in full if connection.is_named and topic not in full and _is_misspelling(topic, name, True)
     ]
     if of_programs:
-        return rule.at(span(connection.place), message, f"did you mean '{min(of_programs)}'?")
-    return OUTSIDE.at(span(connection.place), f"{message} in these launch files")
+        return rule.at(connection.place, message, did_you_mean(min(of_programs)))
+    return OUTSIDE.at(connection.place, f"{message} in these launch files")
 
 
 def _may_be_missing(topic: str, connection: Connection, of_programs: set[str]) -> bool:
@@ -291,7 +290,7 @@ def _of_remappings(system: System, used: frozenset[Use]) -> Iterator[Diagnostic]
                 continue
             reported.add(use)
             if rule.is_general:
-                yield UNKNOWN_REMAPPING.at(span(rule.place), f"no node of this group has a topic '{rule.source}'")
+                yield UNKNOWN_REMAPPING.at(rule.place, f"no node of this group has a topic '{rule.source}'")
             else:
                 yield _without_effect(rule, nodes)
 
@@ -309,11 +308,6 @@ def _without_effect(rule: StartedRemapping, nodes: list[RunningNode]) -> Diagnos
     source = rule.source or ""
     known = [name for node in nodes for name in node.connections_before]
     wanted = full_name(source, nodes[0])
-    near = get_close_matches(wanted, known, 1)
-    shown = (
-        near[0].removeprefix(f"{nodes[0].namespace}/")
-        if near and not source.startswith("/")
-        else near[0] if near else ""
-    )
-    help = f"did you mean '{shown}'?" if near else ""
-    return UNKNOWN_REMAPPING.at(span(rule.place), f"{nodes[0].name} has no topic, service or action '{source}'", help)
+    near = nearest(wanted, known)
+    help = did_you_mean(near if source.startswith("/") else near.removeprefix(f"{nodes[0].namespace}/"))
+    return UNKNOWN_REMAPPING.at(rule.place, f"{nodes[0].name} has no topic, service or action '{source}'", help)
