@@ -13,6 +13,8 @@ from typing import Any
 
 import yaml
 
+from roverlink.completion import complete, topics_of_nodes
+from roverlink.nodes.installed import declared_topics
 from roverlink.runtime import NODE, Qos, Registry, SetupError
 from roverlink.runtime.core.errors import nearest
 from roverlink.runtime.core.messages import Message
@@ -26,11 +28,12 @@ _TOPIC = re.compile(r"(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
 def add_topic(parser: argparse.ArgumentParser) -> None:
     """Add the arguments ``topic`` (its name) and ``--type`` (its message type, if no row has the topic) to a parser."""
-    parser.add_argument("topic", help="name of the ROS 2 topic, such as imu_data")
+    complete(parser.add_argument("topic", help="name of the ROS 2 topic, such as imu_data"), topics_of_nodes)
     parser.add_argument(
         "--type",
         metavar="PKG/msg/NAME",
-        help="type of the messages, such as std_msgs/msg/String; needed only for a topic that is not in mapping.yaml",
+        help="type of the messages, such as std_msgs/msg/String; needed only for a topic that is neither in "
+        "mapping.yaml nor declared by an installed program",
     )
 
 
@@ -38,8 +41,8 @@ def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[typ
     """Return the message type and the QoS of a topic.
 
     If ``type_name`` is given, such as ``std_msgs/msg/String``, they are this type and the default QoS. Otherwise they
-    are those of the row that has the topic. Raises `SetupError` if there is neither a type nor a row, or if the name of
-    the topic is invalid.
+    are those of the row that has the topic, or the type that a node of an installed package declares for it. Raises
+    `SetupError` if there is neither a type, a row nor a declaration, or if the name of the topic is invalid.
     """
     if not _TOPIC.fullmatch(topic):
         raise SetupError(
@@ -50,6 +53,9 @@ def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[typ
     known = registry.by_topic.values()
     handler = next((one for one in known if full_topic(one.route.topic) == full_topic(topic)), None)
     if handler is None:
+        for declared in declared_topics().values():
+            if full_topic(declared.name) == full_topic(topic) and len(declared.types) == 1:
+                return declared.message_type, Qos()
         hint = nearest(topic.removeprefix("/"), registry.by_topic)
         raise SetupError(
             f"no row of mapping.yaml has the topic {topic!r} ({hint}); for a topic without a row, give its message "

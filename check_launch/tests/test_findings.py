@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from check_launch import own_programs
 from roverlink.__main__ import main
+from roverlink.nodes import Direction, NodeDeclaration, Parameter, Topic
 
 _RTABMAP = "launch:\n  - node: {pkg: rtabmap_slam, exec: rtabmap, name: rtabmap, param: [{from: p.yaml}]}\n"
 _CONTROLLER = (
@@ -318,6 +320,23 @@ def test_dirname_stays_that_of_an_included_file_as_in_ros2(write: Write, check: 
     )
     places = ("inner/p.yaml:3:5", "inner/q.yaml:3:5", "p.yaml:4:5")
     assert check("a_launch.yaml")[1] == [f"{place}: PAR101" for place in places]
+
+
+def test_programs_of_this_project_are_those_that_declare_a_node(
+    write: Write, check: Check, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A module that only helps is no program. Parameters and topics are those of the declaration, whatever it says."""
+    heard = Topic("heard", ("std_msgs/msg/String",), Direction.RECEIVED, "texts")
+    node = NodeDeclaration("listener", (heard,), (Parameter("<voice>.pitch", float, "pitch in Hz"),))
+    monkeypatch.setattr(own_programs, "declared_nodes", lambda: {"listen_closely": node})
+    program = "  - node: {pkg: rtt_slam, exec: %s, param: [{name: %s, value: 1.0}], remap: [{from: %s, to: b}]}\n"
+    write({"a_launch.yaml": "launch:\n" + program % ("listen_closely", "low.pitch", "heard")})
+    assert check("a_launch.yaml") == (0, [])
+    write({"a_launch.yaml": "launch:\n" + program % ("listen_closely", "low.pitsch", "herd")})
+    misspelled = ["a_launch.yaml:2:64: PAR101", "a_launch.yaml:2:105: TOP101 did you mean 'heard'?"]
+    assert check("a_launch.yaml") == (1, misspelled)
+    write({"a_launch.yaml": "launch:\n" + program % ("objects_model_options", "a", "b")})
+    assert check("a_launch.yaml") == (1, ["a_launch.yaml:2:5: LCH108 executables of rtt_slam: listen_closely"])
 
 
 def test_arguments_are_set_as_for_ros2_launch(write: Write, check: Check) -> None:

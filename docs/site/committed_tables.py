@@ -1,6 +1,7 @@
-"""Reference tables in the pages of docs/, written from the declarations of the table's keys and the node's parameters.
+"""Reference tables in the documentation, written from the declarations of the table's keys and of the nodes.
 
-A table stands between two comments: ``<!-- keys: peers -->`` or ``<!-- parameters -->``, and ``<!-- end -->``.
+A table stands between two comments. The first one is ``<!-- keys: peers -->``, ``<!-- parameters -->`` for the bridge,
+or ``<!-- parameters: drive -->`` or ``<!-- topics: drive -->`` for a program. The second one is ``<!-- end -->``.
 ``make docs-reference`` writes them (``python docs/site/committed_tables.py``), and a test checks that they are current.
 """
 
@@ -9,6 +10,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
+
+from roverkit.simulation import simulation_declaration
 
 from generated.registry import REGISTRY
 from roverlink.generator.table.edit import scalar
@@ -29,14 +32,21 @@ from roverlink.generator.table.value_types import (
     Text,
     Type,
 )
+from roverlink.nodes import NodeDeclaration, Parameter, RowTopic, Topic
+from roverlink.nodes.installed import declared_nodes
 from roverlink.runtime.ros_arguments import parameters
 
 ROOT = Path(__file__).parents[2]
-PAGES = (ROOT / "docs" / "mapping.md", ROOT / "docs" / "operations.md")
-
 _TABLE = re.compile(
-    r"^<!-- (?P<what>keys|parameters)(?:: (?P<keys>[^\n]*))? -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL
+    r"^<!-- (?P<what>keys|parameters|topics)(?:: (?P<names>[^\n]*))? -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL
 )
+PAGES = tuple(
+    path
+    for folder in (ROOT / "docs", ROOT / "rover" / "docs")
+    for path in sorted(folder.glob("*.md"))
+    if _TABLE.search(path.read_text(encoding="utf-8"))
+)
+"""Pages that have such tables."""
 
 
 def current(page: str) -> str:
@@ -46,23 +56,54 @@ def current(page: str) -> str:
 
 def documented_keys(page: str) -> list[str]:
     """Return the keys at the top of mapping.yaml that the tables of a page are about."""
-    return [key for found in _TABLE.finditer(page) if found["keys"] for key in found["keys"].split(", ")]
+    return [key for found in _TABLE.finditer(page) if found["what"] == "keys" for key in found["names"].split(", ")]
 
 
 def _rows(found: re.Match[str]) -> Iterator[str]:
-    if found["what"] == "parameters":
-        yield from ("| parameter | default | read-only | meaning |", "|---|---|---|---|", *_parameters())
+    names = found["names"]
+    if found["what"] == "topics":
+        yield from ("| topic | direction | message | content |", "|---|---|---|---|", *map(_topic, _node(names).topics))
+    elif found["what"] == "parameters" and names:
+        yield from ("| parameter | default | meaning |", "|---|---|---|", *map(_parameter, _node(names).parameters))
+    elif found["what"] == "parameters":
+        yield from ("| parameter | default | read-only | meaning |", "|---|---|---|---|", *_bridge_parameters())
     else:
         keys = object_of(Table).keys
         yield from ("| key | holds | meaning | default |", "|---|---|---|---|")
-        for name in found["keys"].split(", "):
+        for name in names.split(", "):
             yield from _key(name, keys[name])
 
 
-# --- the node's parameters ---
+# --- nodes ---
 
 
-def _parameters() -> Iterator[str]:
+def _node(program: str) -> NodeDeclaration:
+    """Return the declaration of a program's node."""
+    if program == "simulate_rover":  # it takes no --ros-args, so that launch files cannot start it
+        return simulation_declaration.NODE
+    return declared_nodes()[program]
+
+
+def _topic(topic: Topic | RowTopic) -> str:
+    if isinstance(topic, RowTopic):
+        name, message = REGISTRY.by_name[topic.row].route.topic, f"that of the row `{topic.row}`"
+    else:
+        name, message = topic.name, " or ".join(f"`{one.replace('/msg/', '/')}`" for one in topic.type_names)
+    return f"| `{name}` | {topic.direction.value} | {message} | {topic.meaning} |"
+
+
+def _parameter(declared: Parameter) -> str:
+    default = declared.default
+    if isinstance(default, bool):
+        shown = str(default).lower()
+    elif isinstance(default, float):
+        shown = f"{default:.9f}".rstrip("0").rstrip(".")
+    else:
+        shown = str(default)
+    return f"| `{declared.name}` | {shown} | {declared.meaning} |"
+
+
+def _bridge_parameters() -> Iterator[str]:
     for name, declared in parameters.DECLARED.items():
         unit = f", in {declared.unit}" if declared.unit else ""
         read_only = "yes" if declared.read_only else ""

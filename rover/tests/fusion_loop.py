@@ -10,7 +10,7 @@ from typing import Any
 
 from polling import wait_until
 from programs import Start
-from roverkit.fusion.fusing import DETECTIONS, FUSED, ODOMETRY
+from roverkit.fusion.fusion_declaration import DETECTIONS, FUSED, ODOMETRY
 
 from rover.tests.driving.field_drive import FieldDrive
 from rover.tests.driving.simulated_tracker import write_field
@@ -21,7 +21,7 @@ from roverlink.runtime.interfaces.vision_msgs import Detection3DArray
 
 _METRES = 8.0
 _CAMERA = "front"
-TOPICS: Mapping[str, type[Message]] = {f"/{ODOMETRY}": Odometry, f"/{_CAMERA}/{DETECTIONS}": Detection3DArray}
+TOPICS: Mapping[str, type[Message]] = {f"/{ODOMETRY.name}": Odometry, f"/{_CAMERA}/{DETECTIONS.name}": Detection3DArray}
 """Topics of the rover, with the types of their messages."""
 
 Send = Callable[[str, bytes], None]
@@ -40,14 +40,14 @@ def fuse_a_drive(
     sent: list[tuple[str, bytes]] = []
     with ExitStack() as stack:
         rover = FieldDrive(1, stack)
-        for own, topic in zip((ODOMETRY, DETECTIONS), TOPICS, strict=True):
+        for own, topic in zip((ODOMETRY.name, DETECTIONS.name), TOPICS, strict=True):
             rover.middleware.subscribe(
                 f"/{own}", TOPICS[topic], Qos(), lambda many, topic=topic: sent.extend((topic, one) for one in many)
             )
         rover.stand(2)
         rover.drive(_METRES)
         truth, last = rover.model.pose, rover.fused[-1].header.stamp
-    program.wait_for(f"waiting for /{ODOMETRY}")
+    program.wait_for(f"waiting for /{ODOMETRY.name}")
     for topic, data in sent:
         send(topic, data)
 
@@ -55,7 +55,7 @@ def fuse_a_drive(
         stamps = [(one, one["header"]["stamp"]) for one in list(poses())[-1:]]
         return [one for one, stamp in stamps if (stamp["sec"], stamp["nanosec"]) == (last.sec, last.nanosec)]
 
-    (pose,) = wait_until(end, f"the last pose on /{FUSED}")
+    (pose,) = wait_until(end, f"the last pose on /{FUSED.name}")
     place = pose["pose"]["pose"]["position"]
     assert pose["header"]["frame_id"] == "map"
     assert math.hypot(place["x"] - truth.x, place["y"] - truth.y) < 0.15

@@ -7,6 +7,7 @@ import json
 import sys
 from typing import Any
 
+from roverlink.completion import complete, rows, topics
 from roverlink.console import FINDINGS, OK, Subparsers, add_table, command, table_file
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Rule
@@ -31,9 +32,10 @@ def add(commands: Subparsers) -> None:
         "With the ID of a rule of `roverlink lint` or `roverlink check-launch`, such as ENV101, show the rule's\n"
         "documentation: what the rule finds, why that is a problem, and how to solve it.",
     )
-    parser.add_argument(
+    what = parser.add_argument(
         "what", nargs="?", metavar="ROW|ID", help="a row, or the ID of a rule (default: list all rules)"
     )
+    complete(what, rows, topics, lambda _: all_rules())
     parser.add_argument("--json", action="store_true", help="with a row: print the facts as a JSON object")
     parser.add_argument(
         "--history", action="store_true", help="with a row: show also which payloads its number had in git's history"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import time
 
+from roverlink.completion import complete, rows
 from roverlink.console import OK, Subparsers, add_key_file, add_project, command, count, project_folder, rate
 from roverlink.generated_code import load_project
 from roverlink.runtime import ConversionError, Registry, SetupError
@@ -29,7 +30,8 @@ def add(commands: Subparsers) -> None:
         "`roverlink echo TOPIC` shows the message that the bridge makes of it.",
     )
     add_project(parser)
-    parser.add_argument("name", nargs="?", help="name of the payload's row in mapping.yaml, such as imu_info")
+    name = parser.add_argument("name", nargs="?", help="name of the payload's row in mapping.yaml, such as imu_info")
+    complete(name, rows)
     parser.add_argument(
         "assignments",
         nargs="*",

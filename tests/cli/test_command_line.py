@@ -16,6 +16,7 @@ from running import exit_code, record_one_message
 
 from roverlink.__main__ import main
 from roverlink.command_line import COMMANDS, ELSEWHERE, ENTRY_POINTS, GROUPS, command_line
+from roverlink.commands.explain import all_rules
 from roverlink.console import NoProjectError, node_logger, project_folder
 from roverlink.installed_packages import entry_points
 from roverlink.runtime.ros_arguments import ros_args
@@ -108,16 +109,37 @@ def test_an_option_may_be_shortened_and_what_follows_two_dashes_is_a_value() -> 
 def test_shells_complete_commands_options_and_choices(
     shell: str, line: str, expected: set[str], tmp_path: Path, environment: dict[str, str]
 ) -> None:
-    """The shells' completion, which sets these variables, gets the words that fit the line so far."""
-    answer = tmp_path / "answer"
+    """The shells' completion gets the words that fit the line so far."""
+    assert _completions(shell, line, tmp_path / "answer", environment) == expected
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("roverlink send imu_", {"imu_info"}),
+        ("roverlink echo odometry/", {"odometry/global", "odometry/wheel"}),
+        ("roverlink explain ENV10", {id for id in all_rules() if id.startswith("ENV10")}),
+    ],
+)
+def test_shells_complete_rows_topics_and_rules(
+    line: str, expected: set[str], tmp_path: Path, environment: dict[str, str]
+) -> None:
+    """The words come from the table, from the declarations of the nodes, and from the rules."""
+    assert _completions("bash", line, tmp_path / "answer", environment) == expected
+
+
+def _completions(shell: str, line: str, answer: Path, environment: dict[str, str]) -> set[str]:
+    """The words for a line; a shell asks for them with these variables."""
     asked = {"COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE": "1", "_ARGCOMPLETE_SHELL": shell}
     output = {"_ARGCOMPLETE_STDOUT_FILENAME": str(answer), "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_SUPPRESS_SPACE": "1"}
     command = [sys.executable, "-m", "roverlink"]
-    done = subprocess.run(command, env={**environment, **asked, **output}, capture_output=True, text=True)
+    given = {**environment, **asked, **output}
+    done = subprocess.run(command, cwd=_ROOT, env=given, capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     words = answer.read_text().split("\n") if answer.exists() else []
     assert "None" not in "".join(words)
-    assert {re.split(r"[:\t]", word)[0].strip() for word in words} - {""} == expected
+    return {re.split(r"[:\t]", word)[0].strip() for word in words} - {""}
 
 
 def test_bash_completes_after_the_line_of_the_readme(tmp_path: Path, environment: dict[str, str]) -> None:

@@ -13,12 +13,13 @@ import pytest
 import yaml
 from needs import NO_OPENCV
 from page import ROOT
+from roverkit.aruco import tracker_declaration
 from roverkit.driving.drive_control import State
-from roverkit.driving.drive_parameters import PARAMETERS
 
 from roverlink.generator.emit import targets
 from roverlink.generator.table import Table, reader
 from roverlink.generator.table.parts import object_of
+from roverlink.nodes import USE_SIM_TIME
 from roverlink.runtime.core.errors import Reason
 
 _NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
@@ -44,12 +45,12 @@ def _rows(page: str, heading: str) -> dict[str, list[str]]:
     return {first.strip("` "): others for first, *others in rows}
 
 
-@pytest.mark.parametrize("page", ["docs/mapping.md", "docs/operations.md"])
-def test_the_tables_made_from_declarations_are_current(page: str) -> None:
-    """The keys of the table and the parameters of the node, all of them, each once."""
-    text = _page(page)
+@pytest.mark.parametrize("path", committed_tables.PAGES, ids=lambda path: path.name)
+def test_the_tables_made_from_declarations_are_current(path: Path) -> None:
+    """The keys of the table, and the topics and parameters of the nodes, all of them, each once."""
+    text = path.read_text(encoding="utf-8")
     assert text == committed_tables.current(text), "run: make docs-reference"
-    if page == "docs/mapping.md":
+    if path.name == "mapping.md":
         assert sorted(committed_tables.documented_keys(text)) == sorted(object_of(Table).keys)
 
 
@@ -81,19 +82,16 @@ _QOS = ("depth", "reliability", "durability", "history")
 _ABSENT = ("lint", "deadman", "max_rate", "fields", "ignore", "forward")
 
 
-def test_driving_lists_parameters_and_states() -> None:
-    """Each parameter of the node with its first value, and each state."""
+def test_driving_lists_states() -> None:
+    """Each state of the program."""
     page = _page("docs/driving.md")
-    for name, (first, _, _) in PARAMETERS.items():
-        shown = str(first).lower() if isinstance(first, bool) else first if isinstance(first, str) else f"{first:g}"
-        assert f"| `{name}` | {shown} |" in page
     assert [state.value for state in State if f"| `{state.value}` |" not in page] == []
 
 
 @_NEEDS_OPENCV
 def test_rocks_lists_the_reasons() -> None:
     """In the table, and in the proposed enum."""
-    from roverkit.rocks import Unmeasurable
+    from roverkit.rocks.unmeasurable import Unmeasurable
 
     page, reasons = _page("docs/rocks.md"), [reason.value for reason in Unmeasurable]
     assert re.findall(r"^\| `(\w+)` \| [^|]* \|$", page, re.MULTILINE) == reasons
@@ -113,13 +111,10 @@ def test_navigation_lists_rules_and_arguments() -> None:
     assert sorted(_rows(page, "argument")) == sorted(declared)
 
 
-def test_vision_lists_the_topics() -> None:
-    """Those of `roverkit.vision.ros.publishing` and `rover_pose`, with their types."""
-    code = "".join(_page(f"rover/roverkit/vision/ros/{name}.py") for name in ("publishing", "rover_pose"))
-    topics = dict(re.findall(r"^\| (\S+) +\| (\w+/\w+)", code, re.MULTILINE))
-    listed = dict(re.findall(r"^\| `([\w/]+)` \| `(\w+/\w+)`", _page("docs/vision.md"), re.MULTILINE))
-    assert len(topics) == 7
-    assert {topic.replace("<name>", "aruco_7"): kind for topic, kind in topics.items()} == listed
+def test_vision_lists_the_parameters() -> None:
+    """Those of the tracker's node, and that of every node."""
+    names = [one.name for one in (*tracker_declaration.NODE.parameters, USE_SIM_TIME)]
+    assert list(_rows("docs/vision.md", "parameter")) == names
 
 
 def test_targets_lists_the_targets() -> None:

@@ -9,9 +9,9 @@ from typing import Any
 
 import cv2
 import numpy as np
-from roverkit.rocks import UnmeasurableError
-from roverkit.rocks import measure as measure_rock
 from roverkit.rocks.ground import fit_ground
+from roverkit.rocks.measurement import measure as measure_rock
+from roverkit.rocks.unmeasurable import UnmeasurableError
 
 from bench.result import Group, SectionResult, Table
 from rover.bench.vision.contestants import OURS

@@ -11,20 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from roverkit.aruco.target_options import marker_side
+from roverkit.aruco.tracker_declaration import NODE
 from roverkit.node.declared_parameters import DeclaredParameters
 from roverkit.vision import Board, Landmarks, MarkerSet, read_landmarks
 from roverkit.vision.markers.boards import read_boards
 from roverkit.vision.markers.marker_set import SIDE
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.interfaces.rcl_interfaces import ParameterValue
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
-
-_DESCRIPTIONS = {
-    "dictionary": (ParameterValue.STRING, "OpenCV's name of the dictionary of the markers"),
-    "side": (ParameterValue.DOUBLE, "side of a marker's black square in metres"),
-    "sides": (ParameterValue.STRING, "other sides of single markers in metres, such as: 7=0.1, 8=0.2"),
-    "landmarks": (ParameterValue.STRING, "YAML file with the poses of the landmarks on the field; empty for none"),
-}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +41,7 @@ class TargetParameters(DeclaredParameters[Targets]):
             "sides": ", ".join(f"{number}={side}" for number, side in sides.items()),
             "landmarks": str(arguments.landmarks or ""),
         }
-        super().__init__(_DESCRIPTIONS, options, ros, partial(_targets, boards), logger)
+        super().__init__(NODE.parameters, options, ros, partial(_targets, boards), logger)
 
     @property
     def targets(self) -> Targets:

@@ -9,10 +9,12 @@ from roverkit.demo.driven_path import DrivenPath
 from roverkit.demo.shuttle import START, Shuttle
 from roverkit.driving.arcs import PlanarPose
 from roverkit.driving.board_commands import STOP
+from roverkit.driving.drive_declaration import COMMAND
 from roverkit.node.ros_connection import RosConnection
+from roverkit.odometry.odometry_declaration import DIAGNOSTICS, ODOMETRY, PROGRESS
 from roverkit.odometry.odometry_parameters import OdometryParameters
-from roverkit.odometry.odometry_rows import COMMAND, DIAGNOSTICS, PROGRESS, OdometryRows
-from roverkit.odometry.wheel_odometry_node import ODOMETRY, OdometryNode
+from roverkit.odometry.odometry_rows import OdometryRows
+from roverkit.odometry.wheel_odometry_node import OdometryNode
 from roverkit.simulation.rover_datagrams import GPS, IMU, RoverDatagrams
 from roverkit.simulation.rover_model import RoverModel
 from roverkit.simulation.simulated_rover import RoverBoards
@@ -20,7 +22,6 @@ from roverlink import topic_types
 from roverlink.runtime import Registry
 from roverlink.runtime.client import BlockingPeer, Received
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces.nav_msgs import Odometry
 from roverlink.runtime.middleware import Middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
@@ -36,12 +37,13 @@ _STANDING_NS = 1_000_000_000
 class DemoRover(DemoPart):
     """Rover with its driver and its wheel odometry, which are ROS 2 nodes on the other side of the bridge."""
 
-    rows = (COMMAND, PROGRESS, DIAGNOSTICS, IMU, GPS)
+    rows = (COMMAND.row, PROGRESS.row, DIAGNOSTICS.row, IMU, GPS)
 
     def __init__(self, registry: Registry) -> None:
         """Place the rover at its start. Raises `SetupError` if the table lacks one of the rows."""
         datagrams = RoverDatagrams(registry)
         self._rows = OdometryRows(registry)
+        self._command = registry.by_name[COMMAND.row]
         self._model = RoverModel(_SEED, start=START)
         self._boards = RoverBoards(self._model, datagrams)
         self._driver = Shuttle()
@@ -57,13 +59,11 @@ class DemoRover(DemoPart):
 
     def join(self, middleware: Middleware) -> None:
         """Create the publisher of the driver, and the node that computes the wheel odometry."""
-        route = self._rows.command.route
-        topic = topic_types.full_topic(route.topic)
-        self._publish = middleware.publisher(topic, self._rows.command.message_type, route.qos).publish
+        self._publish = self._rows.command.publisher(middleware, topic_types.full_topic).publish
         ros, logger = RosArguments(topic_types.identity("odometry")), logging.getLogger("odometry")
         connection = RosConnection.over(middleware, ros, logger.warning)
         OdometryNode(connection, self._rows, OdometryParameters(ros, logger), logger, as_json=False).receive()
-        middleware.subscribe(ros.topic(ODOMETRY), Odometry, Qos(), self._take_odometry)
+        ODOMETRY.subscribe(middleware, ros.topic, self._take_odometry)
 
     def receive(self, peer: str, received: Received) -> None:
         """Take a payload that the bridge has sent to the boards; those for other peers are ignored."""
@@ -78,7 +78,7 @@ class DemoRover(DemoPart):
             self._drive()
 
     def _drive(self) -> None:
-        since, row = self._odometry_since, self._rows.command
+        since, row = self._odometry_since, self._command
         stands = since is None or self._model.now - since < _STANDING_NS
         command = STOP if stands else self._driver.command(self.pose)
         payload = row.payload_type(distance_to_go=command.distance_to_go, turning_radius=command.turning_radius)

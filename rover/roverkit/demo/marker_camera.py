@@ -12,13 +12,14 @@ from typing import Any
 
 import numpy as np
 
+from roverkit.aruco.tracker_declaration import POSITION
 from roverkit.demo.camera_program import CameraProgram
 from roverkit.demo.demo_rover import DemoRover
 from roverkit.demo.driven_path import Point
 from roverkit.demo.field import SIDE, landmarks, write_cameras
 from roverkit.demo.rover_images import RoverImages
 from roverkit.vision.camera.camera_model import Floats
-from roverkit.vision.ros.rover_position import ROW, position_publisher
+from roverkit.vision.ros.rover_position import position_publisher
 from roverlink.runtime.middleware import Middleware
 from roverlink.simulation.demo_parts import DemoSetting
 from roverlink.topic_types import full_topic
@@ -29,7 +30,7 @@ _TRACKER = "tracker"
 class MarkerCamera(CameraProgram):
     """Camera on the rover, before a field with landmarks."""
 
-    rows = (ROW,)
+    rows = (POSITION.row,)
 
     def __init__(self, setting: DemoSetting, rover: DemoRover, images: RoverImages) -> None:
         """Write the files for the child process, and prepare its command line."""

@@ -13,7 +13,8 @@ from typing import Any
 from roverkit.demo.camera_program import CameraProgram
 from roverkit.objects.detected_objects import Box, TrackedObject
 from roverkit.objects.metrics import overlap
-from roverkit.objects.object_rows import DETECTED, DetectedObjectRow
+from roverkit.objects.object_declarations import DETECTED
+from roverkit.objects.object_rows import DetectedObjectRow
 from roverkit.objects.object_types import ClassesFile, ObjectTypes
 from roverkit.objects.runtime_session import import_runtime
 from roverkit.objects.scenes import CLASSES, SIZE, sequence
@@ -32,7 +33,7 @@ _OVERLAP = 0.5
 class ObjectCamera(CameraProgram):
     """Camera that moves past a panel."""
 
-    rows = (DETECTED,)
+    rows = (DETECTED.row,)
 
     def __init__(self, setting: DemoSetting) -> None:
         """Render the images, and prepare the command line. Raises `SetupError` if ONNX Runtime is not installed."""
@@ -53,7 +54,7 @@ class ObjectCamera(CameraProgram):
         except SetupError:  # another project's table
             return
         types = ObjectTypes(ClassesFile(), row.types, CLASSES, lambda _: None)
-        publisher = middleware.publisher(full_topic(row.route.topic), row.message_type, row.route.qos)
+        publisher = row.topic.publisher(middleware, full_topic)
 
         def publish(objects: list[TrackedObject]) -> None:
             publisher.publish(list(row.messages([(shown, types.of(shown.class_name)) for shown in objects], SIZE)))

@@ -20,8 +20,6 @@ from roverlink.runtime.interfaces.nav_msgs import Odometry, Path
 from roverlink.runtime.interfaces.std_msgs import Header
 from roverlink.runtime.ros_time.headers import stamp_of
 
-VELOCITIES: tuple[type[Message], ...] = (Twist, TwistStamped)
-"""Types of the messages with velocities."""
 OLDEST_PATH_S = 10.0
 """Age in seconds from which a path is not followed. A planner may need some seconds after the stamp of its path."""
 

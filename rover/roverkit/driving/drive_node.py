@@ -1,14 +1,4 @@
-"""Implementation of ``roverlink drive``: velocities and paths become commands for the driving board.
-
-| topic           | type                                            | content                                  |
-|-----------------|-------------------------------------------------|------------------------------------------|
-| cmd_vel         | geometry_msgs/Twist, geometry_msgs/TwistStamped | velocity of base_link; received          |
-| path            | nav_msgs/Path                                   | path to follow; received                 |
-| odometry/global | nav_msgs/Odometry                               | pose in the frame of the path; received  |
-| control_mode    | message of the row                              | who drives; received                     |
-| drive_motor     | message of the row                              | command for the driving board            |
-| drive/state     | std_msgs/String                                 | state and reason, such as "manual: ..."  |
-"""
+"""Implementation of ``roverlink drive``: velocities and paths become commands for the driving board."""
 
 from __future__ import annotations
 
@@ -24,7 +14,8 @@ from functools import partial
 
 from roverkit.driving.board_commands import BoardCommand
 from roverkit.driving.drive_control import DriveControl, Localization, State, Status
-from roverkit.driving.drive_inputs import VELOCITIES, path_of, pose_of, velocity_of
+from roverkit.driving.drive_declaration import PATH, POSE, STATE, VELOCITY
+from roverkit.driving.drive_inputs import path_of, pose_of, velocity_of
 from roverkit.driving.drive_parameters import DriveParameters
 from roverkit.driving.drive_rows import DriveRows
 from roverkit.node.ros_connection import RosConnection
@@ -33,16 +24,11 @@ from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError, MiddlewareError
-from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.interfaces.nav_msgs import Odometry, Path
 from roverlink.runtime.interfaces.std_msgs import String
-from roverlink.runtime.middleware.following import FollowingSubscription
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.runtime.ros_time.clock import MONOTONIC_CLOCK, SYSTEM_CLOCK
 
-VELOCITY, PATH, POSE, STATE = "cmd_vel", "path", "odometry/global", "drive/state"
-"""Names of the topics; those of the mode and of the commands are in the table."""
 _MODE_PRIORITY = 9
 """The mode is served before velocities, so that a flood of them does not keep a person from driving."""
 
@@ -67,7 +53,8 @@ def drive(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
         stack.callback(driving.end)
         driving.receive()
         logger.info(
-            "driving as %s and %s say, while %s is AUTO", *map(ros.topic, (VELOCITY, PATH, rows.mode.route.topic))
+            "driving as %s and %s say, while %s is AUTO",
+            *(ros.topic(one.name) for one in (VELOCITY, PATH, rows.mode)),
         )
         driving.run()
 
@@ -95,21 +82,16 @@ class Driving:
         self._reported: Status | None = None
         self._ended = False
         middleware, topic = connection.middleware, connection.topic
-        self._followed = FollowingSubscription(middleware, topic(VELOCITY), VELOCITIES, self._take_velocity, depth=1)
-        route = rows.command.route
-        self._commands = middleware.publisher(topic(route.topic), rows.command.message_type, route.qos)
-        self._states = middleware.publisher(topic(STATE), String, Qos(depth=1, durability="transient_local"))
+        self._followed = VELOCITY.follow(middleware, topic, self._take_velocity, depth=1)
+        self._commands = rows.command.publisher(middleware, topic)
+        self._states = STATE.publisher(middleware, topic)
 
     def receive(self) -> None:
         """Begin to receive the topics."""
         middleware, topic = self._connection.middleware, self._connection.topic
-        mode = self._rows.mode
-        middleware.subscribe(
-            topic(mode.route.topic), mode.message_type, mode.route.qos, self._take_mode, _MODE_PRIORITY
-        )
-        middleware.subscribe(topic(PATH), Path, Qos(depth=1), self._take_path)
-        # best effort, so that it matches every publisher
-        middleware.subscribe(topic(POSE), Odometry, Qos("best_effort", depth=1), self._take_pose)
+        self._rows.mode.subscribe(middleware, topic, self._take_mode, _MODE_PRIORITY)
+        PATH.subscribe(middleware, topic, self._take_path)
+        POSE.subscribe(middleware, topic, self._take_pose)
         self.tick()  # report the first state
 
     def run(self) -> None:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields
+from dataclasses import asdict
 
 from roverkit.driving.board_commands import BoardCommand
+from roverkit.driving.drive_declaration import COMMAND, MODE
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import SetupError
 
-COMMAND, MODE = "drive_motor", "control_mode"
-"""Names of the rows in mapping.yaml."""
-_FIELDS = tuple(field.name for field in fields(BoardCommand))
-_MODE, _AUTOMATIC = "mode", "MODE_AUTO"
+_AUTOMATIC = "MODE_AUTO"
 
 
 class DriveRows:
@@ -20,12 +18,12 @@ class DriveRows:
 
     def __init__(self, registry: Registry) -> None:
         """Find the rows. Raises `SetupError` if one is missing, lacks a field, or lacks the value ``MODE_AUTO``."""
-        self.command = registry.row(COMMAND, _FIELDS, inbound=False)
-        self.mode = registry.row(MODE, (_MODE,), inbound=True)
+        self.command, self.mode = COMMAND.of(registry), MODE.of(registry)
         automatic = getattr(self.mode.message_type, _AUTOMATIC, None)
         if automatic is None:
             raise SetupError(
-                f"{self.mode.message_type.__msgtype__}, the message of row {MODE!r}, has no value {_AUTOMATIC}; add it"
+                f"{self.mode.message_type.__msgtype__}, the message of row {MODE.row!r}, has no value {_AUTOMATIC}; "
+                "add it"
             )
         self._automatic = automatic
 
@@ -38,4 +36,4 @@ class DriveRows:
 
         Raises `ConversionError` if the message is damaged. Every value but ``MODE_AUTO`` is manual.
         """
-        return bool(getattr(cdr.decode(self.mode.message_type, data), _MODE) == self._automatic)
+        return bool(getattr(cdr.decode(self.mode.message_type, data), MODE.fields[0]) == self._automatic)

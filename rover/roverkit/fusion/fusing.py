@@ -1,13 +1,5 @@
 """Implementation of ``roverlink fuse``: the rover's pose on the field, from odometry, landmarks and GPS.
 
-| topic            | type                         | content                                                        |
-|------------------|------------------------------|----------------------------------------------------------------|
-| odometry/wheel   | nav_msgs/Odometry            | pose and velocity by `roverlink odometry`; received            |
-| aruco/detections | vision_msgs/Detection3DArray | landmarks that `roverlink aruco track` sees; received          |
-| gps/fix          | sensor_msgs/NavSatFix        | position by GPS, if the datum of the field is known; received  |
-| odometry/global  | nav_msgs/Odometry            | pose on the field, with the velocity of the odometry           |
-| /tf              | tf2_msgs/TFMessage           | transform from the frame of the field to that of the odometry  |
-
 The landmarks are received one by one, and not as the pose that the tracker computes from them: a pose does not say from
 which landmarks it comes, and one of them may have been moved.
 """
@@ -25,6 +17,7 @@ import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -33,6 +26,7 @@ import numpy as np
 from roverkit.driving.arcs import PlanarPose
 from roverkit.driving.geodesy import Datum
 from roverkit.fusion.field_graph import FieldGraph
+from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY, TRANSFORM
 from roverkit.fusion.odometry_track import OdometryPoint, OdometryTrack
 from roverkit.fusion.planar_gaussian import PlanarGaussian, is_covariance
 from roverkit.fusion.planar_landmarks import planar_detections, surveyed_places
@@ -47,15 +41,12 @@ from roverlink.node_log import publish_log
 from roverlink.runtime.convert.rotations import angles
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
-from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
 from roverlink.runtime.interfaces.nav_msgs import Odometry
 from roverlink.runtime.interfaces.std_msgs import Header
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.runtime.ros_time.headers import stamp_of
 
-ODOMETRY, DETECTIONS, FIX, FUSED = "odometry/wheel", "aruco/detections", "gps/fix", "odometry/global"
-_QOS = Qos("best_effort", depth=10)  # matches every publisher
 _PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
 _WAITING = 100
 """Images that wait for odometry of their time."""
@@ -70,10 +61,10 @@ def fuse(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logge
         stack.enter_context(publish_log(logger, connection.middleware, ros))
         fusion = Fusion(connection, landmarks, arguments, logger)
         if not cameras:
-            fusion.receive(DETECTIONS, None)
+            fusion.receive(DETECTIONS.name, None)
         for camera in cameras:
-            fusion.receive(f"{camera.name}/{DETECTIONS}", camera.mount)
-        logger.info("waiting for %s and for landmarks of %s", ros.topic(ODOMETRY), arguments.landmarks)
+            fusion.receive(f"{camera.name}/{DETECTIONS.name}", camera.mount)
+        logger.info("waiting for %s and for landmarks of %s", ros.topic(ODOMETRY.name), arguments.landmarks)
         threading.Event().wait()
 
 
@@ -89,11 +80,11 @@ class Fusion:
         self._said: set[str] = set()
         self._start()
         middleware, topic = connection.middleware, connection.topic
-        self._fused = middleware.publisher(topic(FUSED), Odometry, Qos())
-        self._transforms = middleware.publisher(topic("/tf"), tf2_msgs.TFMessage, Qos(depth=100))
-        middleware.subscribe(topic(ODOMETRY), Odometry, _QOS, self._take_odometry)
+        self._fused = FUSED.publisher(middleware, topic)
+        self._transforms = TRANSFORM.publisher(middleware, topic)
+        ODOMETRY.subscribe(middleware, topic, self._take_odometry)
         if self._datum is not None:
-            middleware.subscribe(topic(FIX), sensor_msgs.NavSatFix, _QOS, self._take_fixes)
+            FIX.subscribe(middleware, topic, self._take_fixes)
 
     def receive(self, name: str, mount: Pose | None) -> None:
         """Receive the landmarks that a camera sees.
@@ -102,9 +93,8 @@ class Fusion:
         """
         if mount is None:
             _ = self._connection.transforms  # from now on, so that the static ones are there before the images
-        topic = self._connection.topic(name)
         take = partial(self._take_detections, mount=mount)
-        self._connection.middleware.subscribe(topic, vision_msgs.Detection3DArray, _QOS, take)
+        replace(DETECTIONS, name=name).subscribe(self._connection.middleware, self._connection.topic, take)
 
     def _start(self) -> None:
         self._track, self._graph = OdometryTrack(), FieldGraph(surveyed_places(self._landmarks))
@@ -124,7 +114,7 @@ class Fusion:
                     continue
                 before = self._track.newest
                 if not self._track.add(point):
-                    self._logger.warning("the time or the pose of %s has jumped; beginning again", ODOMETRY)
+                    self._logger.warning("the time or the pose of %s has jumped; beginning again", ODOMETRY.name)
                     self._start()
                     self._track.add(point)
                 self._catch_up(point.stamp)

@@ -24,14 +24,13 @@ from typing import TypeVar
 from roverkit.driving.approach import LandmarkViewpoint, Waypoint
 from roverkit.driving.arcs import PlanarPose
 from roverkit.driving.geodesy import Datum
+from roverkit.mission.mission_declaration import DETECTIONS
 from roverkit.vision.field.landmarks import FRAME, Landmarks, read_landmarks
 from roverkit.vision.yaml_file import Item, read_file
 from roverlink.runtime.core.errors import nearest
 
 T = TypeVar("T")
 
-DETECTIONS = "aruco/detections"
-"""Topic on which ``roverlink aruco track`` publishes the landmarks that a camera sees."""
 _STOP, _CONTINUE = "stop", "continue"
 _UPRIGHT = math.cos(math.radians(45))  # smallest horizontal part of the normal of a landmark that is not on the ground
 _LONGEST_S = 24 * 3600.0
@@ -76,7 +75,7 @@ class Mission:
 
     goals: tuple[Goal, ...]
     frame: str = FRAME
-    detections: tuple[str, ...] = (DETECTIONS,)
+    detections: tuple[str, ...] = (DETECTIONS.name,)
     """Topics with the landmarks that the cameras see."""
 
     @property
@@ -111,7 +110,7 @@ def read_mission(path: Path) -> Mission:
         place = top.get("goals", whole)
         raise place.error("a mission needs goals; write 'goals:' and below it '- position: [x, y]' with metres")
     goals = tuple(_goal(Item(path, item.node, f"goal {place}"), facts, rules) for place, item in enumerate(items, 1))
-    topics = _list(top["detections"], _name) if "detections" in top else (DETECTIONS,)
+    topics = _list(top["detections"], _name) if "detections" in top else (DETECTIONS.name,)
     return Mission(goals, frame, topics)
 
 

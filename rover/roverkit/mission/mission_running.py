@@ -1,10 +1,4 @@
-"""Implementation of ``roverlink mission run``: drives to the goals of a file, and reports the progress.
-
-| topic              | type            | content                                             |
-|--------------------|-----------------|-----------------------------------------------------|
-| mission/state      | std_msgs/String | state and number of the goal, such as "driving 2"   |
-| mission_progress   | the row's       | the same for the basestation, if the table has it   |
-"""
+"""Implementation of ``roverlink mission run``: drives to the goals of a file, and reports the progress."""
 
 from __future__ import annotations
 
@@ -22,6 +16,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from roverkit.driving.drive_rows import DriveRows
+from roverkit.mission.mission_declaration import STATE
 from roverkit.mission.mission_file import read_mission
 from roverkit.mission.mission_row import progress_publisher
 from roverkit.mission.mission_rules import MissionRun, Report, State
@@ -30,12 +25,9 @@ from roverkit.vision.ros.outputs import Output, Outputs
 from roverlink.console import project_folder
 from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
-from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces import std_msgs
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
-TOPIC = "mission/state"
-_LATCHED = Qos(depth=1, durability="transient_local")  # who comes later gets the last message
 _DISTANCE_S = 1.0  # time in seconds between two reports of the distance
 _LOGGED_S = 5.0  # time in seconds between two such reports in the log
 
@@ -54,7 +46,7 @@ def run_mission(arguments: argparse.Namespace, ros: RosArguments, logger: loggin
         stack.enter_context(publish_log(logger, middleware, ros))
         from roverkit.mission.nav2_rover import Nav2Rover  # only here: it imports rclpy, which may be missing
 
-        output = Outputs(middleware, connection.topic, logger.warning).open(TOPIC, std_msgs.String, _LATCHED)
+        output = Outputs(middleware, connection.topic, logger.warning).open(STATE)
         publish = progress_publisher(middleware, registry, connection.topic, len(mission.goals))
         reporting = Reporting(logger, output, publish, len(mission.goals), as_json=arguments.json)
         rover = Nav2Rover(connection, mission, rows, arguments.base_frame, reporting.show_distance, logger.warning)

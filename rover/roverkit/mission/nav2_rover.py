@@ -6,23 +6,22 @@ import math
 import threading
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, cast
 
 from roverkit.driving.arcs import PlanarPose
 from roverkit.driving.drive_rows import DriveRows
+from roverkit.mission.mission_declaration import BACK_UP, DETECTIONS, NAVIGATE
 from roverkit.mission.mission_file import Mission
 from roverkit.mission.mission_rules import MissionStoppedError, Outcome
 from roverkit.node.ros_connection import RosConnection
 from roverkit.vision.poses.transform_tree import TransformError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError, MiddlewareError, SetupError
-from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces import vision_msgs
 from roverlink.runtime.middleware.rclpy import RclpyMiddleware
 from roverlink.runtime.middleware.rclpy_actions import GoalEnd, RclpyAction
 
-NAVIGATE, BACK_UP = "navigate_to_pose", "backup"
-"""Names of Nav2's actions."""
 _STEP_S = 0.1  # longest time between two looks at the clock, which may be that of a simulation
 _BACK_UP_SPEED = 0.2  # m/s
 _SERVER_S = 5.0  # longest time in seconds for a server that is found, or that was started again
@@ -71,20 +70,19 @@ class Nav2Rover:
         self._left: float | None = None
         self._seen: Counter[str] = Counter()
         middleware = cast(RclpyMiddleware, connection.middleware)
-        self._navigate = middleware.action(NavigateToPose, self._topic(NAVIGATE))
-        self._back_up = middleware.action(BackUp, self._topic(BACK_UP))
-        route = rows.mode.route
-        middleware.subscribe(self._topic(route.topic), rows.mode.message_type, route.qos, self._take_mode)
+        self._navigate = middleware.action(NavigateToPose, self._topic(NAVIGATE.name))
+        self._back_up = middleware.action(BackUp, self._topic(BACK_UP.name))
+        rows.mode.subscribe(middleware, self._topic, self._take_mode)
         if mission.has_landmarks:
-            for topic in mission.detections:
-                middleware.subscribe(self._topic(topic), vision_msgs.Detection3DArray, Qos(depth=5), self._take_sight)
+            for name in mission.detections:
+                replace(DETECTIONS, name=name).subscribe(middleware, self._topic, self._take_sight)
 
     def wait_until_ready(self, seconds: float) -> None:
         """Wait until Nav2 is there and the rover knows its pose. Raises `SetupError` if this takes too long."""
         if not self._until(self._navigate.has_server, seconds):
             raise SetupError(
-                f"Nav2 is not there: no server of the action {self._topic(NAVIGATE)} for {seconds:g} s; start it with "
-                "`ros2 launch rtt_slam slam.launch.py`, or wait longer with --wait SECONDS"
+                f"Nav2 is not there: no server of the action {self._topic(NAVIGATE.name)} for {seconds:g} s; start it "
+                "with `ros2 launch rtt_slam slam.launch.py`, or wait longer with --wait SECONDS"
             )
         try:
             self._pose_within(seconds)

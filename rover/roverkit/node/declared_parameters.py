@@ -4,39 +4,38 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Generic, TypeVar
 
-from roverkit.node.ros_connection import USE_SIM_TIME, uses_simulated_time
+from roverkit.node.ros_connection import uses_simulated_time
 
+from roverlink.nodes import USE_SIM_TIME, Parameter
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.runtime.interfaces.rcl_interfaces import ParameterDescriptor, ParameterValue
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 T = TypeVar("T")
 
-_SIM_TIME = (ParameterValue.BOOL, "true if the time is that of a simulation, on /clock")
-_READ_ONLY = frozenset({USE_SIM_TIME})
 _UNUSED = frozenset({"start_type_description_service"})
 """Parameters that rclpy declares for every node, so that `ros2 param dump` writes them; this node does not use them."""
 _TYPES = {
-    ParameterValue.STRING: (str, "a text (in quotes if it looks like a number)"),
-    ParameterValue.DOUBLE: (float, "a number, such as 0.15"),
-    ParameterValue.INTEGER: (int, "a whole number, such as 4500"),
-    ParameterValue.BOOL: (bool, "true or false"),
+    str: (ParameterValue.STRING, "a text (in quotes if it looks like a number)"),
+    float: (ParameterValue.DOUBLE, "a number, such as 0.15"),
+    int: (ParameterValue.INTEGER, "a whole number, such as 4500"),
+    bool: (ParameterValue.BOOL, "true or false"),
 }
 
 
 class DeclaredParameters(Generic[T]):
     """Parameters of one node, which ROS 2 tools can read and change. Safe to use from several threads.
 
-    The options of the command line are their first values, unless the arguments after ``--ros-args`` set them. The
-    parameter ``use_sim_time`` is one of them, and cannot change.
+    Their first values are the options of the command line, or else the declared defaults, unless the arguments after
+    ``--ros-args`` set them. The parameter ``use_sim_time`` is one of them, and cannot change.
     """
 
     def __init__(
         self,
-        descriptions: Mapping[str, tuple[int, str]],
+        declared: Sequence[Parameter],
         options: Mapping[str, Any],
         ros: RosArguments,
         read: Callable[[Mapping[str, Any]], T],
@@ -44,17 +43,18 @@ class DeclaredParameters(Generic[T]):
     ) -> None:
         """Read the first values.
 
-        ``descriptions`` has the type (of `ParameterValue`) and the description of each parameter. ``read`` returns what
-        the values mean, and raises `SetupError` if one of them is wrong.
+        ``options`` has the values of the command line by the names of the parameters. ``read`` returns what the values
+        mean, and raises `SetupError` if one of them is wrong.
         """
-        self._descriptions = {**descriptions, USE_SIM_TIME: _SIM_TIME}
+        self._declared = {one.name: one for one in (*declared, USE_SIM_TIME)}
         self._read, self._logger, self._lock = read, logger, threading.Lock()
         self.descriptors: Mapping[str, ParameterDescriptor] = {
-            name: ParameterDescriptor(name, type_, description, read_only=name in _READ_ONLY)
-            for name, (type_, description) in self._descriptions.items()
+            name: ParameterDescriptor(name, _TYPES[one.type][0], one.meaning, read_only=one.read_only)
+            for name, one in self._declared.items()
         }
         """Declaration of each parameter by its name."""
-        first = {**options, USE_SIM_TIME: uses_simulated_time(ros)}
+        first = {name: one.default for name, one in self._declared.items()}
+        first |= {**options, USE_SIM_TIME.name: uses_simulated_time(ros)}
         self._values: Mapping[str, Any] = self._completed(first, self._checked(ros.parameters))
         self._meaning = read(self._values)
 
@@ -76,8 +76,8 @@ class DeclaredParameters(Generic[T]):
         changes = self._checked(changes)
         with self._lock:
             before = self._values
-            for name in _READ_ONLY & changes.keys():
-                if changes[name] != before[name]:
+            for name in changes:
+                if self._declared[name].read_only and changes[name] != before[name]:
                     value = str(changes[name]).lower()
                     raise SetupError(f"the parameter {name!r} is read-only; restart the node with -p {name}:={value}")
             after = self._completed(before, changes)
@@ -98,31 +98,11 @@ class DeclaredParameters(Generic[T]):
         for name, value in given.items():
             if name in _UNUSED:
                 continue
-            if name not in self._descriptions:
-                raise SetupError(f"unknown parameter {name!r}; {nearest(name, self._descriptions)}")
-            wanted, described = _TYPES[self._descriptions[name][0]]
+            if name not in self._declared:
+                raise SetupError(f"unknown parameter {name!r}; {nearest(name, self._declared)}")
+            wanted = self._declared[name].type
             # YAML has no other way to tell 1 from 1.0
             checked[name] = float(value) if wanted is float and type(value) is int else value
             if type(checked[name]) is not wanted:
-                raise SetupError(f"the parameter {name!r} is {value!r}; it must be {described}")
+                raise SetupError(f"the parameter {name!r} is {value!r}; it must be {_TYPES[wanted][1]}")
         return checked
-
-
-class DefaultedParameters(DeclaredParameters[T]):
-    """Parameters of a node whose command has no options for them: each has a default value."""
-
-    def __init__(
-        self,
-        table: Mapping[str, tuple[Any, int, str]],
-        ros: RosArguments,
-        read: Callable[[Mapping[str, Any]], T],
-        logger: logging.Logger,
-    ) -> None:
-        """Read the first values; ``table`` has the default, the type and the description of each parameter."""
-        super().__init__(
-            {name: (type_, description) for name, (_, type_, description) in table.items()},
-            {name: default for name, (default, _, _) in table.items()},
-            ros,
-            read,
-            logger,
-        )

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from roverlink.nodes import USE_SIM_TIME
 from roverlink.runtime.core.errors import MiddlewareError, SetupError
 from roverlink.runtime.middleware import Middleware, NodeParameters, open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments, is_topic
@@ -16,15 +17,12 @@ from roverlink.runtime.ros_time.simulated_clock import SimulatedClock
 if TYPE_CHECKING:
     from roverkit.vision.poses.transform_tree import TransformTree
 
-USE_SIM_TIME = "use_sim_time"
-"""Parameter of every ROS 2 node: true if its time is that of a simulation, on the topic /clock."""
-
 
 def uses_simulated_time(ros: RosArguments) -> bool:
     """Return true if the arguments after ``--ros-args`` set ``use_sim_time``. Raises `SetupError` for no boolean."""
-    value = ros.parameters.get(USE_SIM_TIME, False)
+    value = ros.parameters.get(USE_SIM_TIME.name, USE_SIM_TIME.default)
     if not isinstance(value, bool):
-        raise SetupError(f"the parameter {USE_SIM_TIME!r} is {value!r}; it must be true or false")
+        raise SetupError(f"the parameter {USE_SIM_TIME.name!r} is {value!r}; it must be true or false")
     return value
 
 

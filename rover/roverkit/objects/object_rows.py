@@ -7,14 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import cast
 
 from roverkit.objects.detected_objects import Box, TrackedObject
+from roverkit.objects.object_declarations import DETECTED, SELECTION
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message, fields_of
 
-DETECTED, SELECTION = "detected_object", "object_selection"
-"""Names of the rows in mapping.yaml."""
-_FIELDS = ("frame_id", "total_count", "index", "id", "type", "bbox", "confidence")
-_SELECTED = "object_id"
 _LARGEST = 2**32
 
 
@@ -23,15 +20,15 @@ class DetectedObjectRow:
 
     def __init__(self, registry: Registry) -> None:
         """Find the row. Raises `SetupError` if it is missing, or lacks a field."""
-        row = registry.row(DETECTED, _FIELDS, inbound=False)
-        self.route, self.message_type = row.route, row.message_type
-        self._box = cast("type[Message]", {field.name: field.type for field in fields_of(row.message_type)}["bbox"])
+        self.topic = DETECTED.of(registry)
+        fields = {field.name: field.type for field in fields_of(self.topic.message_type)}
+        self._box = cast("type[Message]", fields["bbox"])
         self._frames = itertools.count(1)
 
     @property
     def types(self) -> Mapping[str, int]:
         """Numbers of the types of objects by their names in the proto, such as ``OBJECT_ROCK``."""
-        constants = vars(self.message_type).items()
+        constants = vars(self.topic.message_type).items()
         return {name: value for name, value in constants if name.isupper() and isinstance(value, int)}
 
     def messages(self, objects: Sequence[tuple[TrackedObject, int]], size: tuple[int, int]) -> Iterator[bytes]:
@@ -44,7 +41,7 @@ class DetectedObjectRow:
         for index, (tracked, type_) in enumerate(objects):
             box = self._box(**dict(zip(("x", "y", "width", "height"), _pixels(tracked.box, size))))
             yield cdr.encode(
-                self.message_type(
+                self.topic.message_type(
                     frame_id=frame,
                     total_count=len(objects),
                     index=index,
@@ -55,7 +52,7 @@ class DetectedObjectRow:
                 )
             )
         if not objects:
-            yield cdr.encode(self.message_type(frame_id=frame))
+            yield cdr.encode(self.topic.message_type(frame_id=frame))
 
 
 class ObjectSelectionRow:
@@ -63,12 +60,11 @@ class ObjectSelectionRow:
 
     def __init__(self, registry: Registry) -> None:
         """Find the row. Raises `SetupError` if it is missing, or lacks the field."""
-        row = registry.row(SELECTION, (_SELECTED,), inbound=True)
-        self.route, self.message_type = row.route, row.message_type
+        self.topic = SELECTION.of(registry)
 
     def number(self, data: bytes) -> int:
         """Return the object's number in a serialized message. Raises `ConversionError` if it is damaged."""
-        return int(getattr(cdr.decode(self.message_type, data), _SELECTED))
+        return int(getattr(cdr.decode(self.topic.message_type, data), SELECTION.fields[0]))
 
 
 def _pixels(box: Box, size: tuple[int, int]) -> tuple[int, int, int, int]:

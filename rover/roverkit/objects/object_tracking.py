@@ -1,12 +1,4 @@
-"""Implementation of ``roverlink objects track``: reads frames, and writes objects to ROS 2, JSON and a video.
-
-| topic                     | type                         | content                                                |
-|---------------------------|------------------------------|--------------------------------------------------------|
-| objects/detections        | vision_msgs/Detection2DArray | objects in the image                                   |
-| objects/detections_3d     | vision_msgs/Detection3DArray | positions of those with a depth, in the camera's frame |
-| objects/image/compressed  | sensor_msgs/CompressedImage  | the frame with the objects drawn into it               |
-| detected_object           | message of the row           | objects for the basestation                            |
-"""
+"""Implementation of ``roverlink objects track``: reads frames, and writes objects to ROS 2, JSON and a video."""
 
 from __future__ import annotations
 
@@ -29,6 +21,7 @@ from roverkit.node.ros_connection import RosConnection, full_topic
 from roverkit.objects.chosen_detector import open_detector
 from roverkit.objects.detected_objects import TrackedObject
 from roverkit.objects.location import Location, locate
+from roverkit.objects.object_declarations import DETECTIONS, DETECTIONS_3D, IMAGE
 from roverkit.objects.object_log import ObjectLog
 from roverkit.objects.object_rows import DetectedObjectRow
 from roverkit.objects.object_tracker import ObjectTracker
@@ -41,13 +34,12 @@ from roverkit.vision.images.object_drawing import draw_objects
 from roverkit.vision.ros.camera_info import camera_info_topic
 from roverkit.vision.ros.image_messages import compressed_of
 from roverkit.vision.ros.object_messages import detections_2d_of, detections_3d_of
-from roverkit.vision.ros.outputs import LATEST, Outputs
+from roverkit.vision.ros.outputs import Outputs
 from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.interfaces import sensor_msgs, vision_msgs
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 _DIGITS = 6  # significant digits of JSON
@@ -182,9 +174,9 @@ def _publishers(
 ) -> Iterator[Output]:
     """Yield outputs that publish the objects, and that send them to the basestation."""
     outputs = Outputs(ros.middleware, ros.topic, logger.warning)
-    flat = outputs.open("objects/detections", vision_msgs.Detection2DArray)
-    solid = outputs.open("objects/detections_3d", vision_msgs.Detection3DArray)
-    image = outputs.open("objects/image/compressed", sensor_msgs.CompressedImage, LATEST)
+    flat = outputs.open(DETECTIONS)
+    solid = outputs.open(DETECTIONS_3D)
+    image = outputs.open(IMAGE)
 
     def publish(result: ObjectResult) -> None:
         stamp, frame = result.frame.stamp, result.frame.frame_id
@@ -198,7 +190,7 @@ def _publishers(
     except NoProjectError as error:  # detection works without a bridge
         logger.warning("the objects are not sent to the basestation: %s", error)
         return
-    publisher = ros.middleware.publisher(ros.topic(row.route.topic), row.message_type, row.route.qos)
+    publisher = row.topic.publisher(ros.middleware, ros.topic)
     types = ObjectTypes(classes, row.types, names, logger.warning)
 
     def send(result: ObjectResult) -> None:

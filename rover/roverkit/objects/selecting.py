@@ -1,13 +1,4 @@
-"""Implementation of ``roverlink objects select``: publishes the position of the object that the operator selects.
-
-| topic                                 | type                                    | content                            |
-|---------------------------------------|-----------------------------------------|------------------------------------|
-| selected_object/pose                  | geometry_msgs/PoseStamped               | position in the rover's frame      |
-| selected_object/pose_with_covariance  | geometry_msgs/PoseWithCovarianceStamped | the same, with its uncertainty     |
-| selected_object/map/pose              | geometry_msgs/PoseStamped               | position in the frame of the field |
-| selected_object/map/pose_with_covariance | geometry_msgs/PoseWithCovarianceStamped | the same, with its uncertainty  |
-| selected_object/state                 | std_msgs/String                         | state and number, such as "held 7" |
-"""
+"""Implementation of ``roverlink objects select``: publishes the position of the object that the operator selects."""
 
 from __future__ import annotations
 
@@ -25,6 +16,14 @@ from queue import Empty, Queue
 
 from roverkit.node.ros_connection import RosConnection
 from roverkit.objects.location import Location
+from roverkit.objects.object_declarations import (
+    LOCATED,
+    MAP_POSE,
+    MAP_POSE_WITH_COVARIANCE,
+    POSE,
+    POSE_WITH_COVARIANCE,
+    STATE,
+)
 from roverkit.objects.object_rows import ObjectSelectionRow
 from roverkit.objects.selection import Scene, Selection, State
 from roverkit.vision.poses.pose import Pose
@@ -36,17 +35,12 @@ from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
-from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces import geometry_msgs, std_msgs, vision_msgs
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.runtime.ros_time.headers import header_of, stamp_of
 
-DETECTIONS = "objects/detections_3d"
-"""Topic on which ``roverlink objects track`` publishes the positions of objects."""
-TOPIC = "selected_object"
 _PERIOD_S = 0.1
 """Time in seconds between two messages about an object that is hidden."""
-_LATCHED = Qos(depth=1, durability="transient_local")  # who comes later gets the last message
 REFUSED = "refused"
 """State of a selection of an object that is not known."""
 
@@ -79,11 +73,11 @@ def select_objects(arguments: argparse.Namespace, ros: RosArguments, logger: log
                 return
             events.put(partial(selector.see, found))
 
-        topic = ros.topic(row.route.topic)
-        middleware = connection.middleware
-        middleware.subscribe(ros.topic(DETECTIONS), vision_msgs.Detection3DArray, Qos(depth=5), take_detections)
-        middleware.subscribe(topic, row.message_type, row.route.qos, take_selections)
-        logger.info("waiting for selections on %s, with the objects of %s", topic, ros.topic(DETECTIONS))
+        LOCATED.subscribe(connection.middleware, ros.topic, take_detections)
+        row.topic.subscribe(connection.middleware, ros.topic, take_selections)
+        logger.info(
+            "waiting for selections on %s, with the objects of %s", ros.topic(row.topic.name), ros.topic(LOCATED.name)
+        )
         while True:
             with suppress(Empty):
                 events.get(timeout=_PERIOD_S)()
@@ -101,14 +95,9 @@ class Selector:
         self._published = 0
         self._unknown: set[str] = set()
         outputs = Outputs(connection.middleware, connection.topic, logger.warning)
-        self._state = outputs.open(f"{TOPIC}/state", std_msgs.String, _LATCHED)
-        self._in_base, self._in_map = (
-            (
-                outputs.open(f"{name}/pose", geometry_msgs.PoseStamped),
-                outputs.open(f"{name}/pose_with_covariance", geometry_msgs.PoseWithCovarianceStamped),
-            )
-            for name in (TOPIC, f"{TOPIC}/map")
-        )
+        self._state = outputs.open(STATE)
+        self._in_base = outputs.open(POSE), outputs.open(POSE_WITH_COVARIANCE)
+        self._in_map = outputs.open(MAP_POSE), outputs.open(MAP_POSE_WITH_COVARIANCE)
 
     def see(self, message: vision_msgs.Detection3DArray) -> None:
         """Take the objects of an image, and publish the position of the selected one."""

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
 
 from roverkit.driving.board_commands import BoardCommand
+from roverkit.odometry.odometry_declaration import COMMAND, DIAGNOSTICS, PROGRESS, WHEELS
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
 
-COMMAND, PROGRESS, DIAGNOSTICS = "drive_motor", "drive_progress", "drive_diag"
-"""Names of the rows in mapping.yaml."""
-_COMMAND = tuple(field.name for field in fields(BoardCommand))
-_LEFT = "distance_left"
-WHEELS = tuple(f"{place}_{side}_motor" for side in ("left", "right") for place in ("front", "middle", "back"))
-"""Fields of the diagnostics: the motors of the wheels."""
+_LEFT = PROGRESS.fields[0]
 
 
 class OdometryRows:
@@ -23,14 +18,13 @@ class OdometryRows:
 
     def __init__(self, registry: Registry) -> None:
         """Find the rows. Raises `SetupError` if one is missing, or lacks a field."""
-        self.command = registry.row(COMMAND, _COMMAND, inbound=False)
-        self.progress = registry.row(PROGRESS, (_LEFT,), inbound=True)
-        self.diagnostics = registry.row(DIAGNOSTICS, WHEELS, inbound=True)
+        self.command, self.progress = COMMAND.of(registry), PROGRESS.of(registry)
+        self.diagnostics = DIAGNOSTICS.of(registry)
 
     def board_command(self, data: bytes) -> BoardCommand:
         """Return a serialized command. Raises `ConversionError` if it is damaged."""
         message = cdr.decode(self.command.message_type, data)
-        return BoardCommand(*(float(getattr(message, name)) for name in _COMMAND))
+        return BoardCommand(*(float(getattr(message, name)) for name in COMMAND.fields))
 
     def distance_left(self, data: bytes) -> float:
         """Return the distance in metres of a serialized report.

@@ -1,14 +1,4 @@
-"""Implementation of ``roverlink odometry``: the rover's pose and velocity, from the driving board and an IMU.
-
-| topic          | type               | content                                                         |
-|----------------|--------------------|-----------------------------------------------------------------|
-| drive_motor    | message of the row | commands for the driving board; received                        |
-| drive_progress | message of the row | distance left on the current command; received                  |
-| drive_diag     | message of the row | speeds of the wheels' motors; received                          |
-| imu/data_raw   | sensor_msgs/Imu    | angular velocity; received                                      |
-| odometry/wheel | nav_msgs/Odometry  | pose in the frame odom, velocity in base_link, and covariances  |
-| /tf            | tf2_msgs/TFMessage | transform from odom to base_link, unless publish_tf is false    |
-"""
+"""Implementation of ``roverlink odometry``: the rover's pose and velocity, from the driving board and an IMU."""
 
 from __future__ import annotations
 
@@ -21,6 +11,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
 from roverkit.node.ros_connection import RosConnection
+from roverkit.odometry.odometry_declaration import IMU, ODOMETRY, TRANSFORM
 from roverkit.odometry.odometry_messages import odometry_of, transform_of
 from roverkit.odometry.odometry_parameters import OdometryParameters
 from roverkit.odometry.odometry_rows import OdometryRows
@@ -30,18 +21,12 @@ from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
-from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.interfaces.nav_msgs import Odometry
 from roverlink.runtime.interfaces.sensor_msgs import Imu
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK
 from roverlink.runtime.ros_time.headers import header_of, stamp_of
 
-IMU, ODOMETRY = "imu/data_raw", "odometry/wheel"
-"""Names of the topics; those of the driving board are in the table."""
-_TRANSFORMS = Qos(depth=100)  # the depth of tf2's broadcaster
-_IMU_QOS = Qos("best_effort", depth=50)  # best effort, so that it matches every publisher
 _PERIOD_S = 0.1
 _SILENCE_S = 0.5
 """Time without a report of the driving board after which the last estimate is repeated."""
@@ -60,7 +45,7 @@ def publish_odometry(arguments: argparse.Namespace, ros: RosArguments, logger: l
         node = OdometryNode(connection, rows, parameters, logger, as_json=arguments.json)
         node.receive()
         logger.info(
-            "waiting for reports on %s; odometry on %s", ros.topic(rows.progress.route.topic), ros.topic(ODOMETRY)
+            "waiting for reports on %s; odometry on %s", ros.topic(rows.progress.name), ros.topic(ODOMETRY.name)
         )
         node.run()
 
@@ -86,8 +71,8 @@ class OdometryNode:
         self._reported_at: int | None = None
         self._said: set[str] = set()
         middleware, topic = connection.middleware, connection.topic
-        self._publisher = middleware.publisher(topic(ODOMETRY), Odometry, Qos())
-        self._transforms = middleware.publisher(topic("/tf"), TFMessage, _TRANSFORMS)
+        self._publisher = ODOMETRY.publisher(middleware, topic)
+        self._transforms = TRANSFORM.publisher(middleware, topic)
 
     def receive(self) -> None:
         """Begin to receive the topics."""
@@ -97,8 +82,8 @@ class OdometryNode:
             (self._rows.progress, self._take_progress),
             (self._rows.diagnostics, self._take_diagnostics),
         ):
-            middleware.subscribe(topic(row.route.topic), row.message_type, row.route.qos, self._each(take))
-        middleware.subscribe(topic(IMU), Imu, _IMU_QOS, self._each(self._take_imu))
+            row.subscribe(middleware, topic, self._each(take))
+        IMU.subscribe(middleware, topic, self._each(self._take_imu))
 
     def run(self) -> None:
         """Repeat the last estimate while the driving board reports nothing, until a signal interrupts this."""
@@ -156,7 +141,7 @@ class OdometryNode:
         if (estimate := self._odometry.progress(now, left)) is None:
             return
         if not self._odometry.uses_gyroscope:
-            topic = self._connection.topic(IMU)
+            topic = self._connection.topic(IMU.name)
             self._say_once("imu", f"no angular velocity comes on {topic}; the turn is that of the steering")
         self._publish(estimate)
 

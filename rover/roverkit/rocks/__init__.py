@@ -1,14 +1,9 @@
 """Sizes of rocks from a depth image and a line that somebody draws across a rock in the colour image.
 
 try:
-    size = measure(depth, camera, (181, 117, 260, 106))
+    size = measurement.measure(depth, camera, (181, 117, 260, 106))
 except UnmeasurableError as error:
     print(error.reason.value, error)
 else:
     print(size.length, size.width)
 """
-
-from roverkit.rocks.measurement import Line, RockSize, measure
-from roverkit.rocks.unmeasurable import Unmeasurable, UnmeasurableError
-
-__all__ = ["Line", "RockSize", "Unmeasurable", "UnmeasurableError", "measure"]

@@ -9,19 +9,10 @@ from typing import Any
 
 from roverkit.node.declared_parameters import DeclaredParameters
 from roverkit.node.ros_connection import full_topic
+from roverkit.rocks.rocks_declaration import NODE
 from roverkit.vision.frames.depth_camera import CameraTopics, aligned_depth_topic
 from roverkit.vision.ros.camera_info import camera_info_topic
-from roverlink.runtime.interfaces.rcl_interfaces import ParameterValue
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
-
-_DESCRIPTIONS = {
-    "camera": (ParameterValue.STRING, "topic with the colour images in which the operator draws the line"),
-    "depth": (
-        ParameterValue.STRING,
-        "topic with the depth that is aligned to the colour images; empty for the default",
-    ),
-    "camera_info": (ParameterValue.STRING, "topic with the parameters of the colour camera; empty for the default"),
-}
 
 
 class CameraTopicParameters(DeclaredParameters[CameraTopics]):
@@ -29,7 +20,7 @@ class CameraTopicParameters(DeclaredParameters[CameraTopics]):
 
     def __init__(self, arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> None:
         """Read the first values. Raises `SetupError` if one of them is not the name of a topic."""
-        options = {name: getattr(arguments, name) or "" for name in _DESCRIPTIONS}
+        options = {one.name: getattr(arguments, one.name) or "" for one in NODE.parameters}
 
         def read(values: Mapping[str, Any]) -> CameraTopics:
             colour = full_topic(values["camera"], ros)
@@ -37,7 +28,7 @@ class CameraTopicParameters(DeclaredParameters[CameraTopics]):
             info = values["camera_info"] or camera_info_topic(colour)
             return CameraTopics(colour, full_topic(depth, ros), full_topic(info, ros))
 
-        super().__init__(_DESCRIPTIONS, options, ros, read, logger)
+        super().__init__(NODE.parameters, options, ros, read, logger)
 
     def _completed(self, before: Mapping[str, Any], changes: Mapping[str, Any]) -> Mapping[str, Any]:
         # The depth of one camera with the parameters of another one would give wrong sizes.

@@ -13,9 +13,10 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
 from roverkit.node.ros_connection import RosConnection
-from roverkit.rocks import Line, RockSize, Unmeasurable, UnmeasurableError, measure
 from roverkit.rocks.camera_parameters import CameraTopicParameters
+from roverkit.rocks.measurement import Line, RockSize, measure
 from roverkit.rocks.rock_rows import RockRows
+from roverkit.rocks.unmeasurable import Unmeasurable, UnmeasurableError
 from roverkit.vision.frames.depth_camera import DepthCamera, NoDepthError
 from roverlink.console import project_folder
 from roverlink.generated_code import load_project
@@ -36,15 +37,13 @@ def measure_rocks(arguments: argparse.Namespace, ros: RosArguments, logger: logg
         middleware = connection.middleware
         stack.enter_context(publish_log(logger, middleware, ros))
         camera = DepthCamera(connection, lambda: parameters.meaning, logger.warning)
-        route = rows.result.route
-        publisher = middleware.publisher(ros.topic(route.topic), rows.result.message_type, route.qos)
+        publisher = rows.result.publisher(middleware, ros.topic)
         answering = Answering(camera, rows, publisher.publish, logger, as_json=arguments.json)
-        route = rows.request.route
-        middleware.subscribe(ros.topic(route.topic), rows.request.message_type, route.qos, answering.take)
+        rows.request.subscribe(middleware, ros.topic, answering.take)
         logger.info(
             "measuring rocks with the depth on %s; requests on %s",
             parameters.meaning.depth,
-            ros.topic(route.topic),
+            ros.topic(rows.request.name),
         )
         camera.receive()
 

@@ -5,16 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from roverkit.rocks import Line
+from roverkit.rocks.measurement import Line
+from roverkit.rocks.rocks_declaration import REQUEST, RESULT
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
-
-REQUEST, RESULT = "rock_measure_request", "rock_measure_result"
-"""Names of the rows in mapping.yaml."""
-ENDPOINTS = ("x1", "y1", "x2", "y2")
-"""Fields of the request: the endpoints of the line, in pixels of the colour image."""
-SIZES = ("length_cm", "width_cm")
-"""Fields of the result, in centimetres."""
 
 
 class RockRows:
@@ -22,13 +16,12 @@ class RockRows:
 
     def __init__(self, registry: Registry) -> None:
         """Find the rows. Raises `SetupError` if one is missing, or lacks a field."""
-        self.request = registry.row(REQUEST, ENDPOINTS, inbound=True)
-        self.result = registry.row(RESULT, SIZES, inbound=False)
+        self.request, self.result = REQUEST.of(registry), RESULT.of(registry)
 
     def line(self, data: bytes) -> Line:
         """Return the line of a serialized request. Raises `ConversionError` if it is damaged."""
         message = cdr.decode(self.request.message_type, data)
-        x1, y1, x2, y2 = (float(getattr(message, name)) for name in ENDPOINTS)
+        x1, y1, x2, y2 = (float(getattr(message, name)) for name in REQUEST.fields)
         return x1, y1, x2, y2
 
     def answer(self, size: Sequence[float] | None) -> bytes:
@@ -36,4 +29,4 @@ class RockRows:
         # The message has no field for a failure. 0 is a number, which a page shows as a size and a mean contains. And
         # without an answer, the operator takes the last one for it.
         values = (math.nan, math.nan) if size is None else [100 * metres for metres in size]
-        return cdr.encode(self.result.message_type(**dict(zip(SIZES, values))))
+        return cdr.encode(self.result.message_type(**dict(zip(RESULT.fields, values))))

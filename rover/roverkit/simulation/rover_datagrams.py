@@ -8,7 +8,8 @@ from typing import Any
 
 from google.protobuf.message import Message as ProtoMessage
 from roverkit.driving.board_commands import BoardCommand
-from roverkit.odometry.odometry_rows import COMMAND, DIAGNOSTICS, PROGRESS, WHEELS
+from roverkit.driving.drive_declaration import COMMAND
+from roverkit.odometry.odometry_declaration import DIAGNOSTICS, PROGRESS, WHEELS
 from roverkit.simulation.rover_model import Measurement, MotorReport, ProgressReport
 from roverkit.simulation.rover_sensors import ImuReading
 
@@ -16,7 +17,7 @@ from roverlink.runtime import Registry
 from roverlink.runtime.core.registry import AnyHandler
 
 IMU, GPS = "imu_info", "gps_info"
-"""Names of the rows in mapping.yaml; those of the driving board are in `roverkit.odometry.odometry_rows`."""
+"""Names of the rows in mapping.yaml; `odometry_declaration` has those of the driving board."""
 _STEERING = {
     f"steering_{end}_{side}_motor": sign for end, sign in (("front", 1), ("back", -1)) for side in ("left", "right")
 }
@@ -34,11 +35,11 @@ class RoverDatagrams:
     def __init__(self, registry: Registry) -> None:
         """Find the rows. Raises `SetupError` if one is missing, or lacks a field."""
         self._registry = registry
-        registry.row(PROGRESS, ("distance_left",), inbound=True)
-        registry.row(DIAGNOSTICS, ("state", *WHEELS, *_STEERING), inbound=True)
+        PROGRESS.of(registry)
+        registry.row(DIAGNOSTICS.row, ("state", *WHEELS, *_STEERING), inbound=True)
         registry.row(IMU, _AXES, inbound=True)
         registry.row(GPS, ("latitude", "longitude", "altitude"), inbound=True)
-        self._command = registry.row(COMMAND, ("distance_to_go", "turning_radius"), inbound=False).route
+        self._command = registry.row(COMMAND.row, COMMAND.fields, inbound=False).route
 
     @property
     def peer(self) -> str:
@@ -67,9 +68,9 @@ def _values(measured: Measurement) -> tuple[str, Mapping[str, Any]]:
     The units are those that mapping.yaml states: m/s^2, deg/s and uT for the IMU.
     """
     if isinstance(measured, ProgressReport):
-        return PROGRESS, {"distance_left": measured.distance_left}
+        return PROGRESS.row, {"distance_left": measured.distance_left}
     if isinstance(measured, MotorReport):
-        return DIAGNOSTICS, _diagnostics(measured)
+        return DIAGNOSTICS.row, _diagnostics(measured)
     if isinstance(measured, ImuReading):
         gyro = [math.degrees(rate) for rate in measured.angular_velocity]
         field = [_MICROTESLA * value for value in measured.magnetic_field]

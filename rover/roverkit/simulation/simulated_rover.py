@@ -1,12 +1,4 @@
-"""Implementation of ``roverlink simulate-rover``: a rover that drives, in place of the boards of a real one.
-
-| topic                 | type                   | content                                                  |
-|-----------------------|------------------------|----------------------------------------------------------|
-| ground_truth/odometry | nav_msgs/Odometry      | true pose in the frame map, true velocity in base_link   |
-| /clock                | rosgraph_msgs/Clock    | time of the simulation, with --clock                     |
-| camera/image_raw      | sensor_msgs/Image      | image of the landmarks, with --landmarks                 |
-| camera/camera_info    | sensor_msgs/CameraInfo | parameters of the camera                                 |
-"""
+"""Implementation of ``roverlink simulate-rover``: a rover that drives, in place of the boards of a real one."""
 
 from __future__ import annotations
 
@@ -25,6 +17,7 @@ from roverkit.odometry.odometry_messages import odometry_of
 from roverkit.odometry.wheel_odometry import OdometryEstimate
 from roverkit.simulation.rover_datagrams import RoverDatagrams
 from roverkit.simulation.rover_model import STEP_NS, RoverModel
+from roverkit.simulation.simulation_declaration import CAMERA_INFO, CLOCK, IMAGE, NODE, TRUTH
 
 from roverlink import topic_types
 from roverlink.console import NO_MIDDLEWARE, OK, project_folder
@@ -32,8 +25,7 @@ from roverlink.generated_code import load_project
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.client import BlockingPeer, Received
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.interfaces import Time, nav_msgs, rosgraph_msgs, sensor_msgs
+from roverlink.runtime.interfaces import Time, rosgraph_msgs
 from roverlink.runtime.middleware import Middleware, Publisher, open_middleware
 from roverlink.runtime.net import udp
 from roverlink.runtime.ros_arguments import parameters
@@ -44,11 +36,8 @@ from roverlink.simulation.scenarios import SCENARIOS, Emission, Stream, World
 if TYPE_CHECKING:
     from roverkit.simulation.rover_camera import RoverCamera
 
-TRUTH, IMAGE, CAMERA_INFO = "ground_truth/odometry", "camera/image_raw", "camera/camera_info"
-"""Names of the topics."""
 REBOOT = "reboot"
 _MAP, _BASE = "map", "base_link"
-_IMAGES = Qos(depth=5)
 _TRUTH_NS, _IMAGE_NS = 50_000_000, 500_000_000
 _BETWEEN_RESTARTS_S = (5.0, 20.0)
 _ZEROS = [[0.0] * 3 for _ in range(3)]
@@ -78,7 +67,7 @@ def simulate_rover(arguments: argparse.Namespace) -> int:
         )
         publish: Callable[[RoverModel], None] | None = None
         if arguments.middleware != NO_MIDDLEWARE:
-            middleware = open_middleware(arguments.middleware, topic_types.identity("simulated_rover"))
+            middleware = open_middleware(arguments.middleware, topic_types.identity(NODE.name))
             publish = _Publications(stack.enter_context(middleware), arguments).publish
         elif arguments.clock or arguments.landmarks is not None:
             raise SetupError(f"--clock and --landmarks need ROS 2; leave --middleware {NO_MIDDLEWARE} out")
@@ -204,18 +193,17 @@ class _Publications:
         """Create the publishers. Raises `SetupError` if the landmarks cannot be rendered."""
         # The stamps are near those of the bridge, whose time is that of the computer.
         self._began = time.time_ns()
-        self._truth = middleware.publisher(topic_types.full_topic(TRUTH), nav_msgs.Odometry, Qos())
+        self._truth = TRUTH.publisher(middleware, topic_types.full_topic)
         self._clock: Publisher | None = None
         if arguments.clock:
-            self._clock = middleware.publisher("/clock", rosgraph_msgs.Clock, Qos(depth=1))
+            self._clock = CLOCK.publisher(middleware, topic_types.full_topic)
         self._camera: RoverCamera | None = None
         if arguments.landmarks is not None:
             from roverkit.simulation.rover_camera import RoverCamera
 
             self._camera = RoverCamera(arguments.landmarks, arguments.seed)
-            image, info = map(topic_types.full_topic, (IMAGE, CAMERA_INFO))
-            self._images = middleware.publisher(image, sensor_msgs.Image, _IMAGES)
-            self._infos = middleware.publisher(info, sensor_msgs.CameraInfo, _IMAGES)
+            self._images = IMAGE.publisher(middleware, topic_types.full_topic)
+            self._infos = CAMERA_INFO.publisher(middleware, topic_types.full_topic)
 
     def publish(self, rover: RoverModel) -> None:
         """Publish what is due at the time of the rover."""

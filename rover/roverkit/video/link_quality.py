@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from roverkit.video.video_declarations import LINK
 from roverlink.heard_bridges import HeardBridges
 from roverlink.runtime.core.errors import MiddlewareError
-from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.middleware import Middleware
-from roverlink.runtime.monitoring import diagnostic_array
 
 
 class LinkQuality(NamedTuple):
@@ -32,7 +31,7 @@ class LinkQualities:
         self._bridges, self._heard = HeardBridges(), heard
         self._by_address: dict[str, LinkQuality] = {}
         try:
-            middleware.subscribe(diagnostic_array.TOPIC, DiagnosticArray, diagnostic_array.QOS, self._take)
+            LINK.subscribe(middleware, lambda name: name, self._take)
         except MiddlewareError as error:
             say(f"the quality of the link is not received: {error}")
 

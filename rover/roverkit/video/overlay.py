@@ -8,27 +8,26 @@ from datetime import datetime
 
 from roverkit.objects.detected_objects import TrackedObject
 from roverkit.video.link_quality import LinkQuality
+from roverkit.video.video_declarations import OBJECTS
 from roverkit.vision.ros.object_messages import objects_of
+from roverlink.nodes import FullName
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError, MiddlewareError
-from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces.vision_msgs import Detection2DArray
 from roverlink.runtime.middleware import Middleware
 
-OBJECTS = "objects/detections"
-"""Topic with the objects that are drawn; that of ``roverlink objects track``."""
 _OLD_S = 1.0
 
 
 class SeenObjects:
     """Objects that ``roverlink objects track`` has published last."""
 
-    def __init__(self, middleware: Middleware, topic: str, say: Callable[[str], None]) -> None:
-        """Listen to a fully qualified topic; `say` is called with a message if ROS 2 has no message type for it."""
+    def __init__(self, middleware: Middleware, full_name: FullName, say: Callable[[str], None]) -> None:
+        """Listen; `say` is called with a message if ROS 2 has no message type for the objects."""
         self._objects: list[TrackedObject] = []
         self._at = 0.0
         try:
-            middleware.subscribe(topic, Detection2DArray, Qos(depth=1), self._take)
+            OBJECTS.subscribe(middleware, full_name, self._take)
         except MiddlewareError as error:
             say(f"the detected objects are not received: {error}")
 

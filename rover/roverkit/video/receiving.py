@@ -17,14 +17,14 @@ from roverkit.node.ros_connection import RosConnection
 from roverkit.video.received_stream import ReceivedStream, TakeImage, TakeUnit
 from roverkit.video.rtp_receiver import RtpReceiver
 from roverkit.video.stream_file import StreamFiles
+from roverkit.video.video_declarations import RECEIVED_IMAGES
 from roverkit.video.video_page import StreamsServer
 from roverkit.vision.markers.detection import Image
 from roverkit.vision.ros.image_messages import compressed_of
-from roverkit.vision.ros.outputs import LATEST, Outputs
+from roverkit.vision.ros.outputs import Outputs
 from roverlink.console import NO_MIDDLEWARE, OK
 from roverlink.node_log import publish_log
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.interfaces import sensor_msgs
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 _LOOK_S = 0.1
@@ -76,7 +76,7 @@ def _publishers(
     outputs = Outputs(connection.middleware, ros.topic, logger.warning)
 
     def publisher(name: str) -> TakeImage:
-        output = outputs.open(f"video/{name}/compressed", sensor_msgs.CompressedImage, LATEST)
+        output = outputs.open(RECEIVED_IMAGES.named(name))
 
         def publish(image: Image, stamp: int) -> None:
             output.put(lambda: compressed_of(image, stamp, f"{name}_optical_frame"))

@@ -18,7 +18,7 @@ from roverkit.node.ros_connection import RosConnection
 from roverkit.video.encoder import fitted
 from roverkit.video.gstreamer_output import GStreamerOutput
 from roverkit.video.link_quality import LinkQualities, LinkQuality
-from roverkit.video.overlay import OBJECTS, SeenObjects, link_text, time_text
+from roverkit.video.overlay import SeenObjects, link_text, time_text
 from roverkit.video.packet_pacing import PacedLink
 from roverkit.video.sent_stream import SentStream
 from roverkit.video.stream_control import StreamControl
@@ -98,7 +98,7 @@ class _Sending:
             middleware = self._ros.middleware
             stack.enter_context(publish_log(logger, middleware, ros))
             self._qualities = LinkQualities(middleware, self._link_measured, logger.warning)
-            self._objects = SeenObjects(middleware, ros.topic(OBJECTS), logger.warning)
+            self._objects = SeenObjects(middleware, ros.topic, logger.warning)
             self._control = StreamControl(middleware, ros, self._parameters)
         elif any(set(settings.overlay) - {"time"} for settings in self._parameters.meaning):
             raise SetupError("the overlays 'objects' and 'link' come from ROS 2; leave --middleware none out")

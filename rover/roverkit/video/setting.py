@@ -8,18 +8,9 @@ import threading
 import uuid
 from collections.abc import Callable, Collection, Mapping
 
-from roverkit.video.stream_control import (
-    KEPT,
-    REQUESTS,
-    SET,
-    STREAMS,
-    Request,
-    Streams,
-    publish_json,
-    subscribe_json,
-)
+from roverkit.video.stream_control import Request, Streams, publish_json, subscribe_json
+from roverkit.video.video_declarations import KNOWN_STREAMS, REQUESTS
 from roverlink.runtime.core.errors import SetupError, nearest
-from roverlink.runtime.interfaces.std_msgs import String
 from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
@@ -36,8 +27,8 @@ def set_streams(changes: Mapping[str, str], arguments: argparse.Namespace, ros: 
     """
     with open_middleware(arguments.middleware, ros.node) as middleware:
         senders = _Senders()
-        subscribe_json(middleware, ros.topic(STREAMS), Streams, KEPT, senders.take)
-        requests = middleware.publisher(ros.topic(SET), String, REQUESTS)
+        subscribe_json(KNOWN_STREAMS, middleware, ros.topic, Streams, senders.take)
+        requests = REQUESTS.publisher(middleware, ros.topic)
         asked = _requests(changes, senders, ros)
         for _ in range(round(FIND_S / _AGAIN_S)):
             for request in asked:
@@ -90,8 +81,8 @@ def _requests(changes: Mapping[str, str], senders: _Senders, ros: RosArguments) 
     names = [name.partition(".")[0] for name in changes]
     if not senders.wait(lambda: bool(senders.known), FIND_S):
         raise SetupError(
-            f"no sender of video was found on {ros.topic(STREAMS)}; start `roverlink video send` in the same "
-            "ROS_DOMAIN_ID, and not with --middleware none"
+            f"no sender of video was found on {ros.topic(KNOWN_STREAMS.name)}; start `roverlink video send` in the "
+            "same ROS_DOMAIN_ID, and not with --middleware none"
         )
     senders.wait(lambda: bool(names) and set(names) <= set(senders.names()), _SETTLE_S)
     values: dict[str, dict[str, str]] = {}

@@ -1,9 +1,6 @@
 """Topics on which ``roverlink video set`` changes the streams of a sender.
 
-| topic         | type            | content                                                                  |
-|---------------|-----------------|--------------------------------------------------------------------------|
-| video/streams | std_msgs/String | `Streams` of each sender as JSON, after each change; kept for late nodes |
-| video/set     | std_msgs/String | `Request` of ``roverlink video set`` as JSON                             |
+The sender publishes its `Streams` after each change, and receives a `Request`, both as JSON.
 
 ROS 2's parameter services do the same, but not between any two nodes: a node with the middleware ``dds`` cannot answer
 clients that use Fast DDS. Topics work between all middlewares.
@@ -19,9 +16,10 @@ from dataclasses import asdict, dataclass
 from queue import Empty, Queue
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from roverkit.video.video_declarations import SET, STREAMS
+from roverlink.nodes import FullName, Topic
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError, SetupError
-from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces.std_msgs import String
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
@@ -30,10 +28,6 @@ if TYPE_CHECKING:  # it needs OpenCV, and `roverlink video set` does not
     from roverkit.video.stream_parameters import StreamParameters
 
 T = TypeVar("T", "Streams", "Request")
-
-STREAMS, SET = "video/streams", "video/set"
-KEPT = Qos(depth=1, durability="transient_local")  # who comes later gets the last message
-REQUESTS = Qos(depth=10)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +70,9 @@ def publish_json(publisher: Publisher, message: Streams | Request) -> None:
     publisher.publish([cdr.encode(String(json.dumps(asdict(message))))])
 
 
-def subscribe_json(middleware: Middleware, topic: str, kind: type[T], qos: Qos, take: Callable[[T], None]) -> None:
+def subscribe_json(
+    topic: Topic, middleware: Middleware, full_name: FullName, kind: type[T], take: Callable[[T], None]
+) -> None:
     """Call ``take`` with each message of a kind; other texts on the topic are ignored."""
 
     def take_all(messages: Sequence[bytes]) -> None:
@@ -84,7 +80,7 @@ def subscribe_json(middleware: Middleware, topic: str, kind: type[T], qos: Qos, 
             with suppress(ConversionError, ValueError, TypeError, AttributeError):
                 take(kind(**json.loads(cdr.decode(String, data).data)))
 
-    middleware.subscribe(topic, String, qos, take_all)
+    topic.subscribe(middleware, full_name, take_all)
 
 
 class StreamControl:
@@ -95,9 +91,9 @@ class StreamControl:
         self._middleware, self._parameters, self._node = middleware, parameters, ros.node.full_name
         self._answer = "", ""
         self._lock = threading.Lock()
-        self._publisher = middleware.publisher(ros.topic(STREAMS), String, KEPT)
+        self._publisher = STREAMS.publisher(middleware, ros.topic)
         self._requests: Queue[Request] = Queue()
-        subscribe_json(middleware, ros.topic(SET), Request, REQUESTS, self._requests.put)
+        subscribe_json(SET, middleware, ros.topic, Request, self._requests.put)
         self.publish()
 
     def publish(self) -> None:

@@ -9,28 +9,20 @@ from dataclasses import replace
 from typing import Any
 
 from roverkit.node.declared_parameters import DeclaredParameters
-from roverkit.video.stream_settings import OVERLAYS, StreamSettings
+from roverkit.video.stream_settings import StreamSettings
+from roverkit.video.video_declarations import STREAM_PARAMETERS
 from roverkit.vision.camera.camera_settings import CameraSettings
 from roverkit.vision.frames.camera_source import image_size
 from roverkit.vision.frames.open_source import camera_number
+from roverlink.nodes import filled
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.interfaces.rcl_interfaces import ParameterValue
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 Streams = tuple[StreamSettings, ...]
 
-_DESCRIPTIONS = {
-    "running": (ParameterValue.BOOL, "false to send nothing, and to close the camera"),
-    "source": (ParameterValue.STRING, "camera, topic:NAME, video file, folder of images, or URL"),
-    "host": (ParameterValue.STRING, "name or address of the receiver's computer"),
-    "port": (ParameterValue.INTEGER, "UDP port of the receiver"),
-    "size": (ParameterValue.STRING, "size of the sent images, such as 640x480; empty for that of the source"),
-    "rate": (ParameterValue.DOUBLE, "most images a second"),
-    "bitrate": (ParameterValue.DOUBLE, "most kbit/s"),
-    "min_bitrate": (ParameterValue.DOUBLE, "kbit/s below which congestion does not press the stream"),
-    "overlay": (ParameterValue.STRING, f"what is drawn into the images, with commas: {', '.join(OVERLAYS)}"),
-    "pipeline": (ParameterValue.STRING, "pipeline of GStreamer, or the name of one; empty for the own encoder"),
-}
+_KEYS = tuple(one.name.partition(".")[2] for one in STREAM_PARAMETERS)
+"""Keys of the parameters of each stream."""
 _READ: Mapping[int, Callable[[str], Any]] = {
     ParameterValue.BOOL: {"true": True, "false": False}.__getitem__,
     ParameterValue.INTEGER: int,
@@ -53,15 +45,13 @@ class StreamParameters(DeclaredParameters[Streams]):
         Raises `SetupError` if a value is wrong.
         """
         self._changed = changed
-        descriptions = {
-            f"{stream.name}.{key}": description for stream in streams for key, description in _DESCRIPTIONS.items()
-        }
-        options = {f"{stream.name}.{key}": _value(stream, key) for stream in streams for key in _DESCRIPTIONS}
+        declared = [replace(one, name=filled(one.name, stream.name)) for stream in streams for one in STREAM_PARAMETERS]
+        options = {f"{stream.name}.{key}": _value(stream, key) for stream in streams for key in _KEYS}
 
         def read(values: Mapping[str, Any]) -> Streams:
             return tuple(_read(stream, values) for stream in streams)
 
-        super().__init__(descriptions, options, ros, read, logger)
+        super().__init__(declared, options, ros, read, logger)
 
     def change(self, changes: Mapping[str, Any]) -> None:
         """Change parameters, and with them the streams. Raises `SetupError` if that is not possible."""
@@ -83,7 +73,7 @@ class StreamParameters(DeclaredParameters[Streams]):
     def by_stream(self) -> dict[str, dict[str, Any]]:
         """Return the values of the parameters, by the stream and by the key."""
         values = self.values
-        return {stream.name: {key: values[f"{stream.name}.{key}"] for key in _DESCRIPTIONS} for stream in self.meaning}
+        return {stream.name: {key: values[f"{stream.name}.{key}"] for key in _KEYS} for stream in self.meaning}
 
 
 def _value(stream: StreamSettings, key: str) -> Any:
@@ -97,7 +87,7 @@ def _value(stream: StreamSettings, key: str) -> Any:
 
 def _read(stream: StreamSettings, values: Mapping[str, Any]) -> StreamSettings:
     """Return the settings of a stream with the values of its parameters."""
-    given = {key: values[f"{stream.name}.{key}"] for key in _DESCRIPTIONS}
+    given = {key: values[f"{stream.name}.{key}"] for key in _KEYS}
     try:
         size = image_size(given["size"]) if given["size"] else None
     except argparse.ArgumentTypeError as error:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from roverkit.video.video_declarations import OVERLAYS
 from roverkit.vision.camera.camera_settings import CameraSettings
 from roverlink.runtime.core.errors import SetupError, nearest
 
-OVERLAYS = ("time", "objects", "link")
-"""What can be drawn into the images."""
 PORT = 4500
 """Port of the first stream on the basestation."""
 BITRATE = 1000.0

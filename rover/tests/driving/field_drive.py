@@ -13,7 +13,8 @@ from contextlib import ExitStack
 
 import numpy as np
 from roverkit.driving.arcs import Arc, PlanarPose, arc_to
-from roverkit.fusion.fusing import DETECTIONS, FIX, FUSED, ODOMETRY, Fusion
+from roverkit.fusion.fusing import Fusion
+from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY
 from roverkit.fusion.planar_gaussian import PlanarGaussian, rotation
 from roverkit.node.ros_connection import RosConnection
 from roverkit.odometry.odometry_messages import odometry_of
@@ -61,9 +62,9 @@ class FieldDrive:
         self.sees = True  # False while somebody stands before the camera
         self.stamp = 10**9  # at which the model starts
         self.middleware = middleware = MemoryMiddleware()
-        self._wheel = middleware.publisher(f"/{ODOMETRY}", Odometry, Qos())
-        self._detections = middleware.publisher(f"/{DETECTIONS}", vision_msgs.Detection3DArray, Qos())
-        self._fixes = middleware.publisher(f"/{FIX}", sensor_msgs.NavSatFix, Qos())
+        self._wheel = middleware.publisher(f"/{ODOMETRY.name}", Odometry, Qos())
+        self._detections = middleware.publisher(f"/{DETECTIONS.name}", vision_msgs.Detection3DArray, Qos())
+        self._fixes = middleware.publisher(f"/{FIX.name}", sensor_msgs.NavSatFix, Qos())
         datum = self.model.settings.gps.datum
         arguments = argparse.Namespace(
             base_frame="base_link", json=False, datum=[datum.latitude, datum.longitude, 0.0] if gps else None
@@ -71,10 +72,10 @@ class FieldDrive:
         said = logger or logging.getLogger("fusion of a test")
         connection = RosConnection(ros_args.parse([], "fusion"), "memory", stack, said.warning)
         connection.middleware = middleware  # so that both nodes are in one graph
-        Fusion(connection, landmarks, arguments, said).receive(DETECTIONS, self._tracker.mount)
+        Fusion(connection, landmarks, arguments, said).receive(DETECTIONS.name, self._tracker.mount)
         self.fused: list[Odometry] = []
         self.shifts: list[geometry_msgs.TransformStamped] = []
-        middleware.subscribe(f"/{FUSED}", Odometry, Qos(), self._take)
+        middleware.subscribe(f"/{FUSED.name}", Odometry, Qos(), self._take)
         middleware.subscribe("/tf", tf2_msgs.TFMessage, Qos(), self._take_transforms)
         self.by_odometry: PlanarGaussian | None = None
 

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from roverkit.rocks import Line, Unmeasurable, UnmeasurableError, measure
 from roverkit.rocks.ground import fit_ground
+from roverkit.rocks.measurement import Line, measure
+from roverkit.rocks.unmeasurable import Unmeasurable, UnmeasurableError
 from roverkit.vision import CameraParameters
 
 from rover.bench.vision import rocks

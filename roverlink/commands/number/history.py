@@ -6,6 +6,7 @@ import argparse
 import sys
 from posixpath import normpath
 
+from roverlink.completion import complete, numbers
 from roverlink.console import FINDINGS, UNABLE, Subparsers, command, counted
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError, nearest_names
@@ -31,13 +32,14 @@ def add(commands: Subparsers) -> None:
         "For each payload, the output has its type and name, then the commits that added and removed it, and the\n"
         "branches that still have it. Exit code 1: no commit ever used the number.",
     )
-    parser.add_argument(
+    number = parser.add_argument(
         "number",
         type=type_and_number,
         metavar="NUMBER|TYPE:NUMBER",
         help="number of a payload in the envelope; for a number of another message or of an enum, write its name "
         "first: rover.ImuInfo:3",
     )
+    complete(number, numbers)
     add_subject(parser)
     parser.set_defaults(run=run)
 

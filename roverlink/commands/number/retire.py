@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from roverlink.commands.generate import print_changes, report
+from roverlink.completion import complete, numbers
 from roverlink.console import OK, Subparsers, add_table, command, count, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
@@ -23,7 +24,8 @@ def add(commands: Subparsers) -> None:
         "`messages` to `retired`, and runs `roverlink generate`, which reserves the number in the envelope. The\n"
         "output lists the changed files.",
     )
-    parser.add_argument("number", type=count, metavar="NUMBER", help="number of the payload in the envelope")
+    number = parser.add_argument("number", type=count, metavar="NUMBER", help="number of the payload in the envelope")
+    complete(number, numbers)
     add_table(parser)
     parser.set_defaults(run=run)
 

@@ -11,6 +11,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from roverlink import topic_types
+from roverlink.completion import complete, topics
 from roverlink.console import (
     FINDINGS,
     OK,
@@ -81,13 +82,14 @@ def add(commands: Subparsers) -> None:
         metavar="HOST:PORT",
         help="with --as board: address of the bridge (default: %(default)s)",
     )
-    parser.add_argument(
+    topic = parser.add_argument(
         "--topic",
         action="append",
         default=[],
         metavar="TOPIC",
         help="with --as ros: publish only this topic; may be repeated",
     )
+    complete(topic, topics)
     parser.add_argument(
         "--commands",
         action="store_true",

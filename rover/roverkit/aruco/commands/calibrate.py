@@ -6,11 +6,10 @@ import argparse
 from pathlib import Path
 
 from roverkit.aruco.board_options import add_board
+from roverkit.aruco.calibration_declaration import NODE
 from roverkit.vision.frames.camera_source import PARAMETERS, add_source
 from roverlink.console import Subparsers, add_middleware, command, count, port
 from roverlink.runtime.ros_arguments import ros_args
-
-NODE = "camera_calibration"
 
 _MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
 
@@ -85,4 +84,4 @@ def run(arguments: argparse.Namespace) -> int:
     """Calibrate the camera. The exit code is 1 if the views do not determine its parameters well enough."""
     from roverkit.calibration.calibrating import calibrate  # only here, so that the help needs no OpenCV
 
-    return calibrate(arguments, ros_args.parse(arguments.ros_args, NODE))
+    return calibrate(arguments, ros_args.parse(arguments.ros_args, NODE.name))

@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from roverkit.mission.mission_declaration import NODE
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, node_logger, seconds
 from roverlink.runtime.ros_arguments import ros_args
-
-NODE = "mission"
 
 
 def add(commands: Subparsers) -> None:
@@ -47,7 +46,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Drive to all goals; the exit code is 1 if one of them is not reached."""
-    ros = ros_args.parse(arguments.ros_args, NODE)
+    ros = ros_args.parse(arguments.ros_args, NODE.name)
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
     from roverkit.mission.mission_running import run_mission  # only here, so that the help needs no OpenCV
 

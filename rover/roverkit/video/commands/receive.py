@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from roverkit.video.video_declarations import RECEIVER
 from roverlink.console import (
     MIDDLEWARES_HELP,
     NO_MIDDLEWARE,
@@ -19,7 +20,6 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import NAMES
 from roverlink.runtime.ros_arguments import ros_args
 
-NODE = "video_receiver"
 _PORTS = (4500, 4501, 4502)
 _ALL = "0.0.0.0"  # noqa: S104  # the rover is another computer
 _PAGE = ("127.0.0.1", 8085)
@@ -70,7 +70,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Receive until a signal comes; the exit code is 0 then."""
-    ros = ros_args.parse(arguments.ros_args, NODE)
+    ros = ros_args.parse(arguments.ros_args, RECEIVER.name)
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
     arguments.ports = _different(arguments.ports or [(str(number), number) for number in _PORTS])
     from roverkit.video.receiving import receive  # only here, so that the help needs no OpenCV

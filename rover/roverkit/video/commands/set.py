@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 
+from roverkit.video.video_declarations import SETTER
 from roverlink.console import OK, Subparsers, add_middleware, command
 from roverlink.runtime.ros_arguments import ros_args
-
-NODE = "video_set"
 
 
 def add(commands: Subparsers) -> None:
@@ -40,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Change the streams, and print their values; the exit code is 0 then."""
     from roverkit.video.setting import set_streams
 
-    set_streams(dict(arguments.changes), arguments, ros_args.parse(arguments.ros_args, NODE))
+    set_streams(dict(arguments.changes), arguments, ros_args.parse(arguments.ros_args, SETTER.name))
     return OK
 
 

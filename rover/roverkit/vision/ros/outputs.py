@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from roverlink.nodes import Topic
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import MiddlewareError
-from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware import Middleware, Publisher
-
-LATEST = Qos(depth=5)
-"""Quality of service for images: the depth of ROS 2's profile for sensor data."""
 
 
 class Output:
@@ -41,11 +38,10 @@ class Outputs:
         """
         self._middleware, self._topic, self._say = middleware, topic, say
 
-    def open(self, name: str, message_type: type[Message], qos: Qos = Qos()) -> Output:  # noqa: B008  # it is frozen
+    def open(self, topic: Topic) -> Output:
         """Open a topic."""
-        topic = self._topic(name)
         try:
-            return Output(self._middleware.publisher(topic, message_type, qos))
+            return Output(topic.publisher(self._middleware, self._topic))
         except MiddlewareError as error:
-            self._say(f"cannot publish on {topic}: {error}")
+            self._say(f"cannot publish on {self._topic(topic.name)}: {error}")
             return Output(None)

@@ -1,14 +1,5 @@
 """Publishing of a camera's results on ROS 2 topics.
 
-| topic                   | type                                    | content                                         |
-|-------------------------|-----------------------------------------|-------------------------------------------------|
-| /tf                     | tf2_msgs/TFMessage                      | transform of each landmark                      |
-| aruco/<name>/pose       | geometry_msgs/PoseWithCovarianceStamped | pose of one landmark, with covariance           |
-| aruco/detections        | vision_msgs/Detection3DArray            | landmarks of a frame, each with all its poses   |
-| aruco/camera_info       | sensor_msgs/CameraInfo                  | the camera's parameters                         |
-| aruco/image/compressed  | sensor_msgs/CompressedImage             | the frame with the landmarks drawn into it      |
-| aruco/camera_pose       | geometry_msgs/PoseWithCovarianceStamped | pose of the camera on the field                 |
-
 A landmark is a marker or a board. A flat marker has two possible poses. A message is made only if its topic has a
 subscriber, because making some of the messages takes long. Markers that share a number are only in the detections and
 in the drawn image.
@@ -20,19 +11,22 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from roverkit.aruco.tracker_declaration import (
+    CAMERA_INFO,
+    CAMERA_POSE,
+    DETECTIONS,
+    IMAGE,
+    MARKER_POSE,
+    TRANSFORMS,
+)
 from roverkit.vision.camera.camera_model import CameraParameters
 from roverkit.vision.field.field_tracker import LandmarkResult
 from roverkit.vision.images.drawing import draw
 from roverkit.vision.ros import landmark_messages
 from roverkit.vision.ros.image_messages import compressed_of
 from roverkit.vision.ros.landmark_messages import FrameNames
-from roverkit.vision.ros.outputs import LATEST, Output, Outputs
-from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
+from roverkit.vision.ros.outputs import Output, Outputs
 from roverlink.runtime.middleware import Middleware
-
-NODE = "aruco_tracker"
-_TRANSFORMS = Qos(depth=100)  # the depth of tf2's broadcaster
 
 
 class Publishing:
@@ -53,11 +47,11 @@ class Publishing:
         """
         self._camera, self._marker_frame = camera, marker_frame
         self._outputs = outputs = Outputs(middleware, topic, say)
-        self._transforms = outputs.open("/tf", tf2_msgs.TFMessage, _TRANSFORMS)
-        self._detections = outputs.open("aruco/detections", vision_msgs.Detection3DArray)
-        self._camera_info = outputs.open("aruco/camera_info", sensor_msgs.CameraInfo, LATEST)
-        self._image = outputs.open("aruco/image/compressed", sensor_msgs.CompressedImage, LATEST)
-        self._camera_pose = outputs.open("aruco/camera_pose", geometry_msgs.PoseWithCovarianceStamped)
+        self._transforms = outputs.open(TRANSFORMS)
+        self._detections = outputs.open(DETECTIONS)
+        self._camera_info = outputs.open(CAMERA_INFO)
+        self._image = outputs.open(IMAGE)
+        self._camera_pose = outputs.open(CAMERA_POSE)
         self._poses: dict[str, Output] = {}
 
     def publish(self, result: LandmarkResult) -> None:
@@ -80,5 +74,5 @@ class Publishing:
 
     def _pose_of(self, name: str) -> Output:
         if name not in self._poses:
-            self._poses[name] = self._outputs.open(f"aruco/{name}/pose", geometry_msgs.PoseWithCovarianceStamped)
+            self._poses[name] = self._outputs.open(MARKER_POSE.named(name))
         return self._poses[name]

@@ -1,25 +1,17 @@
-"""Publishing of the rover's pose on ROS 2 topics (REP 105).
-
-| topic         | type                                    | content                                               |
-|---------------|-----------------------------------------|-------------------------------------------------------|
-| aruco/pose    | geometry_msgs/PoseWithCovarianceStamped | pose of the rover's frame in the frame of the field   |
-| /tf           | tf2_msgs/TFMessage                      | if asked for: from the field's frame to the odometry's |
-"""
+"""Publishing of the rover's pose on ROS 2 topics (REP 105)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import NamedTuple
 
+from roverkit.aruco.tracker_declaration import ROVER_POSE, TRANSFORMS
 from roverkit.vision.field.rover import RoverPose
 from roverkit.vision.poses.transform_tree import TransformError, TransformTree
 from roverkit.vision.ros.landmark_messages import field_pose_of, transform_of
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.interfaces import geometry_msgs, tf2_msgs
+from roverlink.runtime.interfaces import tf2_msgs
 from roverlink.runtime.middleware import Middleware
-
-_TRANSFORMS = Qos(depth=100)  # the depth of tf2's broadcaster
 
 
 class RoverFrames(NamedTuple):
@@ -48,8 +40,8 @@ class RoverPublishing:
         """
         self._frames, self._tree, self._say = frames, tree, say
         self._said = ""
-        self._pose = middleware.publisher(topic("aruco/pose"), geometry_msgs.PoseWithCovarianceStamped, Qos())
-        self._transforms = middleware.publisher(topic("/tf"), tf2_msgs.TFMessage, _TRANSFORMS) if frames.odom else None
+        self._pose = ROVER_POSE.publisher(middleware, topic)
+        self._transforms = TRANSFORMS.publisher(middleware, topic) if frames.odom else None
 
     def publish(self, rover: RoverPose) -> None:
         """Publish the pose, and the transform to the odometry's frame if it is wanted and known."""

@@ -11,16 +11,13 @@ import math
 import time
 from collections.abc import Callable, Sequence
 
+from roverkit.aruco.tracker_declaration import POSITION
 from roverkit.vision.camera.camera_model import Floats
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import Middleware
 
-ROW = "rover_localization"
-"""Name of the row in mapping.yaml whose message carries the rover's position to the basestation."""
-AXES = ("x", "y", "z")
-"""Fields of the row's ROS message for the coordinates: metres in the coordinate frame of the playing field."""
 FUSED_S = 1.0
 """Time in seconds after a message on an extra topic of the row, in which the position from the markers is held back."""
 
@@ -31,21 +28,20 @@ def position_publisher(
     topic: Callable[[str], str],
     warn: Callable[[str], object] = lambda _: None,
 ) -> Callable[[Floats], None]:
-    """Return a function that publishes the rover's position (3,), in metres, as the message of the row `ROW`.
+    """Return a function that publishes the rover's position (3,), in metres, as the message of the row `POSITION`.
 
     `topic` returns the fully qualified name of a topic. If the table (mapping.yaml) has no such row, or if its message
-    has no field for one of `AXES`, ``warn`` is called with a message, and the returned function does nothing. This is
+    has no field for a coordinate, ``warn`` is called with a message, and the returned function does nothing. This is
     no error, because tracking is useful without a peer too.
 
     The function publishes nothing for `FUSED_S` after each message on an extra topic of the row.
     """
     try:
-        row = registry.row(ROW, AXES, inbound=False)
+        row = POSITION.of(registry)
     except SetupError as error:
         warn(f"the rover's position is not sent: {error}")
         return lambda _: None
-    route, message_type = row.route, row.message_type
-    publish = middleware.publisher(topic(route.topic), message_type, route.qos).publish
+    message_type, publish = row.message_type, row.publisher(middleware, topic).publish
     fused_at = -math.inf
 
     def fused(_: Sequence[bytes]) -> None:
@@ -53,11 +49,11 @@ def position_publisher(
         fused_at = time.monotonic()
 
     for extra in registry.extra_topics:
-        if extra.route.name == ROW:
+        if extra.route.name == POSITION.row:
             middleware.subscribe(topic(extra.route.topic), extra.message_type, extra.route.qos, fused)
 
     def publish_position(position: Floats) -> None:
         if time.monotonic() - fused_at > FUSED_S:
-            publish([cdr.encode(message_type(**dict(zip(AXES, position.tolist()))))])
+            publish([cdr.encode(message_type(**dict(zip(POSITION.fields, position.tolist()))))])
 
     return publish_position

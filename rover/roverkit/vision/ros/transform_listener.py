@@ -7,19 +7,16 @@ from functools import partial
 
 import numpy as np
 
+from roverkit.node.shared_topics import RECEIVED_TRANSFORMS, STATIC_TRANSFORMS
 from roverkit.vision.poses.pose import Pose, rotation_of_quaternion
 from roverkit.vision.poses.transform_tree import TransformTree
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
-from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.standard_handler import nanoseconds
 from roverlink.runtime.interfaces.geometry_msgs import TransformStamped
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
 from roverlink.runtime.middleware import Middleware
 
-# The QoS of tf2_ros::TransformListener.
-_TRANSFORMS = Qos(depth=100)
-_STATIC = Qos(depth=100, durability="transient_local")
 _UNIT = 0.01  # largest deviation of a quaternion's length from 1
 
 
@@ -36,8 +33,8 @@ class TransformListener:
         self.tree = TransformTree()
         """Transforms that have come."""
         self._say, self._said = say, False
-        for name, qos, static in (("/tf", _TRANSFORMS, False), ("/tf_static", _STATIC, True)):
-            middleware.subscribe(topic(name), TFMessage, qos, partial(self._take, static=static))
+        RECEIVED_TRANSFORMS.subscribe(middleware, topic, partial(self._take, static=False))
+        STATIC_TRANSFORMS.subscribe(middleware, topic, partial(self._take, static=True))
 
     def _take(self, messages: Sequence[bytes], *, static: bool) -> None:
         """Add transforms, on a thread of the middleware."""
