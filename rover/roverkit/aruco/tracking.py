@@ -19,6 +19,7 @@ from pathlib import Path
 from roverkit.aruco.target_parameters import TargetParameters
 from roverkit.aruco.tracked_cameras import CameraOpener, TrackedCamera, described, frames_of
 from roverkit.aruco.tracking_log import TrackingLog
+from roverkit.node.program import project_registry
 from roverkit.node.ros_connection import RosConnection
 from roverkit.vision import Tracker
 from roverkit.vision.camera.camera_model import Floats
@@ -35,8 +36,7 @@ from roverkit.vision.ros.mounts import MountOnTf
 from roverkit.vision.ros.publishing import Publishing
 from roverkit.vision.ros.rover_pose import RoverFrames, RoverPublishing
 from roverkit.vision.ros.rover_position import position_publisher
-from roverlink.console import OK, NoProjectError, project_folder
-from roverlink.generated_code import load_project
+from roverlink.console import OK, NoProjectError
 from roverlink.node_log import publish_log
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
@@ -186,7 +186,7 @@ def _rover_publisher(ros: RosConnection, arguments: argparse.Namespace, logger: 
         tree = ros.transforms if frames.odom else TransformTree()
         poses = RoverPublishing(ros.middleware, frames, tree, ros.topic, logger.warning)
         try:
-            registry = load_project(project_folder(arguments.project))
+            registry = project_registry(arguments)
         except NoProjectError as error:  # tracking works without a bridge
             logger.warning("the rover's position is not sent to the basestation: %s", error)
             return poses, lambda _: None

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from roverkit.node.program import project_registry
 from roverkit.node.ros_connection import RosConnection, full_topic
 from roverkit.objects.chosen_detector import open_detector
 from roverkit.objects.detected_objects import TrackedObject
@@ -35,8 +36,7 @@ from roverkit.vision.ros.camera_info import camera_info_topic
 from roverkit.vision.ros.image_messages import compressed_of
 from roverkit.vision.ros.object_messages import detections_2d_of, detections_3d_of
 from roverkit.vision.ros.outputs import Outputs
-from roverlink.console import OK, NoProjectError, project_folder
-from roverlink.generated_code import load_project
+from roverlink.console import OK, NoProjectError
 from roverlink.node_log import publish_log
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
@@ -186,7 +186,7 @@ def _publishers(
 
     yield publish
     try:
-        row = DetectedObjectRow(load_project(project_folder(arguments.project)))
+        row = DetectedObjectRow(project_registry(arguments))
     except NoProjectError as error:  # detection works without a bridge
         logger.warning("the objects are not sent to the basestation: %s", error)
         return

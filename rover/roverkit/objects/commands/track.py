@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 
+from roverkit.node.program import node_arguments
 from roverkit.objects.commands.model_options import add_model
 from roverkit.objects.object_declarations import TRACKER
 from roverkit.vision.frames.camera_source import add_playing, add_source
-from roverlink.console import Subparsers, add_outputs, add_project, command, middleware_of, node_logger
-from roverlink.runtime.ros_arguments import ros_args
+from roverlink.console import Subparsers, add_outputs, add_project, command, middleware_of
 
 
 def add(commands: Subparsers) -> None:
@@ -53,8 +53,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Track objects until the source of frames ends or a signal comes; the exit code is 0 in both cases."""
-    ros = ros_args.parse(arguments.ros_args, TRACKER.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, TRACKER.name)
     arguments.middleware = middleware_of(arguments)
     from roverkit.objects.object_tracking import track  # only here, so that the help needs no OpenCV
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 
+from roverkit.node.program import node_arguments
 from roverkit.video.video_declarations import SENDER
 from roverkit.vision.frames.camera_source import image_size
-from roverlink.console import MIDDLEWARES_HELP, NO_MIDDLEWARE, Subparsers, command, node_logger, port, rate
+from roverlink.console import MIDDLEWARES_HELP, NO_MIDDLEWARE, Subparsers, command, port, rate
 from roverlink.runtime.middleware import NAMES
-from roverlink.runtime.ros_arguments import ros_args
 
 
 def add(commands: Subparsers) -> None:
@@ -72,8 +72,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Send until the sources end or a signal comes; the exit code is 0 in both cases."""
-    ros = ros_args.parse(arguments.ros_args, SENDER.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, SENDER.name)
     arguments.middleware = None if arguments.middleware == NO_MIDDLEWARE else arguments.middleware
     from roverkit.video.sending import send  # only here, so that the help needs no OpenCV
 
