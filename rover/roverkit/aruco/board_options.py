@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import math
 import re
 from typing import TYPE_CHECKING, Any
 
+from roverlink.console import parsed_number
 from roverlink.runtime.core.errors import SetupError
 
 if TYPE_CHECKING:
@@ -93,20 +93,11 @@ def board_of(arguments: argparse.Namespace) -> CalibrationBoard:
 
 def metres(text: str) -> float:
     """Parse the value of an option that is a length in metres, from 1 micrometre to 10 kilometres."""
-    try:
-        found = float(text)
-    except ValueError:
-        found = math.nan
-    if not 1e-6 <= found <= 1e4:  # false for NaN too
-        raise argparse.ArgumentTypeError(f"{text!r} is not a length in metres, such as 0.024")
-    return found
+    return parsed_number(text, float, lambda number: 1e-6 <= number <= 1e4, "a length in metres, such as 0.024")
 
 
 def _ratio(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number, such as 0.3") from None
+    return parsed_number(text, float, lambda _: True, "a number, such as 0.3")
 
 
 def _squares(text: str) -> tuple[int, int]:

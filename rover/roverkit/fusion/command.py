@@ -8,7 +8,7 @@ from pathlib import Path
 
 from roverkit.fusion.fusion_declaration import NODE
 from roverkit.node.program import node_arguments
-from roverlink.console import OK, Subparsers, add_middleware, command
+from roverlink.console import OK, Subparsers, add_middleware, command, parsed_number
 
 
 def add(commands: Subparsers) -> None:
@@ -69,11 +69,4 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _finite(text: str) -> float:
-    """Parse a finite number."""
-    try:
-        found = float(text)
-    except ValueError:
-        found = math.nan
-    if not math.isfinite(found):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number, such as 50.06")
-    return found
+    return parsed_number(text, float, math.isfinite, "a finite number, such as 50.06")

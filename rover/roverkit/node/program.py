@@ -11,7 +11,6 @@ from contextlib import ExitStack, contextmanager
 from roverkit.node.ros_connection import RosConnection
 
 from roverlink.console import node_logger, project_folder
-from roverlink.generated_code import load_project
 from roverlink.node_log import publish_log
 from roverlink.runtime import Registry
 from roverlink.runtime.middleware import NodeParameters
@@ -27,6 +26,8 @@ def node_arguments(arguments: argparse.Namespace, name: str) -> tuple[RosArgumen
 
 def project_registry(arguments: argparse.Namespace) -> Registry:
     """Return the registry of the project that the options select. Raises `NoProjectError` if there is none."""
+    from roverlink.generated_code import load_project  # only here: the help needs none of it
+
     return load_project(project_folder(arguments.project))
 
 

@@ -10,7 +10,7 @@ from roverkit.aruco.target_options import add_targets
 from roverkit.aruco.tracker_declaration import NODE
 from roverkit.node.program import node_arguments
 from roverkit.vision.frames.camera_source import PARAMETERS, add_playing, add_source
-from roverlink.console import Subparsers, add_outputs, add_project, command, count, middleware_of
+from roverlink.console import Subparsers, add_outputs, add_project, command, count, middleware_of, parsed_number
 
 
 def add(commands: Subparsers) -> None:
@@ -138,11 +138,5 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _at_least_zero(text: str) -> float:
-    """Parse a finite number that is at least 0."""
-    try:
-        found = float(text)
-    except ValueError:
-        found = math.nan
-    if not 0 <= found < math.inf:  # false for NaN too
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number of at least 0, such as 0.005")
-    return found
+    what = "a finite number of at least 0, such as 0.005"
+    return parsed_number(text, float, lambda number: 0 <= number < math.inf, what)

@@ -8,7 +8,7 @@ from roverkit.node.program import node_arguments
 from roverkit.objects.commands.model_options import add_model
 from roverkit.objects.object_declarations import TRACKER
 from roverkit.vision.frames.camera_source import add_playing, add_source
-from roverlink.console import Subparsers, add_outputs, add_project, command, middleware_of
+from roverlink.console import Subparsers, add_outputs, add_project, command, middleware_of, parsed_number
 
 
 def add(commands: Subparsers) -> None:
@@ -61,11 +61,4 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _share(text: str) -> float:
-    """Parse a number from 0 to 1."""
-    try:
-        found = float(text)
-    except ValueError:
-        found = -1.0
-    if not 0 <= found <= 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to 1, such as 0.4")
-    return found
+    return parsed_number(text, float, lambda number: 0 <= number <= 1, "a number from 0 to 1, such as 0.4")
