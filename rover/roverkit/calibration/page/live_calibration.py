@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from roverkit.calibration.collection import Collection, Offer
-from roverkit.calibration.page.latest_value import LatestValue
 from roverkit.calibration.page.page_state import Taken, advice, collected
 from roverkit.calibration.solution import Calibration, PoorViewsError
 from roverkit.calibration.views import View
 from roverkit.vision.camera.camera_model import Floats
+from roverkit.vision.frames.newest import Newest
 from roverkit.vision.markers.detection import Image, to_colour
 from roverkit.vision.opencv import cv2
 from roverlink.runtime.core.errors import RoverlinkError, SetupError
@@ -63,8 +63,8 @@ class LiveCalibration:
         self._asked = threading.Event()
         self.finished = threading.Event()
         """Set when the calibration has been saved."""
-        self._images: LatestValue[tuple[Image, Floats]] = LatestValue()
-        self._states: LatestValue[dict[str, Any]] = LatestValue()
+        self._images: Newest[tuple[Image, Floats]] = Newest()
+        self._states: Newest[dict[str, Any]] = Newest()
         self._publish_state()
 
     # --- frames -----------------------------------------------------------------------------------------------------

@@ -14,9 +14,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import Generic, NamedTuple, TypeVar
+from typing import NamedTuple
 
 from roverkit.vision.frames.live import STALLED_S, Say
+from roverkit.vision.frames.newest import Newest
 from roverkit.vision.frames.synchronization import Synchronizer
 from roverkit.vision.ros.image_messages import IMAGES, ImageMessage, read_image
 from roverlink.runtime.core import cdr
@@ -37,8 +38,6 @@ DEPTH = 5
 LOOK_S = 0.1
 """Time in seconds after which a source looks for publishers again while nothing comes."""
 _RECOVERED_S = 1.0
-
-S = TypeVar("S")
 
 
 class Arrived(NamedTuple):
@@ -133,39 +132,6 @@ class _Topic:
         return f"; {nearest(self._name, sorted(topics))}" if topics else ""
 
 
-class Newest(Generic[S]):
-    """Place for the newest of something, which one thread puts and another one takes."""
-
-    def __init__(self) -> None:
-        self._news = threading.Condition()
-        self._newest: S | None = None
-        self._closed = False
-
-    @property
-    def closed(self) -> bool:
-        """True after `close`."""
-        return self._closed
-
-    def put(self, newest: S) -> None:
-        """Replace what nobody has taken yet."""
-        with self._news:
-            self._newest = newest
-            self._news.notify_all()
-
-    def take(self, seconds: float) -> S | None:
-        """Take the newest one; wait for it at most this time."""
-        with self._news:
-            self._news.wait_for(lambda: self._newest is not None or self._closed, seconds)
-            newest, self._newest = self._newest, None
-            return newest
-
-    def close(self) -> None:
-        """End the waiting of the other thread."""
-        with self._news:
-            self._closed = True
-            self._news.notify_all()
-
-
 class TopicSets:
     """Live source of sets of messages, one of each topic. A context manager: on exit it ends iterations.
 
@@ -188,14 +154,14 @@ class TopicSets:
         the number of messages of a topic that wait for those of the others. One of `types` must be the type of each
         topic. `clock` gives the times of arrival.
         """
-        self._newest: Newest[tuple[int, tuple[Arrived, ...]]] = Newest()
+        self._newest: Newest[tuple[Arrived, ...]] = Newest()
         self._topics = [
             _Topic(middleware, name, types, partial(self._add, index), say, clock) for index, name in enumerate(topics)
         ]
         self._bad = BadMessages(", ".join(topics), say)
         self._lock = threading.Lock()  # a middleware may call back on several threads
         self._synchronizer = Synchronizer[Arrived](len(topics), slop_ns, queue)
-        self._count = 0
+        self._taken = 0  # number of the newest set that was returned
         self._watch()
 
     def take(self, seconds: float) -> tuple[int, tuple[Arrived, ...]] | None:
@@ -204,11 +170,14 @@ class TopicSets:
         Waits for it at most this time; then, or if the source is closed, returns None. Raises `MiddlewareError` if a
         topic has messages of another type.
         """
-        found = self._newest.take(seconds)
+        found = self._newest.get(self._taken, seconds)
         if self._newest.closed:
             return None
         self._watch()
-        return found
+        if found is None:
+            return None
+        self._taken, arrived = found
+        return self._taken - 1, arrived
 
     def arrivals(self) -> Iterator[tuple[int, tuple[Arrived, ...]]]:
         """Yield the newest set that is not yielded yet, serialized, with its number from 0; wait for it."""
@@ -248,8 +217,7 @@ class TopicSets:
         with self._lock:
             for message in arrived:
                 for complete in self._complete(index, message):
-                    self._newest.put((self._count, complete))
-                    self._count += 1
+                    self._newest.put(complete)
 
     def _complete(self, index: int, message: Arrived) -> list[tuple[Arrived, ...]]:
         # A single topic needs no stamps; they may be all zero.
