@@ -213,34 +213,26 @@ def _rules(entries: Mapping[str, Item], default: GoalRules) -> GoalRules:
 
 
 def _stops(item: Item) -> bool:
-    if item.value not in (_STOP, _CONTINUE):
-        raise item.error(f"{item.name} is {item.shown}; it must be {_STOP} or {_CONTINUE} (with the next goal)")
+    item.require(item.value in (_STOP, _CONTINUE), f"{_STOP} or {_CONTINUE} (with the next goal)")
     return bool(item.value == _STOP)
 
 
 def _whole(item: Item, largest: int) -> int:
     value = item.value
-    if type(value) is not int or not 0 <= value <= largest:
-        raise item.error(f"{item.name} is {item.shown}; it must be a whole number from 0 to {largest}")
-    return value
+    item.require(type(value) is int and 0 <= value <= largest, f"a whole number from 0 to {largest}")
+    return int(value)
 
 
 def _number(item: Item, smallest: float, largest: float, unit: str) -> float:
-    number = item.number
-    if not smallest <= number <= largest:
-        raise item.error(f"{item.name} is {item.shown}; it must be a number from {smallest:g} to {largest:g} ({unit})")
-    return number
+    item.require(smallest <= item.number <= largest, f"a number from {smallest:g} to {largest:g} ({unit})")
+    return item.number
 
 
 def _name(item: Item) -> str:
-    value = item.value
-    if not isinstance(value, str) or not value:
-        raise item.error(f"{item.name} is {item.shown}; it must be a name (in quotes if it looks like a number)")
-    return value
+    return item.filled_text("a name")
 
 
 def _list(item: Item, read: Callable[[Item], T]) -> tuple[T, ...]:
     items = item.items(f"an entry of {item.name}")
-    if items is None:
-        raise item.error(f"{item.name} is {item.shown}; it must be a list, such as [a, b]")
-    return tuple(read(item) for item in items)
+    item.require(items is not None, "a list, such as [a, b]")
+    return tuple(read(item) for item in items or ())
