@@ -110,7 +110,6 @@ class Declared:
     default: str | None
     choices: tuple[str, ...]
     place: Span
-    has_default: bool
 
 
 @dataclass(slots=True)
@@ -325,8 +324,7 @@ class _Run:
         if not name:
             return
         default = self._text(action.default) if action.default is not None else None
-        declared = Declared(name, default, action.choices, action.place, action.default is not None)
-        self.result.declared.setdefault(name, declared)
+        self.result.declared.setdefault(name, Declared(name, default, action.choices, action.place))
         value = self.context.configurations.setdefault(name, default)
         if action.choices and value is not None and value not in action.choices:
             known = ", ".join(action.choices)

@@ -443,14 +443,14 @@ class StandIns:
             yield GivenFile(given, self._file.place_of(given, place), has_substitutions)
 
     def _container(self, *, composable_node_descriptions: Any = None, **options: Any) -> Action:
-        nodes = [part.node for part in composable_node_descriptions or () if isinstance(part, ComposableNode)]
         own = self._node(**options)
         condition, own.condition = own.condition, None
-        return LoadNodes(own.place, condition, own, nodes)
+        return LoadNodes(own.place, condition, own, _components(composable_node_descriptions))
 
-    def _load(self, *, composable_node_descriptions: Any = (), target_container: Any = None, **options: Any) -> Action:
-        nodes = [part.node for part in composable_node_descriptions or () if isinstance(part, ComposableNode)]
-        return LoadNodes(self.place(), _condition(options), None, nodes)
+    def _load(
+        self, *, composable_node_descriptions: Any = None, target_container: Any = None, **options: Any
+    ) -> Action:
+        return LoadNodes(self.place(), _condition(options), None, _components(composable_node_descriptions))
 
     def _push(self, namespace: Any, **options: Any) -> Action:
         return PushNamespace(self.place(), _condition(options), namespace)
@@ -463,6 +463,10 @@ class StandIns:
 
     def _parameters_from_file(self, filename: Any, **options: Any) -> Action:
         return SetParametersFromFile(self.place(), _condition(options), filename)
+
+
+def _components(descriptions: Any) -> list[StartNode]:
+    return [part.node for part in descriptions or () if isinstance(part, ComposableNode)]
 
 
 def _value(value: Any) -> tuple[Any, bool]:

@@ -13,7 +13,6 @@ _VARIABLE = re.compile(r"\$\{(\w+)\}")
 _WORD = re.compile(r'"([^"]*)"|([^\s"]+)')
 _ENTRY_POINT = re.compile(r"['\"]\s*([\w-]+)\s*=\s*[\w.]+:\w+\s*['\"]")
 _MADE = re.compile(r"(?:make_shared|make_unique)\s*<\s*([\w:]+)")
-_PROGRAMS = frozenset({"PROGRAMS", "FILES", "TARGETS"})
 
 
 @dataclass(frozen=True, slots=True)

@@ -144,15 +144,13 @@ class TopicSets:
         topics: Sequence[str],
         say: Say,
         slop_ns: int = 0,
-        queue: int = 10,
         types: Sequence[type[Message]] = (*IMAGES, CameraInfo),
         clock: Clock = SYSTEM_CLOCK,
     ) -> None:
         """Begin to receive; the topics are fully qualified, and the first one leads (module `synchronization`).
 
-        `say` is called with messages for the user. `slop_ns` is the largest distance of the stamps in a set, `queue`
-        the number of messages of a topic that wait for those of the others. One of `types` must be the type of each
-        topic. `clock` gives the times of arrival.
+        `say` is called with messages for the user. `slop_ns` is the largest distance of the stamps in a set. One of
+        `types` must be the type of each topic. `clock` gives the times of arrival.
         """
         self._newest: Newest[tuple[Arrived, ...]] = Newest()
         self._topics = [
@@ -160,7 +158,7 @@ class TopicSets:
         ]
         self._bad = BadMessages(", ".join(topics), say)
         self._lock = threading.Lock()  # a middleware may call back on several threads
-        self._synchronizer = Synchronizer[Arrived](len(topics), slop_ns, queue)
+        self._synchronizer = Synchronizer[Arrived](len(topics), slop_ns)
         self._taken = 0  # number of the newest set that was returned
         self._watch()
 
