@@ -9,8 +9,7 @@ import roverkit.vision  # noqa: F401  # first: it explains how to install numpy 
 import argparse
 import json
 import logging
-import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import fields
 from functools import cache
@@ -26,6 +25,7 @@ from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.camera.uncertainty import Uncertainty
 from roverkit.vision.field.field_tracker import FieldTracker, LandmarkResult, MountedCamera
 from roverkit.vision.frames import Frame
+from roverkit.vision.frames.camera_source import with_progress
 from roverkit.vision.frames.open_source import TOPIC
 from roverkit.vision.images.drawing import draw, write_above
 from roverkit.vision.images.film import Film
@@ -38,8 +38,6 @@ from roverkit.vision.ros.rover_pose import RoverFrames, RoverPublishing
 from roverkit.vision.ros.rover_position import position_publisher
 from roverlink.console import OK, NoProjectError
 from roverlink.node_log import publish_log
-from roverlink.progress import progress
-from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 Output = Callable[[LandmarkResult], None]
@@ -81,7 +79,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             TrackingLog(logger, targets.markers, {camera.name: camera.parameters for camera in cameras})
         )
         frames = frames_of(cameras, arguments, connection)
-        for camera, frame in log.timed(_with_progress(frames, cameras, arguments)):
+        for camera, frame in log.timed(with_progress(frames, [camera.source for camera in cameras], arguments)):
             if wanted.targets is not targets:
                 targets = wanted.targets
                 for tracked in cameras:
@@ -131,21 +129,6 @@ def _mount(
     return lambda frame: on_tf()(frame)
 
 
-def _with_progress(
-    frames: Iterator[tuple[TrackedCamera, Frame]], cameras: Sequence[TrackedCamera], arguments: argparse.Namespace
-) -> Iterator[tuple[TrackedCamera, Frame]]:
-    """Yield the frames; show the progress if they end and the terminal does not show JSON."""
-    totals = [camera.source.total for camera in cameras]
-    known = [total for total in totals if total is not None]
-    if arguments.loop or len(known) < len(totals) or (arguments.json and sys.stdout.isatty()):
-        yield from frames
-        return
-    with progress(", ".join(camera.source.name for camera in cameras)) as report:
-        for done, item in enumerate(frames, 1):
-            yield item
-            report(done, sum(known))
-
-
 def _of(camera: TrackedCamera, output: Output) -> Output:
     """Return an output that gets only the results of one camera."""
     return lambda result: output(result) if result.camera == camera.name else None
@@ -155,9 +138,7 @@ def _files(camera: TrackedCamera, arguments: argparse.Namespace, stack: ExitStac
     if arguments.save:
         path: Path = arguments.save
         own = path.with_stem(f"{path.stem}_{camera.name}") if camera.name else path
-        if own.exists() and Path(camera.entry.source).exists() and own.samefile(camera.entry.source):
-            raise SetupError(f"{own} is the source of the images; give --save another name")
-        film = stack.enter_context(Film(own, camera.source.rate))
+        film = stack.enter_context(Film(own, camera.source.rate, camera.entry.source))
         yield _of(camera, lambda result: film.add(_drawn(result, camera), result.frame.stamp))
 
 

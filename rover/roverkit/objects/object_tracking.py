@@ -10,11 +10,9 @@ import argparse
 import itertools
 import json
 import logging
-import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 from roverkit.node.program import project_registry
@@ -28,7 +26,7 @@ from roverkit.objects.object_rows import DetectedObjectRow
 from roverkit.objects.object_tracker import ObjectTracker
 from roverkit.objects.object_types import ClassesFile, ObjectTypes
 from roverkit.vision.frames import Frame, FrameSource, TopicSource, play
-from roverkit.vision.frames.camera_source import CAMERA_FRAME, open_source, settings_of, source_of
+from roverkit.vision.frames.camera_source import CAMERA_FRAME, open_source, settings_of, source_of, with_progress
 from roverkit.vision.frames.depth_camera import CameraTopics, DepthCamera, NoDepthError, aligned_depth_topic
 from roverkit.vision.images.film import Film
 from roverkit.vision.images.object_drawing import draw_objects
@@ -38,7 +36,6 @@ from roverkit.vision.ros.object_messages import detections_2d_of, detections_3d_
 from roverkit.vision.ros.outputs import Outputs
 from roverlink.console import OK, NoProjectError
 from roverlink.node_log import publish_log
-from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
@@ -93,7 +90,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             outputs += _publishers(arguments, classes, detector.class_names, connection, logger)
         log = stack.enter_context(ObjectLog(logger, connection.clock))
         tracker = ObjectTracker()
-        for frame in _frames(source, arguments, connection):
+        for frame in with_progress(_frames(source, arguments, connection), [source], arguments):
             objects = tracker.track(detector.detect(frame.image), frame.stamp)
             result = ObjectResult(frame, objects, _locations(objects, frame, depth))
             if arguments.json:
@@ -105,17 +102,14 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
 
 
 def _frames(source: FrameSource, arguments: argparse.Namespace, ros: RosConnection) -> Iterator[Frame]:
-    """Yield the frames of a source with the name of the camera's frame, at most ``--count``; show the progress.
+    """Yield the frames of a source with the name of the camera's frame, at most ``--count``.
 
     The frames of a recording come at full speed. But they come in real time if they are also published or repeated.
     """
     played = not source.live and (arguments.middleware or arguments.loop)
     frames = play(source, loop=arguments.loop, clock=ros.clock) if played else iter(source)
-    total = None if arguments.loop or (arguments.json and sys.stdout.isatty()) else source.total
-    with progress(source.name) if total else nullcontext(lambda *_: None) as report:
-        for done, frame in enumerate(itertools.islice(frames, arguments.count), 1):
-            yield replace(frame, frame_id=arguments.camera_frame or frame.frame_id or CAMERA_FRAME)
-            report(done, total or done)
+    for frame in itertools.islice(frames, arguments.count):
+        yield replace(frame, frame_id=arguments.camera_frame or frame.frame_id or CAMERA_FRAME)
 
 
 def _depth(
@@ -158,10 +152,7 @@ def _locations(objects: list[TrackedObject], frame: Frame, depth: DepthCamera | 
 
 def _film(source: FrameSource, text: str, arguments: argparse.Namespace, stack: ExitStack) -> Iterator[Output]:
     if arguments.save:
-        path: Path = arguments.save
-        if path.exists() and Path(text).exists() and path.samefile(text):
-            raise SetupError(f"{path} is the source of the images; give --save another name")
-        film = stack.enter_context(Film(path, source.rate))
+        film = stack.enter_context(Film(arguments.save, source.rate, text))
         yield lambda result: film.add(_drawn(result), result.frame.stamp)
 
 
