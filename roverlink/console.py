@@ -236,7 +236,7 @@ def finish_interrupted(project: Path) -> None:
 
 def port(text: str) -> int:
     """Parse the value of an option that is a port number; 0 means any free port."""
-    return _number(text, int, lambda number: 0 <= number < 65_536, "a port number from 0 to 65535")
+    return parsed_number(text, int, lambda number: 0 <= number < 65_536, "a port number from 0 to 65535")
 
 
 def listen_address(text: str) -> tuple[str, int]:
@@ -249,12 +249,12 @@ def listen_address(text: str) -> tuple[str, int]:
 
 def count(text: str) -> int:
     """Parse the value of an option that is a whole number above 0."""
-    return _number(text, int, lambda number: number > 0, "a whole number above 0")
+    return parsed_number(text, int, lambda number: number > 0, "a whole number above 0")
 
 
 def rate(text: str) -> float:
     """Parse the value of an option that is a frequency in hertz. A frequency of less than once a year is refused."""
-    return _number(
+    return parsed_number(
         text, float, lambda number: 1 / _A_YEAR_S < number < math.inf, "a frequency above 0 (at least once a year)"
     )
 
@@ -264,15 +264,16 @@ def seconds(text: str) -> float:
 
     Larger values would overflow the clocks of the system.
     """
-    return _number(text, float, lambda number: 0 <= number <= _A_YEAR_S, "a duration in seconds (0 to one year)")
+    return parsed_number(text, float, lambda number: 0 <= number <= _A_YEAR_S, "a duration in seconds (0 to one year)")
 
 
 def megabytes(text: str) -> int:
     """Parse the value of an option that is a size in megabytes, and return the size in bytes."""
-    return int(1e6 * _number(text, float, lambda number: 0 < number < math.inf, "a size in megabytes"))
+    return int(1e6 * parsed_number(text, float, lambda number: 0 < number < math.inf, "a size in megabytes"))
 
 
-def _number(text: str, read: Callable[[str], N], fits: Callable[[N], bool], what: str) -> N:
+def parsed_number(text: str, read: Callable[[str], N], fits: Callable[[N], bool], what: str) -> N:
+    """Parse the value of an option that is a number. The error says that it is not ``what``, if it does not fit."""
     with contextlib.suppress(ValueError):
         if fits(number := read(text)):
             return number

@@ -76,7 +76,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Check the files, print the findings, and return the exit code."""
-    paths = [Path(one) for one in arguments.paths if _SET not in one]
+    paths = [Path(text) for text in arguments.paths if _SET not in text]
     catalogue = with_own_programs(read_catalogue(arguments.distribution), _table_file(paths))
     if arguments.list:
         for name, package in catalogue.packages.items():
@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
     if missing:
         raise SetupError(f"{missing[0]}: there is no launch file, and no file with parameters of ROS 2 nodes")
     packages = [*arguments.packages, *_tops(files)]
-    values = dict(one.split(_SET, 1) for one in arguments.paths if _SET in one)
+    values = dict(text.split(_SET, 1) for text in arguments.paths if _SET in text)
     checked = Checker(catalogue, packages, arguments.complete).check(files, values)
     if arguments.graph:
         _draw(checked, arguments.graph)
@@ -107,14 +107,14 @@ def _table_file(paths: Iterable[Path]) -> Path | None:
     """Return the nearest mapping.yaml above the first path; None if there is none."""
     for path in paths:
         found = (folder / TABLE for folder in (path.resolve(), *path.resolve().parents))
-        return next((one for one in found if one.is_file()), None)
-    return next((one for one in (Path(TABLE),) if one.is_file()), None)
+        return next((candidate for candidate in found if candidate.is_file()), None)
+    return next((candidate for candidate in (Path(TABLE),) if candidate.is_file()), None)
 
 
 def _tops(files: Iterable[Path]) -> Iterator[Path]:
     """Yield the top of the repository of each file; without a repository, the folder of its package or its own."""
     for folder in dict.fromkeys(file.resolve().parent for file in files):
-        above = next((one for one in (folder, *folder.parents) if (one / "package.xml").is_file()), folder)
+        above = next((parent for parent in (folder, *folder.parents) if (parent / "package.xml").is_file()), folder)
         yield Path(repository_top(str(folder)) or above)
 
 

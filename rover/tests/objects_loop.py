@@ -22,7 +22,7 @@ from roverkit.objects.metrics import overlap
 from roverkit.objects.scenes import CAMERA, RenderedScene, SceneObject, sequence
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.poses.pose import Pose, rotation_of
-from roverkit.vision.ros.sighting_messages import transform_of
+from roverkit.vision.ros.landmark_messages import transform_of
 
 from generated.pb2.components.basestation.detected_object_pb2 import BasestationDetectedObject, DetectedObjectType
 from generated.pb2.components.basestation.object_selection_pb2 import BasestationObjectSelection

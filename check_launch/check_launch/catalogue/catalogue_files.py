@@ -41,19 +41,27 @@ def read_catalogue(distribution: str) -> Catalogue:
     data = json.loads(file_of(distribution).read_text(encoding="utf-8"))
     return Catalogue(
         data["distribution"],
-        {name: Source(**one) for name, one in data["sources"].items()},
+        {name: Source(**source) for name, source in data["sources"].items()},
         {
             name: Package(
-                name, one["version"], one["source"], one["executables"], tuple(one["components"]), one["launch_files"]
+                name,
+                facts["version"],
+                facts["source"],
+                facts["executables"],
+                tuple(facts["components"]),
+                facts["launch_files"],
             )
-            for name, one in data["packages"].items()
+            for name, facts in data["packages"].items()
         },
-        {name: _class(name, one) for name, one in data["classes"].items()},
+        {name: _class(name, facts) for name, facts in data["classes"].items()},
         {
-            name: Plugin(**{**one, "message_types": tuple(one.get("message_types", ()))})
-            for name, one in data["plugins"].items()
+            name: Plugin(**{**plugin, "message_types": tuple(plugin.get("message_types", ()))})
+            for name, plugin in data["plugins"].items()
         },
-        {name: ParameterSet(_parameters(one["parameters"]), one["renamed"]) for name, one in data["sets"].items()},
+        {
+            name: ParameterSet(_parameters(facts["parameters"]), facts["renamed"])
+            for name, facts in data["sets"].items()
+        },
     )
 
 
@@ -64,14 +72,14 @@ def _class(name: str, data: Mapping[str, Any]) -> NodeClass:
         _parameters(data.get("parameters", {})),
         _parameters(data.get("of_node", {})),
         _parameters(data.get("of_parent", {})),
-        tuple(Endpoint(**one) for one in data.get("endpoints", ())),
-        tuple(PluginSlot(**{**one, "spellings": tuple(one.get("spellings", ()))}) for one in data.get("slots", ())),
-        tuple(SubNode(**one) for one in data.get("nodes", ())),
-        tuple(Transform(**one) for one in data.get("transforms", ())),
+        tuple(Endpoint(**endpoint) for endpoint in data.get("endpoints", ())),
+        tuple(PluginSlot(**{**slot, "spellings": tuple(slot.get("spellings", ()))}) for slot in data.get("slots", ())),
+        tuple(SubNode(**node) for node in data.get("nodes", ())),
+        tuple(Transform(**transform) for transform in data.get("transforms", ())),
         tuple(data.get("frames", ())),
         tuple(
-            SharedParameters(one["set"], tuple(one.get("groups", ())), tuple(one.get("without", ())))
-            for one in data.get("shared", ())
+            SharedParameters(shared["set"], tuple(shared.get("groups", ())), tuple(shared.get("without", ())))
+            for shared in data.get("shared", ())
         ),
         data.get("has_open_topics", False),
         data.get("arguments", {}),
@@ -79,18 +87,18 @@ def _class(name: str, data: Mapping[str, Any]) -> NodeClass:
 
 
 def _parameters(data: Mapping[str, Any]) -> dict[str, Parameter]:
-    return {name: Parameter(**{**one, "choices": tuple(one.get("choices", ()))}) for name, one in data.items()}
+    return {name: Parameter(**{**facts, "choices": tuple(facts.get("choices", ()))}) for name, facts in data.items()}
 
 
 def text_of(catalogue: Catalogue) -> str:
     """Return the text of a catalogue's file. Values that are the same as the default of their field are left out."""
     data = {
         "distribution": catalogue.distribution,
-        "sources": {name: dataclasses.asdict(one) for name, one in catalogue.sources.items()},
-        "packages": {name: _short(one, without=("name",)) for name, one in catalogue.packages.items()},
-        "classes": {name: _short(one, without=("name",), optional=True) for name, one in catalogue.classes.items()},
-        "plugins": {name: _short(one) for name, one in catalogue.plugins.items()},
-        "sets": {name: _short(one) for name, one in catalogue.sets.items()},
+        "sources": {name: dataclasses.asdict(source) for name, source in catalogue.sources.items()},
+        "packages": {name: _short(facts, without=("name",)) for name, facts in catalogue.packages.items()},
+        "classes": {name: _short(facts, without=("name",), optional=True) for name, facts in catalogue.classes.items()},
+        "plugins": {name: _short(plugin) for name, plugin in catalogue.plugins.items()},
+        "sets": {name: _short(facts) for name, facts in catalogue.sets.items()},
     }
     return _text(data, 0) + "\n"
 
@@ -100,23 +108,25 @@ def _short(value: Any, without: tuple[str, ...] = (), optional: bool = False) ->
         is_fact = optional or not isinstance(value, Package | ParameterSet)
         pairs = ((field.name, getattr(value, field.name)) for field in dataclasses.fields(value))
         return {
-            name: _short(one)
-            for name, one in pairs
+            name: _short(entry)
+            for name, entry in pairs
             if name not in without
-            and (not is_fact or one not in ("", None, (), {}) or ((name == "default" and one == "") and one != ""))
-            and not (is_fact and one is False and name in ("is_type", "has_open_topics"))
+            and (
+                not is_fact or entry not in ("", None, (), {}) or ((name == "default" and entry == "") and entry != "")
+            )
+            and not (is_fact and entry is False and name in ("is_type", "has_open_topics"))
         } | ({"default": ""} if isinstance(value, Parameter) and value.default == "" else {})
     if isinstance(value, Mapping):
-        return {name: _short(one) for name, one in value.items()}
+        return {name: _short(entry) for name, entry in value.items()}
     if isinstance(value, list | tuple):
-        return [_short(one) for one in value]
+        return [_short(entry) for entry in value]
     return value
 
 
 def _text(value: Any, depth: int) -> str:
     """Return JSON with one line for each object that holds no other object."""
     is_leaf = not isinstance(value, dict | list) or not any(
-        isinstance(one, dict | list) and one for one in (value.values() if isinstance(value, dict) else value)
+        isinstance(entry, dict | list) and entry for entry in (value.values() if isinstance(value, dict) else value)
     )
     flat = json.dumps(value, ensure_ascii=False)
     if (is_leaf and len(flat) < 400) or not value:
@@ -124,7 +134,8 @@ def _text(value: Any, depth: int) -> str:
     indent, end = " " * (depth + 1), " " * depth
     if isinstance(value, dict):
         inner = [
-            f"{indent}{json.dumps(name, ensure_ascii=False)}: {_text(one, depth + 1)}" for name, one in value.items()
+            f"{indent}{json.dumps(name, ensure_ascii=False)}: {_text(entry, depth + 1)}"
+            for name, entry in value.items()
         ]
         return "{\n" + ",\n".join(inner) + f"\n{end}}}"
-    return "[\n" + ",\n".join(f"{indent}{_text(one, depth + 1)}" for one in value) + f"\n{end}]"
+    return "[\n" + ",\n".join(f"{indent}{_text(entry, depth + 1)}" for entry in value) + f"\n{end}]"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from check_launch.expansion.places import Place
+from roverlink.generator.diagnostics import Span
 
 Text = Any
 """A text of a launch file: a text, a substitution, or a sequence of them (see `substitutions.text_of`)."""
@@ -16,7 +16,7 @@ Text = Any
 class Action:
     """Base class of all actions."""
 
-    place: Place
+    place: Span
     condition: tuple[bool, Text] | None = None
     """The condition's text, and the truth value that it must have."""
 
@@ -91,7 +91,7 @@ class Include(Action):
     """Start what another launch file describes."""
 
     path: Text = ""
-    arguments: list[tuple[Text, Text, Place]] = field(default_factory=list)
+    arguments: list[tuple[Text, Text, Span]] = field(default_factory=list)
 
 
 @dataclass(slots=True)
@@ -100,7 +100,7 @@ class GivenParameter:
 
     name: Text
     value: Any
-    place: Place
+    place: Span
     is_text: bool = False
     """True if the value stays a text, even if it looks like a number."""
 
@@ -110,7 +110,7 @@ class GivenFile:
     """A parameter file that a launch file gives to a node."""
 
     path: Text
-    place: Place
+    place: Span
     has_substitutions: bool = False
     root_key: Text = ""
     """Namespace that is put around the file's nodes (`RewrittenYaml` of nav2_common)."""
@@ -124,8 +124,8 @@ class Remapping:
 
     source: Text
     target: Text
-    place: Place
-    target_place: Place
+    place: Span
+    target_place: Span
 
 
 @dataclass(slots=True)
@@ -171,13 +171,3 @@ class Later(Action):
     """Actions that start when something has happened, such as the end of another program."""
 
     actions: list[Action] = field(default_factory=list)
-
-
-@dataclass(frozen=True, slots=True)
-class Problem:
-    """Something that the expansion could not do; ``kind`` is the name of a rule."""
-
-    kind: str
-    place: Place
-    message: str
-    help: str = ""

@@ -17,7 +17,6 @@ from check_launch.expansion.actions import (
     Include,
     Later,
     LoadNodes,
-    Problem,
     PushNamespace,
     Remapping,
     SetConfiguration,
@@ -28,9 +27,11 @@ from check_launch.expansion.actions import (
     StartNode,
 )
 from check_launch.expansion.entities import Attribute, Entity, read_entities
-from check_launch.expansion.places import Place
 from check_launch.expansion.substitutions import TextSubstitution
 from check_launch.expansion.written_text import WrongTextError, parse_text
+from check_launch.misspellings import did_you_mean, nearest
+from check_launch.rules.launch_rules import UnknownAction
+from roverlink.generator.diagnostics import Diagnostic, Span
 
 _OF_ALL = frozenset({"if", "unless"})
 _OF_PROCESS = frozenset(
@@ -74,15 +75,15 @@ _ATTRIBUTES: Mapping[str, frozenset[str]] = {
 """Attributes of each element (launch and launch_ros of humble and jazzy)."""
 
 
-def read_declarative(path: Path, shown: str) -> tuple[list[Action], list[Problem]]:
+def read_declarative(path: Path, shown: str) -> tuple[list[Action], list[Diagnostic]]:
     """Read the actions of a YAML or XML launch file, and what is wrong in it. Raises `UnreadableFileError`."""
     reader = _Reader()
-    return reader.actions(read_entities(path, shown)), reader.problems
+    return reader.actions(read_entities(path, shown)), reader.findings
 
 
 class _Reader:
     def __init__(self) -> None:
-        self.problems: list[Problem] = []
+        self.findings: list[Diagnostic] = []
 
     def actions(self, entities: list[Entity]) -> list[Action]:
         found: list[Action] = []
@@ -94,14 +95,9 @@ class _Reader:
                     action.condition = self._condition(entity)
                     found.append(action)
             elif entity.name not in _ATTRIBUTES:
-                self._report("element", entity.place, f"unknown action '{entity.name}'", entity.name, _MAKERS)
+                help = did_you_mean(nearest(entity.name, _MAKERS))
+                self.findings.append(UnknownAction.at(entity.place, f"unknown action '{entity.name}'", help))
         return found
-
-    def _report(self, kind: str, place: Place, message: str, word: str, known: Any) -> None:
-        from difflib import get_close_matches
-
-        near = get_close_matches(word, list(known), 1)
-        self.problems.append(Problem(kind, place, message, f"did you mean '{near[0]}'?" if near else ""))
 
     def _check_attributes(self, entity: Entity) -> None:
         known = _ATTRIBUTES.get(entity.name)
@@ -110,8 +106,9 @@ class _Reader:
         known |= _OF_ALL
         for name, attribute in entity.attributes.items():
             if name not in known:
-                self._report(
-                    "element", attribute.key, f"'{entity.name}' has no attribute '{name}'", name, sorted(known)
+                message = f"'{entity.name}' has no attribute '{name}'"
+                self.findings.append(
+                    UnknownAction.at(attribute.key, message, did_you_mean(nearest(name, sorted(known))))
                 )
         for child in entity.children:
             if child.name in ("param", "remap", "env", "keep", "choice", "extra_arg"):
@@ -122,7 +119,7 @@ class _Reader:
             return None
         return self._parsed(attribute.value, attribute.place)
 
-    def _parsed(self, value: Any, place: Place) -> Any:
+    def _parsed(self, value: Any, place: Span) -> Any:
         if isinstance(value, bool):
             return str(value).lower()
         if not isinstance(value, str):
@@ -130,7 +127,7 @@ class _Reader:
         try:
             return parse_text(value)
         except WrongTextError as error:
-            self.problems.append(Problem("text", place, str(error)))
+            self.findings.append(UnknownAction.at(place, str(error)))
             return ""
 
     def get(self, entity: Entity, name: str) -> Any:
@@ -178,7 +175,7 @@ class _Reader:
             self.get(entity, "name"),
             self.get(entity, "namespace"),
             self._parameters(entity),
-            [one for child in entity.children if child.name == "remap" for one in self._remapping(child)],
+            [remapping for child in entity.children if child.name == "remap" for remapping in self._remapping(child)],
             self._words(entity, "args"),
             self._words(entity, "ros_args"),
         )
@@ -205,7 +202,7 @@ class _Reader:
     def _remapping(self, entity: Entity) -> list[Remapping]:
         source, target = entity.attributes.get("from"), entity.attributes.get("to")
         if source is None or target is None:
-            self.problems.append(Problem("element", entity.place, "a 'remap' needs 'from' and 'to'"))
+            self.findings.append(UnknownAction.at(entity.place, "a 'remap' needs 'from' and 'to'"))
             return []
         return [Remapping(self._text(source), self._text(target), source.place, target.place)]
 
@@ -258,32 +255,37 @@ def _split(text: str) -> list[str]:
         return text.split()
 
 
-_MAKERS: Mapping[str, Callable[[_Reader, Entity], Action | None]] = {
+Maker = Callable[[_Reader, Entity], Action | None]
+"""Function that returns the action of an element."""
+
+
+def _of_texts(action: Callable[..., Action], *attributes: str) -> Maker:
+    """Return a maker of an action whose fields are the texts of attributes; a missing one is empty."""
+    return lambda reader, entity: action(
+        entity.place, None, *(reader.get(entity, attribute) or "" for attribute in attributes)
+    )
+
+
+_MAKERS: Mapping[str, Maker] = {
     "arg": _Reader.argument,
-    "let": lambda reader, one: SetConfiguration(
-        one.place, None, reader.get(one, "name") or "", reader.get(one, "value") or ""
-    ),
-    "set_env": lambda reader, one: SetEnvironment(
-        one.place, None, reader.get(one, "name") or "", reader.get(one, "value") or ""
-    ),
+    "let": _of_texts(SetConfiguration, "name", "value"),
+    "set_env": _of_texts(SetEnvironment, "name", "value"),
     "group": _Reader.group,
     "include": _Reader.include,
-    "push_ros_namespace": lambda reader, one: PushNamespace(one.place, None, reader.get(one, "namespace") or ""),
-    "push-ros-namespace": lambda reader, one: PushNamespace(one.place, None, reader.get(one, "namespace") or ""),
-    "set_remap": lambda reader, one: SetRemap(
-        one.place, None, reader.get(one, "from") or "", reader.get(one, "to") or ""
+    "push_ros_namespace": _of_texts(PushNamespace, "namespace"),
+    "push-ros-namespace": _of_texts(PushNamespace, "namespace"),
+    "set_remap": _of_texts(SetRemap, "from", "to"),
+    "set_parameter": lambda reader, entity: SetParameter(
+        entity.place, None, reader.get(entity, "name") or "", reader._parameter_value(entity)[0]
     ),
-    "set_parameter": lambda reader, one: SetParameter(
-        one.place, None, reader.get(one, "name") or "", reader._parameter_value(one)[0]
+    "set_use_sim_time": lambda reader, entity: SetParameter(
+        entity.place, None, "use_sim_time", [reader.get(entity, "value")]
     ),
-    "set_use_sim_time": lambda reader, one: SetParameter(one.place, None, "use_sim_time", [reader.get(one, "value")]),
-    "set_parameters_from_file": lambda reader, one: SetParametersFromFile(
-        one.place, None, reader.get(one, "filename") or ""
-    ),
+    "set_parameters_from_file": _of_texts(SetParametersFromFile, "filename"),
     "node": _Reader.node,
     "node_container": _Reader.container,
     "load_composable_node": _Reader.container,
     "executable": _Reader.executable,
-    "timer": lambda reader, one: Later(one.place, None, reader.actions(one.children)),
-    "ros_timer": lambda reader, one: Later(one.place, None, reader.actions(one.children)),
+    "timer": lambda reader, entity: Later(entity.place, None, reader.actions(entity.children)),
+    "ros_timer": lambda reader, entity: Later(entity.place, None, reader.actions(entity.children)),
 }

@@ -10,13 +10,13 @@ from xml.parsers import expat
 
 import yaml
 
-from check_launch.expansion.places import Place
+from roverlink.generator.diagnostics import Span
 
 
 class UnreadableFileError(Exception):
     """Raised for a file that cannot be read, or that is no YAML or XML; has the place."""
 
-    def __init__(self, place: Place, message: str) -> None:
+    def __init__(self, place: Span, message: str) -> None:
         super().__init__(message)
         self.place = place
 
@@ -29,9 +29,9 @@ class Attribute:
     """A value of an element, with its type in YAML; in XML, all values are texts."""
 
     value: Any
-    place: Place
+    place: Span
     """Place of the value."""
-    key: Place
+    key: Span
     """Place of the attribute's name."""
 
 
@@ -40,7 +40,7 @@ class Entity:
     """An element: ``<node pkg="x">`` in XML, ``- node: {pkg: x}`` in YAML."""
 
     name: str
-    place: Place
+    place: Span
     attributes: dict[str, Attribute] = field(default_factory=dict)
     children: list[Entity] = field(default_factory=list)
 
@@ -50,7 +50,7 @@ def read_entities(path: Path, shown: str) -> list[Entity]:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise UnreadableFileError(Place(shown), f"cannot read the file: {error}") from error
+        raise UnreadableFileError(Span(shown), f"cannot read the file: {error}") from error
     return _of_xml(text, shown) if text.lstrip().startswith("<") else list(_of_yaml(text, shown))
 
 
@@ -59,7 +59,7 @@ def _of_yaml(text: str, shown: str) -> Iterator[Entity]:
     entries = dict(_pairs(root, shown)) if isinstance(root, yaml.MappingNode) else {}
     launch = next((value for key, value in entries.items() if key.value == "launch"), None)
     if not isinstance(launch, yaml.SequenceNode):
-        raise UnreadableFileError(Place(shown, 1, 1), "the file has no list 'launch'")
+        raise UnreadableFileError(Span(shown, 1, 1), "the file has no list 'launch'")
     for item in launch.value:
         yield from _yaml_entity(item, shown)
 
@@ -70,15 +70,15 @@ def compose(text: str, shown: str) -> yaml.Node | None:
         return yaml.compose(text, Loader=_LOADER)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        place = Place(shown, mark.line + 1, mark.column + 1) if mark else Place(shown)
+        place = Span(shown, mark.line + 1, mark.column + 1) if mark else Span(shown)
         raise UnreadableFileError(place, f"not valid YAML: {error.problem or error.context}") from error
     except (yaml.YAMLError, RecursionError) as error:
-        raise UnreadableFileError(Place(shown), f"not valid YAML: {error}") from error
+        raise UnreadableFileError(Span(shown), f"not valid YAML: {error}") from error
 
 
-def place_of(node: yaml.Node, shown: str) -> Place:
+def place_of(node: yaml.Node, shown: str) -> Span:
     """Return the place of a YAML node."""
-    return Place(shown, node.start_mark.line + 1, node.start_mark.column + 1)
+    return Span(shown, node.start_mark.line + 1, node.start_mark.column + 1)
 
 
 def _pairs(node: yaml.MappingNode, shown: str) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
@@ -105,7 +105,9 @@ def _named_entities(key: yaml.ScalarNode, value: yaml.Node, shown: str) -> Itera
             if name.value == "children" and isinstance(inner, yaml.SequenceNode):
                 for child in inner.value:
                     entity.children += _yaml_entity(child, shown)
-            elif isinstance(inner, yaml.SequenceNode) and any(isinstance(one, yaml.MappingNode) for one in inner.value):
+            elif isinstance(inner, yaml.SequenceNode) and any(
+                isinstance(part, yaml.MappingNode) for part in inner.value
+            ):
                 for child in inner.value:  # `param`, `remap`, `arg`: a list of elements with the same name
                     entity.children += _named_entities(name, child, shown)
             elif isinstance(inner, yaml.MappingNode):
@@ -129,11 +131,11 @@ def plain(node: yaml.Node) -> Any:
 def _of_xml(text: str, shown: str) -> list[Entity]:
     parser = expat.ParserCreate()
     lines = text.splitlines()
-    root = Entity("", Place(shown))
+    root = Entity("", Span(shown))
     stack = [root]
 
     def started(name: str, attributes: dict[str, str]) -> None:
-        place = Place(shown, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
+        place = Span(shown, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
         entity = Entity(name, place)
         for key, value in attributes.items():
             at = _attribute_place(lines, place, key)
@@ -146,21 +148,21 @@ def _of_xml(text: str, shown: str) -> list[Entity]:
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise UnreadableFileError(Place(shown, error.lineno, error.offset + 1), f"not valid XML: {error}") from error
+        raise UnreadableFileError(Span(shown, error.lineno, error.offset + 1), f"not valid XML: {error}") from error
     top = root.children[0]
     if top.name != "launch":
         raise UnreadableFileError(top.place, f"the first element is <{top.name}>, not <launch>")
     return top.children
 
 
-def _attribute_place(lines: list[str], place: Place, name: str) -> Place:
+def _attribute_place(lines: list[str], place: Span, name: str) -> Span:
     """Find the attribute of an element; expat tells only where the element begins."""
     for line in range(place.line, min(place.line + 20, len(lines)) + 1):
         text = lines[line - 1]
         start = place.column - 1 if line == place.line else 0
         found = text.find(f"{name}=", start)
         if found >= 0:
-            return Place(place.file, line, found + 1)
+            return Span(place.file, line, found + 1)
         if ">" in text[start:]:
             break
     return place

@@ -21,7 +21,6 @@ from check_launch.expansion.actions import (
     Later,
     LoadNodes,
     Opaque,
-    Problem,
     PushNamespace,
     SetConfiguration,
     SetEnvironment,
@@ -41,7 +40,6 @@ from check_launch.expansion.parameter_files import (
     rewritten,
     typed,
 )
-from check_launch.expansion.places import Place
 from check_launch.expansion.python_files import NeedsMoreError, PythonFile
 from check_launch.expansion.stored_files import actions_of_stored
 from check_launch.expansion.substitutions import (
@@ -54,6 +52,9 @@ from check_launch.expansion.substitutions import (
     text_of,
 )
 from check_launch.expansion.written_text import WrongTextError, parse_text
+from check_launch.misspellings import did_you_mean, nearest
+from check_launch.rules.launch_rules import NotExpanded, UndeclaredArgument, UnreadableLaunchFile, WrongArgumentValue
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 
 _DEEPEST = 30  # includes within includes
 
@@ -62,7 +63,7 @@ _DEEPEST = 30  # includes within includes
 class FileUse:
     """A parameter file that a node gets."""
 
-    place: Place
+    place: Span
     """Place of the path in the launch file."""
     shown: str
     sections: tuple[Section, ...]
@@ -74,8 +75,8 @@ class StartedRemapping:
 
     source: str | None
     target: str | None
-    place: Place
-    target_place: Place
+    place: Span
+    target_place: Span
     is_general: bool = False
 
 
@@ -83,7 +84,7 @@ class StartedRemapping:
 class StartedNode:
     """A node that a launch file starts. A text is None if it is known at run time only."""
 
-    place: Place
+    place: Span
     package: str | None
     executable: str | None
     plugin: str | None
@@ -108,8 +109,7 @@ class Declared:
     name: str
     default: str | None
     choices: tuple[str, ...]
-    place: Place
-    has_default: bool
+    place: Span
 
 
 @dataclass(slots=True)
@@ -119,7 +119,7 @@ class Expansion:
     arguments: Mapping[str, str | None]
     """Values that differ from the defaults."""
     nodes: list[StartedNode] = field(default_factory=list)
-    problems: list[Problem] = field(default_factory=list)
+    findings: list[Diagnostic] = field(default_factory=list)
     declared: dict[str, Declared] = field(default_factory=dict)
     used: dict[str, None] = field(default_factory=dict)
     """Arguments on which conditions depend, in the order of their use."""
@@ -127,9 +127,9 @@ class Expansion:
     """Texts with which conditions and expressions compare arguments, by the name of the argument."""
     runs_programs: bool = False
     """True if programs run that are no nodes of a package, whose topics are not known."""
-    undeclared: list[tuple[str, Place]] = field(default_factory=list)
+    undeclared: list[tuple[str, Span]] = field(default_factory=list)
     """Arguments that are used, and that no launch file declares, with the places of their use."""
-    skipped: dict[str, Place] = field(default_factory=dict)
+    skipped: dict[str, Span] = field(default_factory=dict)
     """Packages of which launch files are included, but not there."""
 
 
@@ -149,7 +149,7 @@ class Expander:
         no news that they are not there.
         """
         self._packages, self._shown, self._stored, self.known = packages, shown, stored, known
-        self._declarative: dict[str, tuple[list[Action], list[Problem]]] = {}
+        self._declarative: dict[str, tuple[list[Action], list[Diagnostic]]] = {}
         self._python: dict[str, PythonFile] = {}
         self._parameter_files: dict[str, ParameterFile] = {}
 
@@ -157,11 +157,11 @@ class Expander:
         """Return what a launch file starts with some values of its arguments. Raises `UnreadableFileError`."""
         run, file = _Run(self, self._packages, arguments), str(path.resolve())
         run.context.file = file
-        run.include(file, Place(self._shown(file)))
+        run.include(file, Span(self._shown(file)))
         run.result.undeclared = list(dict.fromkeys(run.context.undeclared))
         return run.result
 
-    def actions(self, path: str) -> tuple[list[Action], list[Problem]]:
+    def actions(self, path: str) -> tuple[list[Action], list[Diagnostic]]:
         """Return the actions of a launch file. Raises `UnreadableFileError` or `NeedsMoreError`."""
         if path.endswith(".py"):
             return self.python(path).actions(), []
@@ -203,21 +203,21 @@ class _Run:
         self._depth = 0
         self._path = ""  # path of the launch file whose actions are expanded
 
-    def include(self, path: str, place: Place) -> None:
+    def include(self, path: str, place: Span) -> None:
         """Expand the actions of a launch file."""
         self._depth += 1
         if self._depth > _DEEPEST:
             raise UnreadableFileError(place, "launch files include each other without end")
         before, self._path = self._path, path
         try:
-            actions, problems = self._actions(path, place)
-            self.result.problems += problems
+            actions, findings = self._actions(path, place)
+            self.result.findings += findings
             self._run(actions)
         finally:
             self._path = before
             self._depth -= 1
 
-    def _actions(self, path: str, place: Place) -> tuple[list[Action], list[Problem]]:
+    def _actions(self, path: str, place: Span) -> tuple[list[Action], list[Diagnostic]]:
         if missing := package_of_share(path):
             package, inner = missing
             stored = self._expander.stored(package, inner)
@@ -228,7 +228,7 @@ class _Run:
         try:
             return self._expander.actions(path)
         except NeedsMoreError as error:
-            return [], [Problem("needs", error.place, str(error))]
+            return [], [NotExpanded.at(error.place, str(error))]
 
     def _run(self, actions: Iterable[Action]) -> None:
         for action in actions:
@@ -245,7 +245,9 @@ class _Run:
         try:
             value = text_of(text, self.context)
             if not is_boolean(value):
-                self._report("condition", action.place, f"the condition is '{value}', which is neither true nor false")
+                self._report(
+                    WrongArgumentValue, action.place, f"the condition is '{value}', which is neither true nor false"
+                )
                 return True
             return is_true(value) == wanted
         except UnknownTextError:
@@ -258,8 +260,8 @@ class _Run:
             if compared is not None:
                 self.result.compared.setdefault(name, {})[compared] = None
 
-    def _report(self, kind: str, place: Place, message: str, help: str = "") -> None:
-        self.result.problems.append(Problem(kind, place, message, help))
+    def _report(self, rule: Rule, place: Span, message: str, help: str = "") -> None:
+        self.result.findings.append(rule.at(place, message, help))
 
     def _text(self, value: Any) -> str | None:
         """Return a text; None if it is known at run time only."""
@@ -293,10 +295,10 @@ class _Run:
             pushed = self._text(action.namespace)
             context.namespace = joined(context.namespace, pushed) if pushed is not None else context.namespace
         elif isinstance(action, SetRemap):
-            one = StartedRemapping(
+            remapping = StartedRemapping(
                 self._text(action.source), self._text(action.target), action.place, action.place, True
             )
-            context.remappings = [*context.remappings, one]
+            context.remappings = [*context.remappings, remapping]
         elif isinstance(action, SetParameter):
             context.parameters = [*context.parameters, *self._values(action.name, action.value, action.place, False)]
         elif isinstance(action, SetParametersFromFile):
@@ -324,12 +326,13 @@ class _Run:
         if not name:
             return
         default = self._text(action.default) if action.default is not None else None
-        declared = Declared(name, default, action.choices, action.place, action.default is not None)
-        self.result.declared.setdefault(name, declared)
+        self.result.declared.setdefault(name, Declared(name, default, action.choices, action.place))
         value = self.context.configurations.setdefault(name, default)
         if action.choices and value is not None and value not in action.choices:
             known = ", ".join(action.choices)
-            self._report("choice", action.place, f"the argument '{name}' is '{value}'; it must be one of: {known}")
+            self._report(
+                WrongArgumentValue, action.place, f"the argument '{name}' is '{value}'; it must be one of: {known}"
+            )
 
     def _group(self, action: Group) -> None:
         context = self.context
@@ -362,19 +365,21 @@ class _Run:
             if text := self._text(name):
                 self.context.configurations[text] = self._text(value)
         if path is None:
-            self._report("needs", action.place, "the path of an included launch file is known at run time only")
+            self._report(NotExpanded, action.place, "the path of an included launch file is known at run time only")
             return
         before = set(self.result.declared)
-        problems = len(self.result.problems)
+        findings = len(self.result.findings)
         try:
             self.include(path, action.place)
         except UnreadableFileError as error:
             place = error.place if error.place.line else action.place
             self._report(
-                "include", place, f"{self._expander.shown(path)}: {error}" if place == action.place else str(error)
+                UnreadableLaunchFile,
+                place,
+                f"{self._expander.shown(path)}: {error}" if place == action.place else str(error),
             )
             return
-        is_complete = len(self.result.problems) == problems and not package_of_share(path)
+        is_complete = len(self.result.findings) == findings and not package_of_share(path)
         for name, _, place in action.arguments:
             text = self._text(name)
             if (
@@ -385,10 +390,10 @@ class _Run:
                 and not self._is_used(path, text)
             ):
                 self._report(
-                    "argument",
+                    UndeclaredArgument,
                     place,
                     f"{self._expander.shown(path)} has no argument '{text}'",
-                    _nearest(text, self.result.declared),
+                    did_you_mean(nearest(text, self.result.declared)),
                 )
 
     def _absolute(self, path: str) -> str:
@@ -410,9 +415,9 @@ class _Run:
             if self._path.endswith(".py"):
                 self._run(self._expander.python(self._path).called(action.function, self.context))
         except NeedsMoreError as error:
-            self._report("needs", error.place, str(error))
+            self._report(NotExpanded, error.place, str(error))
         except UnknownTextError as error:
-            self._report("needs", action.place, f"a function needs '{error}', which is known at run time only")
+            self._report(NotExpanded, action.place, f"a function needs '{error}', which is known at run time only")
 
     def _start(self, action: StartNode) -> None:
         context = self.context
@@ -425,17 +430,19 @@ class _Run:
                 values += self._values(given.name, given.value, given.place, given.is_text)
             elif use := self._file(given):
                 files.append(use)
-        arguments = [self._text(one) for one in action.arguments]
+        arguments = [self._text(argument) for argument in action.arguments]
         remappings = [
-            StartedRemapping(self._text(one.source), self._text(one.target), one.place, one.target_place)
-            for one in action.remappings
+            StartedRemapping(
+                self._text(remapping.source), self._text(remapping.target), remapping.place, remapping.target_place
+            )
+            for remapping in action.remappings
         ]
         for use in self._of_ros_arguments(
-            [*arguments, *(self._text(one) for one in action.ros_arguments)], action.place
+            [*arguments, *(self._text(argument) for argument in action.ros_arguments)], action.place
         ):
             files.append(use)
-        general = [one for one in context.parameters if isinstance(one, GivenValue)]
-        files = [*(one for one in context.parameters if isinstance(one, FileUse)), *files]
+        general = [given for given in context.parameters if isinstance(given, GivenValue)]
+        files = [*(given for given in context.parameters if isinstance(given, FileUse)), *files]
         self.result.nodes.append(
             StartedNode(
                 action.place,
@@ -453,19 +460,19 @@ class _Run:
             )
         )
 
-    def _of_ros_arguments(self, words: list[str | None], place: Place) -> Iterator[FileUse]:
+    def _of_ros_arguments(self, words: list[str | None], place: Span) -> Iterator[FileUse]:
         """Yield the parameter files that arguments name: ``--params-file FILE``."""
         for option, value in itertools.pairwise(words):
             if option == "--params-file" and value and (use := self._file(GivenFile(value, place))):
                 yield use
 
-    def _values(self, name: Any, value: Any, place: Place, is_text: bool) -> Iterator[GivenValue]:
+    def _values(self, name: Any, value: Any, place: Span, is_text: bool) -> Iterator[GivenValue]:
         text = self._text(name)
         if text is None:
             return
         if isinstance(value, Mapping):
-            for inner, one in value.items():
-                yield from self._values([name, ".", inner], one, place, is_text)
+            for inner, inner_value in value.items():
+                yield from self._values([name, ".", inner], inner_value, place, is_text)
             return
         yield GivenValue(text, self._value(value, is_text), place)
 
@@ -473,11 +480,11 @@ class _Run:
         """Return a parameter's value as launch_ros types it: the text of substitutions is read as YAML."""
         if isinstance(value, str | bool | int | float) and not isinstance(value, bytes):
             return value
-        if isinstance(value, list | tuple) and value and not any(hasattr(one, "perform") for one in value):
+        if isinstance(value, list | tuple) and value and not any(hasattr(part, "perform") for part in value):
             values = [
-                self._value(one, False) if not isinstance(one, list | tuple) else self._text(one) for one in value
+                self._value(part, False) if not isinstance(part, list | tuple) else self._text(part) for part in value
             ]
-            return UNKNOWN if any(one is UNKNOWN or one is None for one in values) else values
+            return UNKNOWN if any(part is UNKNOWN or part is None for part in values) else values
         text = self._text(value)
         if text is None:
             return UNKNOWN
@@ -497,7 +504,7 @@ class _Run:
             sections = self._expander.sections(path, self._file_text if given.has_substitutions else None)
         except UnreadableFileError as error:
             place = error.place if error.place.line else given.place
-            self._report("parameter-file", place, str(error) if error.place.line else f"{shown}: {error}")
+            self._report(UnreadableLaunchFile, place, str(error) if error.place.line else f"{shown}: {error}")
             return None
         rewrites: dict[str, Any] = {}
         for name, value in given.rewrites.items():
@@ -527,22 +534,22 @@ _COMPARED = re.compile("\0(\\w+)\0['\"]?\\s*[!=]=\\s*['\"]([^'\"]*)['\"]")
 def _arguments_in(text: Any, is_condition: bool) -> Iterator[tuple[str, str | None]]:
     """Yield the names of the arguments in conditions and expressions, and the texts that they are compared with."""
     if isinstance(text, list | tuple):
-        for one in text:
-            yield from _arguments_in(one, is_condition)
+        for part in text:
+            yield from _arguments_in(part, is_condition)
     elif isinstance(text, PythonExpression):
         parts = list(_flat(text.expression))
         yield from _arguments_in(parts, True)
         flat = "".join(
-            f"\0{one.variable_name}\0" if isinstance(one, LaunchConfiguration) else str(one) for one in parts
+            f"\0{part.variable_name}\0" if isinstance(part, LaunchConfiguration) else str(part) for part in parts
         )
         yield from ((match[1], match[2]) for match in _COMPARED.finditer(flat))
     elif isinstance(text, LaunchConfiguration):
         if is_condition and isinstance(text.variable_name, str):
             yield text.variable_name, None
     elif isinstance(text, EqualsSubstitution):
-        for one, other in ((text.left, text.right), (text.right, text.left)):
-            if isinstance(one, LaunchConfiguration) and isinstance(one.variable_name, str):
-                yield one.variable_name, other if isinstance(other, str) else None
+        for side, other in ((text.left, text.right), (text.right, text.left)):
+            if isinstance(side, LaunchConfiguration) and isinstance(side.variable_name, str):
+                yield side.variable_name, other if isinstance(other, str) else None
     else:
         for name in ("left", "right", "value", "condition"):
             if hasattr(text, name) and not isinstance(text, str):
@@ -551,17 +558,10 @@ def _arguments_in(text: Any, is_condition: bool) -> Iterator[tuple[str, str | No
 
 def _flat(text: Any) -> Iterator[Any]:
     if isinstance(text, list | tuple):
-        for one in text:
-            yield from _flat(one)
+        for part in text:
+            yield from _flat(part)
     else:
         yield text
-
-
-def _nearest(word: str, known: Iterable[str]) -> str:
-    from difflib import get_close_matches
-
-    near = get_close_matches(word, list(known), 1)
-    return f"did you mean '{near[0]}'?" if near else ""
 
 
 def variations(expansion: Expansion) -> Iterator[dict[str, str | None]]:
@@ -574,12 +574,12 @@ def variations(expansion: Expansion) -> Iterator[dict[str, str | None]]:
         if declared is None or name in expansion.arguments:
             continue
         if declared.choices:
-            others: list[str | None] = [one for one in declared.choices if one != declared.default]
+            others: list[str | None] = [choice for choice in declared.choices if choice != declared.default]
         elif declared.default is not None and is_boolean(declared.default):
             others = [_opposite(declared.default)]
         else:
             compared = expansion.compared.get(name, {})
-            others = [one for one in compared if one != declared.default] or [None] * bool(compared)
+            others = [value for value in compared if value != declared.default] or [None] * bool(compared)
         yield from ({name: value} for value in others)
 
 

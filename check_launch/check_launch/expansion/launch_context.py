@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from check_launch.expansion.places import Place
 from check_launch.expansion.substitutions import text_of
+from roverlink.generator.diagnostics import Span
 
 _NAME = re.compile(r"<name>\s*([\w-]+)\s*</name>")
 _SKIPPED = frozenset({"build", "install", "log", "node_modules", "__pycache__"})
@@ -61,7 +61,7 @@ class Packages:
                     inner.clear()
                 elif depth >= _DEPTH:
                     inner.clear()
-                inner[:] = sorted(one for one in inner if not one.startswith(".") and one not in _SKIPPED)
+                inner[:] = sorted(name for name in inner if not name.startswith(".") and name not in _SKIPPED)
 
 
 def package_of_share(path: str) -> tuple[str, str] | None:
@@ -85,9 +85,9 @@ class Context:
     namespace: str = ""
     remappings: list[Any] = field(default_factory=list)
     parameters: list[Any] = field(default_factory=list)
-    place: Place = field(default_factory=lambda: Place(""))
+    place: Span = field(default_factory=lambda: Span(""))
     """Place of the action that is being expanded."""
-    undeclared: list[tuple[str, Place]] = field(default_factory=list)
+    undeclared: list[tuple[str, Span]] = field(default_factory=list)
     """Arguments that are used, and that no launch file declares, each with the place of its use."""
 
     def missing(self, name: str) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from check_launch.expansion.entities import UnreadableFileError, compose, place_of, plain
-from check_launch.expansion.places import Place
+from roverlink.generator.diagnostics import Span
 
 KEY = "ros__parameters"
 _FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
@@ -33,7 +33,7 @@ class GivenValue:
 
     name: str
     value: Any
-    place: Place
+    place: Span
     """Place of the last part of the name."""
 
 
@@ -42,7 +42,7 @@ class Section:
     """Parameters for the nodes whose full names match a pattern: ``/**``, ``/local_costmap/local_costmap``."""
 
     pattern: str
-    place: Place
+    place: Span
     values: tuple[GivenValue, ...]
 
     def matches(self, full_name: str) -> bool:
@@ -66,7 +66,7 @@ class ParameterFile:
             text = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             reason = getattr(error, "strerror", None) or error
-            raise UnreadableFileError(Place(shown), f"cannot read the file: {reason}") from error
+            raise UnreadableFileError(Span(shown), f"cannot read the file: {reason}") from error
         self._root, self._shown = compose(text, shown), shown
         self._with_substitutions = list(dict.fromkeys(_with_substitutions(self._root)))
         self._sections: dict[tuple[str | None, ...], list[Section]] = {}
@@ -96,8 +96,8 @@ def _with_substitutions(node: yaml.Node | None) -> Iterator[str]:
             yield from _with_substitutions(key)
             yield from _with_substitutions(value)
     elif isinstance(node, yaml.SequenceNode):
-        for one in node.value:
-            yield from _with_substitutions(one)
+        for child in node.value:
+            yield from _with_substitutions(child)
     elif isinstance(node, yaml.ScalarNode) and "$(" in node.value:
         yield node.value
 
@@ -143,7 +143,7 @@ def _values(
 def value_of(node: yaml.Node, text_of: Callable[[str], str | None]) -> Any:
     """Return the value of a YAML node as ROS 2 types it; `UNKNOWN` if it is not known."""
     if isinstance(node, yaml.SequenceNode):
-        values = [value_of(one, text_of) for one in node.value]
+        values = [value_of(item, text_of) for item in node.value]
         return UNKNOWN if UNKNOWN in values else values
     if not isinstance(node, yaml.ScalarNode):
         return UNKNOWN
@@ -181,11 +181,11 @@ def rewritten(sections: list[Section], root: str, rewrites: Mapping[str, Any]) -
             section.place,
             tuple(
                 (
-                    GivenValue(one.name, rewrites[one.name.rpartition(".")[2]], one.place)
-                    if one.name.rpartition(".")[2] in rewrites
-                    else one
+                    GivenValue(given.name, rewrites[given.name.rpartition(".")[2]], given.place)
+                    if given.name.rpartition(".")[2] in rewrites
+                    else given
                 )
-                for one in section.values
+                for given in section.values
             ),
         )
         for section in sections

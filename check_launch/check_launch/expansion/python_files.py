@@ -15,15 +15,15 @@ from check_launch.expansion import real_launch
 from check_launch.expansion.actions import Action
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.launch_context import UNKNOWN_SHARE, Context, Packages
-from check_launch.expansion.places import Place
 from check_launch.expansion.stand_ins import StandIns, actions_of
 from check_launch.expansion.substitutions import UnknownTextError
+from roverlink.generator.diagnostics import Span
 
 
 class NeedsMoreError(Exception):
     """Raised if a launch file needs a package or a value that is not there; has the place."""
 
-    def __init__(self, place: Place, message: str) -> None:
+    def __init__(self, place: Span, message: str) -> None:
         super().__init__(message)
         self.place = place
 
@@ -38,10 +38,10 @@ class PythonFile:
         try:
             self._tree = ast.parse(path.read_text(encoding="utf-8"), str(path))
         except (OSError, UnicodeDecodeError) as error:
-            raise UnreadableFileError(Place(shown), f"cannot read the file: {error}") from error
+            raise UnreadableFileError(Span(shown), f"cannot read the file: {error}") from error
         except SyntaxError as error:
             raise UnreadableFileError(
-                Place(shown, error.lineno or 0, error.offset or 0), f"not valid Python: {error.msg}"
+                Span(shown, error.lineno or 0, error.offset or 0), f"not valid Python: {error.msg}"
             ) from error
         self._stand_ins.read(self._tree)
 
@@ -52,7 +52,7 @@ class PythonFile:
             exec(compile(self._tree, str(self._path), "exec"), names)  # noqa: S102  # a launch file is a program
             function = names.get("generate_launch_description")
             if function is None:
-                raise UnreadableFileError(Place(self._shown), "the file has no function generate_launch_description")
+                raise UnreadableFileError(Span(self._shown), "the file has no function generate_launch_description")
             return actions_of(function())
 
     def called(self, function: Any, context: Context) -> list[Action]:
@@ -97,9 +97,9 @@ class PythonFile:
                     sys.modules.pop(name)
             sys.modules.update(hidden)
 
-    def _place(self, error: BaseException) -> Place:
-        frames = [one for one in traceback.extract_tb(error.__traceback__) if one.filename == str(self._path)]
-        return Place(self._shown, frames[-1].lineno or 0) if frames else Place(self._shown)
+    def _place(self, error: BaseException) -> Span:
+        frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(self._path)]
+        return Span(self._shown, frames[-1].lineno or 0) if frames else Span(self._shown)
 
 
 _REPLACED = frozenset({"launch", "launch_ros", "launch_xml", "launch_yaml", "nav2_common", "ament_index_python"})
@@ -112,4 +112,4 @@ def _is_beside(module: Any, folder: Path) -> bool:
 
 
 def _source_of(error: BaseException) -> str:
-    return " ".join(one.name + (one.line or "") for one in traceback.extract_tb(error.__traceback__))
+    return " ".join(frame.name + (frame.line or "") for frame in traceback.extract_tb(error.__traceback__))

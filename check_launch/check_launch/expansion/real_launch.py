@@ -39,10 +39,10 @@ def recording(name: str, stand_ins: Mapping[str, Any]) -> ModuleType | None:
         return None
     module = ModuleType(name)
     vars(module).update(vars(real))
-    for one, value in vars(real).items():
-        make = stand_ins.get(one, UnknownSubstitution if _is_substitution(value) else None)
+    for attribute, value in vars(real).items():
+        make = stand_ins.get(attribute, UnknownSubstitution if _is_substitution(value) else None)
         if isinstance(value, type) and make is not None:
-            vars(module)[one] = _recorded(value, make)
+            vars(module)[attribute] = _recorded(value, make)
     return module
 
 
@@ -62,9 +62,9 @@ def stand_in_of(value: Any) -> Any:
     if type(value) in (list, tuple):
         return type(value)(map(stand_in_of, value))
     if type(value) is dict:
-        return {stand_in_of(name): stand_in_of(one) for name, one in value.items()}
+        return {stand_in_of(name): stand_in_of(part) for name, part in value.items()}
     if is_installed() and isinstance(value, importlib.import_module("launch").LaunchDescription):
-        return [stand_in_of(one) for one in value.entities]
+        return [stand_in_of(entity) for entity in value.entities]
     return value
 
 
@@ -95,9 +95,9 @@ def _recorded(real: type, make: Callable[..., Any]) -> type:
 
     def create(self: Any, *arguments: Any, **options: Any) -> None:
         arguments = tuple(map(_lasting, arguments))
-        options = {name: _lasting(one) for name, one in options.items()}
+        options = {name: _lasting(option) for name, option in options.items()}
         real.__init__(self, *arguments, **options)  # type: ignore[misc]  # its signature is not known here
-        converted = {name: one if name in _OF_FUNCTIONS else stand_in_of(one) for name, one in options.items()}
+        converted = {name: option if name in _OF_FUNCTIONS else stand_in_of(option) for name, option in options.items()}
         stand_in = make(*map(stand_in_of, arguments), **converted)
         setattr(self, _ATTRIBUTE, stand_in)
 

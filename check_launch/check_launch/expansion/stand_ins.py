@@ -40,8 +40,8 @@ from check_launch.expansion.actions import (
     StartNode,
 )
 from check_launch.expansion.launch_context import Context, Packages
-from check_launch.expansion.places import Place
 from check_launch.expansion.substitutions import Substitution, UnknownTextError, is_true, text_of
+from roverlink.generator.diagnostics import Span
 
 
 class Ignored:
@@ -205,14 +205,14 @@ class _File:
                 column = node.col_offset + 1
                 self.columns[node.lineno] = min(column, self.columns.get(node.lineno, column))
 
-    def place_of(self, text: Any, near: Place) -> Place:
+    def place_of(self, text: Any, near: Span) -> Span:
         """Return the place of a literal text: in the call at a place, or else the first one in the file."""
         if isinstance(text, list | tuple) and text:
             text = text[0]
         found = [(line, column) for value, line, column in self.literals if value == text]
-        inside = [one for one in found if near.line <= one[0] <= self.spans.get(near.line, near.line)]
+        inside = [literal for literal in found if near.line <= literal[0] <= self.spans.get(near.line, near.line)]
         line, column = next(iter(sorted(inside) or sorted(found)), (near.line, near.column))
-        return Place(self.shown, line, column)
+        return Span(self.shown, line, column)
 
 
 class StandIns:
@@ -226,19 +226,19 @@ class StandIns:
         """Remember the literals of the file, which are found again when an object with one of them is created."""
         self._file.read(tree)
 
-    def place(self) -> Place:
+    def place(self) -> Span:
         """Return the place in the launch file that is being executed."""
         frame = sys._getframe(1)
         while frame is not None and frame.f_code.co_filename != self._file.path:
             frame = frame.f_back  # type: ignore[assignment]
         if frame is None:
-            return Place(self._file.shown)
+            return Span(self._file.shown)
         if hasattr(frame.f_code, "co_positions"):  # since Python 3.11; before, only the line is known
             positions = list(frame.f_code.co_positions())
             line, _, start, _ = positions[frame.f_lasti // 2]
             if line is not None and start is not None:
-                return Place(self._file.shown, line, start + 1)
-        return Place(self._file.shown, frame.f_lineno, self._file.columns.get(frame.f_lineno, 0))
+                return Span(self._file.shown, line, start + 1)
+        return Span(self._file.shown, frame.f_lineno, self._file.columns.get(frame.f_lineno, 0))
 
     def modules(self) -> dict[str, ModuleType]:
         """Return the modules by their names, for `sys.modules`."""
@@ -250,9 +250,9 @@ class StandIns:
             _source,
         )
         of_substitutions = {
-            name: one
-            for name, one in vars(substitutions).items()
-            if isinstance(one, type) and issubclass(one, Substitution)
+            name: member
+            for name, member in vars(substitutions).items()
+            if isinstance(member, type) and issubclass(member, Substitution)
         }
         share = self._packages.share
 
@@ -305,8 +305,8 @@ class StandIns:
             "Parameter": lambda name, value, value_type=None: {name: ParameterValue(value, value_type)},
         }
         conditions = {
-            one.__name__: one
-            for one in (IfCondition, UnlessCondition, LaunchConfigurationEquals, LaunchConfigurationNotEquals)
+            condition.__name__: condition
+            for condition in (IfCondition, UnlessCondition, LaunchConfigurationEquals, LaunchConfigurationNotEquals)
         }
         found = {
             "get_package_share_directory": self._packages.share,
@@ -341,14 +341,15 @@ class StandIns:
             "launch_ros.event_handlers": {},
             "nav2_common": {},
             "nav2_common.launch": {
-                one.__name__: one for one in (RewrittenYaml, ReplaceString, HasNodeParams, ParseMultiRobotPose)
+                stand_in.__name__: stand_in
+                for stand_in in (RewrittenYaml, ReplaceString, HasNodeParams, ParseMultiRobotPose)
             },
             "ament_index_python": found,
             "ament_index_python.packages": found,
         }
         modules = {name: _module(name, names) for name, names in contents.items()}
         if real_launch.is_installed():
-            modules = {name: real_launch.recording(name, contents[name]) or one for name, one in modules.items()}
+            modules = {name: real_launch.recording(name, contents[name]) or module for name, module in modules.items()}
         for name, module in modules.items():
             if "." in name:
                 setattr(modules[name.rpartition(".")[0]], name.rpartition(".")[2], module)
@@ -417,7 +418,7 @@ class StandIns:
             plugin or "",
             name,
             namespace,
-            [one for given in parameters or () for one in self._given(given, place)],
+            [parameter for given in parameters or () for parameter in self._given(given, place)],
             [
                 Remapping(source, target, self._file.place_of(source, place), self._file.place_of(target, place))
                 for source, target in remappings or ()
@@ -426,7 +427,7 @@ class StandIns:
             list(ros_arguments or ()),
         )
 
-    def _given(self, given: Any, place: Place) -> Iterable[GivenParameter | GivenFile]:
+    def _given(self, given: Any, place: Span) -> Iterable[GivenParameter | GivenFile]:
         if isinstance(given, Mapping):
             for name, value in given.items():
                 read, is_text = _value(value)
@@ -442,14 +443,14 @@ class StandIns:
             yield GivenFile(given, self._file.place_of(given, place), has_substitutions)
 
     def _container(self, *, composable_node_descriptions: Any = None, **options: Any) -> Action:
-        nodes = [one.node for one in composable_node_descriptions or () if isinstance(one, ComposableNode)]
         own = self._node(**options)
         condition, own.condition = own.condition, None
-        return LoadNodes(own.place, condition, own, nodes)
+        return LoadNodes(own.place, condition, own, _components(composable_node_descriptions))
 
-    def _load(self, *, composable_node_descriptions: Any = (), target_container: Any = None, **options: Any) -> Action:
-        nodes = [one.node for one in composable_node_descriptions or () if isinstance(one, ComposableNode)]
-        return LoadNodes(self.place(), _condition(options), None, nodes)
+    def _load(
+        self, *, composable_node_descriptions: Any = None, target_container: Any = None, **options: Any
+    ) -> Action:
+        return LoadNodes(self.place(), _condition(options), None, _components(composable_node_descriptions))
 
     def _push(self, namespace: Any, **options: Any) -> Action:
         return PushNamespace(self.place(), _condition(options), namespace)
@@ -462,6 +463,10 @@ class StandIns:
 
     def _parameters_from_file(self, filename: Any, **options: Any) -> Action:
         return SetParametersFromFile(self.place(), _condition(options), filename)
+
+
+def _components(descriptions: Any) -> list[StartNode]:
+    return [part.node for part in descriptions or () if isinstance(part, ComposableNode)]
 
 
 def _value(value: Any) -> tuple[Any, bool]:
@@ -484,11 +489,11 @@ def _condition(options: Mapping[str, Any]) -> tuple[bool, Any] | None:
 
 def _actions(values: Iterable[Any]) -> list[Action]:
     found: list[Action] = []
-    for one in values or ():
-        if isinstance(one, Action):
-            found.append(one)
-        elif isinstance(one, LaunchDescription):
-            found += _actions(one.entities)
+    for value in values or ():
+        if isinstance(value, Action):
+            found.append(value)
+        elif isinstance(value, LaunchDescription):
+            found += _actions(value.entities)
     return found
 
 
@@ -515,7 +520,7 @@ def _handler(
 
 def _module(name: str, contents: Mapping[str, Any]) -> ModuleType:
     module = ModuleType(name)
-    vars(module).update({name: real_launch.derived(one) for name, one in contents.items()})
+    vars(module).update({name: real_launch.derived(content) for name, content in contents.items()})
     vars(module)["__getattr__"] = _unknown
     vars(module)["__path__"] = []
     return module

@@ -12,53 +12,57 @@ from typing import Any
 
 from check_launch.expansion import actions as of_launch
 from check_launch.expansion.actions import Action, GivenFile, GivenParameter, Remapping, StartNode
-from check_launch.expansion.places import Place
 from check_launch.expansion.substitutions import from_stored, stored_text
+from roverlink.generator.diagnostics import Span
 
 _ACTIONS: Mapping[str, type[Action]] = {
-    one.__name__: one
-    for one in vars(of_launch).values()
-    if isinstance(one, type) and issubclass(one, Action) and one is not of_launch.Opaque
+    member.__name__: member
+    for member in vars(of_launch).values()
+    if isinstance(member, type) and issubclass(member, Action) and member is not of_launch.Opaque
 }
 _LEFT_OUT = ("place", "target_place", "description")
 
 
 def stored_actions(actions: list[Action]) -> list[Any]:
     """Return actions as JSON values. Raises `NotImplementedError` if one of them cannot be stored."""
-    return [_stored(one) for one in actions]
+    return [_stored(action) for action in actions]
 
 
 def _stored(value: Any) -> Any:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         if isinstance(value, of_launch.Opaque):
             raise NotImplementedError("OpaqueFunction")
-        pairs = ((one.name, getattr(value, one.name)) for one in dataclasses.fields(value) if one.name not in _LEFT_OUT)
-        kept = {name: _stored(one) for name, one in pairs if one not in (None, "", [], (), {})}
+        pairs = (
+            (field.name, getattr(value, field.name))
+            for field in dataclasses.fields(value)
+            if field.name not in _LEFT_OUT
+        )
+        kept = {name: _stored(part) for name, part in pairs if part not in (None, "", [], (), {})}
         return {"is": type(value).__name__, **kept}
     if isinstance(value, Mapping):
-        return {"map": [[stored_text(name), _stored(one)] for name, one in value.items()]}
+        return {"map": [[stored_text(name), _stored(part)] for name, part in value.items()]}
     if isinstance(value, list | tuple) and any(
-        dataclasses.is_dataclass(one) or isinstance(one, tuple) for one in value
+        dataclasses.is_dataclass(part) or isinstance(part, tuple) for part in value
     ):
-        return {"list": [_stored(one) for one in value if not isinstance(one, Place)]}
+        return {"list": [_stored(part) for part in value if not isinstance(part, Span)]}
     return stored_text(value)
 
 
-def actions_of_stored(stored: list[Any], place: Place) -> list[Action]:
+def actions_of_stored(stored: list[Any], place: Span) -> list[Action]:
     """Return the actions of a description; ``place`` is that of the action that includes them."""
-    return [_read(one, place) for one in stored]
+    return [_read(entry, place) for entry in stored]
 
 
-def _read(value: Any, place: Place) -> Any:
+def _read(value: Any, place: Span) -> Any:
     if isinstance(value, dict):
         if "is" in value:
             return _object(value, place)
         if "map" in value:
-            return {_hashable(from_stored(name)): _read(one, place) for name, one in value["map"]}
+            return {_hashable(from_stored(name)): _read(part, place) for name, part in value["map"]}
         if "list" in value:
-            return [_read(one, place) for one in value["list"]]
+            return [_read(part, place) for part in value["list"]]
     if isinstance(value, list):
-        return [_read(one, place) for one in value]
+        return [_read(part, place) for part in value]
     return from_stored(value)
 
 
@@ -66,8 +70,8 @@ def _hashable(name: Any) -> Any:
     return tuple(name) if isinstance(name, list) else name
 
 
-def _object(value: dict[str, Any], place: Place) -> Any:
-    fields = {name: _read(one, place) for name, one in value.items() if name != "is"}
+def _object(value: dict[str, Any], place: Span) -> Any:
+    fields = {name: _read(part, place) for name, part in value.items() if name != "is"}
     kind = value["is"]
     if kind == "Remapping":
         return Remapping(fields.get("source", ""), fields.get("target", ""), place, place)

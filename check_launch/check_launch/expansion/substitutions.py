@@ -154,13 +154,13 @@ class PathJoinSubstitution(Substitution):
         self.substitutions = list(substitutions)
 
     def perform(self, context: Surroundings) -> str:
-        return "/".join(text_of(one, context) for one in self.substitutions)
+        return "/".join(text_of(substitution, context) for substitution in self.substitutions)
 
     def __truediv__(self, other: Any) -> PathJoinSubstitution:
         return PathJoinSubstitution([*self.substitutions, other])
 
     def stored(self) -> Any:
-        return {"join": [stored_text(one) for one in self.substitutions]}
+        return {"join": [stored_text(substitution) for substitution in self.substitutions]}
 
 
 class PythonExpression(Substitution):
@@ -289,7 +289,7 @@ def text_of(value: Any, context: Surroundings) -> str:
     if hasattr(value, "perform"):  # substitutions of a launch file may be classes of its own
         return str(value.perform(context))
     if isinstance(value, Iterable) and not isinstance(value, Mapping):
-        return "".join(text_of(one, context) for one in value)
+        return "".join(text_of(part, context) for part in value)
     if isinstance(value, Path | int | float | bool):
         return str(value)
     raise UnknownTextError(type(value).__name__)
@@ -300,7 +300,7 @@ def stored_text(value: Any) -> Any:
     if isinstance(value, Substitution):
         return value.stored()
     if isinstance(value, list | tuple):
-        parts = [stored_text(one) for one in value]
+        parts = [stored_text(part) for part in value]
         return parts[0] if len(parts) == 1 else {"text": parts}
     if isinstance(value, str | int | float | bool):
         return value
@@ -312,23 +312,24 @@ def from_stored(value: Any) -> Any:
     if not isinstance(value, dict):
         return value
     if "text" in value:
-        return [from_stored(one) for one in value["text"]]
+        return [from_stored(part) for part in value["text"]]
     if "var" in value:
         return LaunchConfiguration(from_stored(value["var"]), default=from_stored(value.get("default")))
     if "env" in value:
         return EnvironmentVariable(from_stored(value["env"]), default_value=from_stored(value.get("default")))
     name, inner = next(iter(value.items()))
     if name == "join":
-        return PathJoinSubstitution([from_stored(one) for one in inner])
+        return PathJoinSubstitution([from_stored(part) for part in inner])
     if name == "if-else":
-        return IfElseSubstitution(*(from_stored(one) for one in inner))
+        return IfElseSubstitution(*(from_stored(part) for part in inner))
     if name in _COMPARISONS:
-        return _COMPARISONS[name](*(from_stored(one) for one in inner))
+        return _COMPARISONS[name](*(from_stored(part) for part in inner))
     return _SINGLE[name](from_stored(inner)) if name in _SINGLE else _WITHOUT[name]()
 
 
 _COMPARISONS: Mapping[str, type[_Comparison]] = {
-    one.name: one for one in (EqualsSubstitution, NotEqualsSubstitution, AndSubstitution, OrSubstitution)
+    comparison.name: comparison
+    for comparison in (EqualsSubstitution, NotEqualsSubstitution, AndSubstitution, OrSubstitution)
 }
 _SINGLE: Mapping[str, Any] = {
     "share": FindPackageShare,
@@ -411,8 +412,8 @@ def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
         return names[node.id]
     if isinstance(node, ast.BoolOp):
         value: Any = isinstance(node.op, ast.And)
-        for one in node.values:
-            value = _value(one, names)
+        for operand in node.values:
+            value = _value(operand, names)
             if bool(value) != isinstance(node.op, ast.And):
                 break
         return value
@@ -432,11 +433,11 @@ def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
     if isinstance(node, ast.IfExp):
         return _value(node.body if _value(node.test, names) else node.orelse, names)
     if isinstance(node, ast.List | ast.Tuple):
-        return [_value(one, names) for one in node.elts]
+        return [_value(element, names) for element in node.elts]
     if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant):
         return _value(node.value, names)[node.slice.value]
     if isinstance(node, ast.Call) and not node.keywords:
-        arguments = [_value(one, names) for one in node.args]
+        arguments = [_value(argument, names) for argument in node.args]
         if isinstance(node.func, ast.Name) and node.func.id in _FUNCTIONS:
             return _FUNCTIONS[node.func.id](*arguments)
         if isinstance(node.func, ast.Attribute) and node.func.attr in _TEXT_METHODS:

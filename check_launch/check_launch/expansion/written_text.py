@@ -79,8 +79,8 @@ def _substitution(text: str, position: int) -> tuple[Any, int]:
 def _spaced(arguments: list[Any]) -> list[Any]:
     """Join arguments with spaces, as the expression after ``$(eval`` may be written without quotation marks."""
     joined: list[Any] = []
-    for one in arguments:
-        joined += [*([" "] if joined else []), one]
+    for argument in arguments:
+        joined += [*([" "] if joined else []), argument]
     return joined
 
 

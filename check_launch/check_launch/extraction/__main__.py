@@ -31,8 +31,8 @@ def main() -> int:
     }
     catalogue = assembler.catalogue(arguments.distribution, launch_files)
     write_whole(arguments.output or file_of(arguments.distribution), text_of(catalogue).encode())
-    for one in sorted(assembler.unexplained):
-        print(f"not explained: {one}", file=sys.stderr)
+    for name in sorted(assembler.unexplained):
+        print(f"not explained: {name}", file=sys.stderr)
     print(f"{len(catalogue.packages)} packages, {len(catalogue.classes)} classes, {len(catalogue.plugins)} plugins")
     return 0
 

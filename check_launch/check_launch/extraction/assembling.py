@@ -61,7 +61,7 @@ class Assembler:
         self._sources: dict[str, Source] = {}
         self._of_plugins: set[str] = set()
         self._distribution = ""
-        for checkout in sorted(checkouts, key=lambda one: one.name):
+        for checkout in sorted(checkouts, key=lambda checkout: checkout.name):
             self._sources[checkout.name] = checkout.source
             if (checkout.folder / "corelib/include/rtabmap/core/Parameters.h").is_file():
                 self._sets["rtabmap"] = core_parameters(checkout.folder)
@@ -75,8 +75,8 @@ class Assembler:
         for package, (folder, _) in self._packages.items():
             facts = facts_of_package(folder) if package != "rtabmap" else {}
             self._of_package[package] = list(facts)
-            for class_name, one in facts.items():
-                self._classes.setdefault(class_name, one)
+            for class_name, of_class in facts.items():
+                self._classes.setdefault(class_name, of_class)
         self._short: dict[str, list[str]] = {}
         for class_name in self._classes:
             self._short.setdefault(class_name.rpartition("::")[2], []).append(class_name)
@@ -90,7 +90,9 @@ class Assembler:
         }
         packages = {name: self._package(name, launch_files.get(name, {})) for name in sorted(self._packages)}
         self._add_programs_without_class()
-        wanted = {one for package in packages.values() for one in (*package.executables.values(), *package.components)}
+        wanted = {
+            name for package in packages.values() for name in (*package.executables.values(), *package.components)
+        }
         wanted |= {node["class"] for nodes in self._supplement.nodes.values() for node in nodes}
         of_plugins = self._of_plugins = {plugin.class_name for plugin in plugins.values()}
         self._distribution = distribution
@@ -98,12 +100,16 @@ class Assembler:
             name: self._joined(self._resolved(name, "") or name, name in of_plugins)
             for name in sorted((wanted | of_plugins) - {""})
         }
-        classes = {name: one for name, one in classes.items() if one is not None}
+        classes = {name: facts for name, facts in classes.items() if facts is not None}
         return Catalogue(
             distribution,
             self._sources,
-            {name: one for name, one in packages.items() if _is_useful(one, name, plugins) or name in self._sets},
-            {name: one for name, one in classes.items() if one},
+            {
+                name: package
+                for name, package in packages.items()
+                if _is_useful(package, name, plugins) or name in self._sets
+            },
+            {name: facts for name, facts in classes.items() if facts},
             dict(sorted(plugins.items())),
             self._sets,
         )
@@ -116,14 +122,14 @@ class Assembler:
     def _package(self, name: str, launch_files: Mapping[str, Any]) -> Package:
         folder, checkout = self._packages[name]
         built, components = programs_and_components(folder, self._of_package[name])
-        programs = {one.name: self._resolved(one.class_name, "") or "" for one in built}
+        programs = {program.name: self._resolved(program.class_name, "") or "" for program in built}
         stated = {
             key.partition("/")[2]: value
             for key, value in self._supplement.programs.items()
             if key.startswith(f"{name}/")
         }
         version = re.search(r"<version>\s*([\w.-]+)\s*</version>", (folder / "package.xml").read_text(encoding="utf-8"))
-        known = tuple(self._resolved(one, "") or one for one in components)
+        known = tuple(self._resolved(component, "") or component for component in components)
         return Package(
             name, version[1] if version else "", checkout.name, {**programs, **stated}, known, dict(launch_files)
         )
@@ -144,9 +150,9 @@ class Assembler:
             if namespace and f"{namespace}::{written}" in self._classes:
                 return f"{namespace}::{written}"
         candidates = self._short.get(written.rpartition("::")[2], [])
-        fitting = [one for one in candidates if one == written or one.endswith(f"::{written}")]
+        fitting = [name for name in candidates if name == written or name.endswith(f"::{written}")]
         known = fitting or (
-            [one for one in candidates if one.startswith(owner.partition("::")[0] + "::")] if owner else []
+            [name for name in candidates if name.startswith(owner.partition("::")[0] + "::")] if owner else []
         )
         return known[0] if len(known) == 1 else fitting[0] if fitting else None
 
@@ -178,7 +184,7 @@ class Assembler:
             parameters |= {**of_node}
             of_node = {}
         names = [member for member, _ in members]
-        default = next((one for member in names if (one := self._classes[member].default_name)), "")
+        default = next(filter(None, (self._classes[member].default_name for member in names)), "")
         return NodeClass(
             name,
             default if self._is_node(name) else "",
@@ -187,20 +193,20 @@ class Assembler:
             dict(sorted(of_parent.items())),
             _with_stated(endpoints, topics_stated),
             tuple(
-                _slot(one)
+                _slot(slot)
                 for member in names
-                for one in self._supplement.slots.get(member, [])
-                if one["parameter"] in parameters
+                for slot in self._supplement.slots.get(member, [])
+                if slot["parameter"] in parameters
             ),
             tuple(
-                SubNode(one["name"], one["namespace"], one["class"])
+                SubNode(node["name"], node["namespace"], node["class"])
                 for member in names
-                for one in self._supplement.nodes.get(member, [])
+                for node in self._supplement.nodes.get(member, [])
             ),
             tuple(
-                Transform(one["parent"], one["child"], one.get("when", ""))
+                Transform(transform["parent"], transform["child"], transform.get("when", ""))
                 for member in names
-                for one in self._supplement.transforms.get(member, [])
+                for transform in self._supplement.transforms.get(member, [])
             ),
             tuple(frame for member in names for frame in self._supplement.frames.get(member, [])),
             tuple(
@@ -228,7 +234,7 @@ class Assembler:
             if part is None or self._is_node(part) or part in seen or part in self._of_plugins:
                 continue
             inner = list(self._members(part, seen))
-            yield from ((one, sorted(topics) if one == part else given) for one, given in inner)
+            yield from ((key, sorted(topics) if key == part else given) for key, given in inner)
 
     def _is_node(self, name: str) -> bool:
         facts = self._classes[name]
@@ -241,20 +247,22 @@ class Assembler:
 
     def _parameters_of(self, name: str) -> Iterator[tuple[str, Parameter]]:
         facts = self._classes[name]
-        declared = {key: Parameter(one.type, one.default) for key, one in facts.parameters.items()}
+        declared = {key: Parameter(fact.type, fact.default) for key, fact in facts.parameters.items()}
         for key, parameter in declared.items():
             for spelled in self._spelled(key, name):
                 yield spelled, parameter
-        is_plugin = any(key.startswith("{plugin}.") for one in facts.parameters for key in self._spelled(one, name))
+        is_plugin = any(
+            key.startswith("{plugin}.") for parameter in facts.parameters for key in self._spelled(parameter, name)
+        )
         prefix = "{plugin}." if is_plugin else ""
-        for key, one in self._supplement.parameters.get(name, {}).items():
-            yield prefix + key, _parameter(one)
+        for key, stated in self._supplement.parameters.get(name, {}).items():
+            yield prefix + key, _parameter(stated)
         if self._is_node(name) and not prefix:
             of_all = self._supplement.parameters[""].items()
             yield from (
-                (key, _parameter(one))
-                for key, one in of_all
-                if self._distribution in one.get("only", self._distribution)
+                (key, _parameter(stated))
+                for key, stated in of_all
+                if self._distribution in stated.get("only", self._distribution)
             )
 
     def _spelled(self, key: str, owner: str) -> list[str]:
@@ -269,16 +277,16 @@ class Assembler:
             if meaning is None:
                 return []
             texts = meaning if isinstance(meaning, list) else [meaning or "{plugin}"]
-            found = [one.replace(f"{{{variable}}}", text) for one in found for text in texts]
-        found = [_OWN_NAME.sub("{plugin}.", one) for one in found]
-        for one in found:
+            found = [pattern.replace(f"{{{variable}}}", text) for pattern in found for text in texts]
+        found = [_OWN_NAME.sub("{plugin}.", pattern) for pattern in found]
+        for pattern in found:
             unknown = [
                 v
-                for v in _PLACEHOLDER.findall(one)
+                for v in _PLACEHOLDER.findall(pattern)
                 if v not in ("#", "plugin", "parent") and f"{{{v}}}" not in _texts(stated)
             ]
             if unknown:
-                self.unexplained.add(f"{owner}: {one}")
+                self.unexplained.add(f"{owner}: {pattern}")
                 return []
         return found
 
@@ -298,9 +306,13 @@ class Assembler:
             for variable in dict.fromkeys(_PLACEHOLDER.findall(name)):
                 if (meaning := stated.get(variable)) is not None:
                     texts = meaning if isinstance(meaning, list) else [meaning]
-                    spelled = [one.replace(f"{{{variable}}}", text) for one in spelled for text in texts]
+                    spelled = [pattern.replace(f"{{{variable}}}", text) for pattern in spelled for text in texts]
             found += spelled
-        return [one for one in found if not (set(_PLACEHOLDER.findall(one)) - {"node", "#", "plugin"} - _lists(stated))]
+        return [
+            pattern
+            for pattern in found
+            if not (set(_PLACEHOLDER.findall(pattern)) - {"node", "#", "plugin"} - _lists(stated))
+        ]
 
     def _relative(self, text: str, owner: str) -> str:
         """Remove the plugin's own name from the parameters in a text: ``$({name_}.topic)`` becomes ``$(topic)``."""
@@ -313,7 +325,7 @@ class Assembler:
 
 
 def _texts(stated: Mapping[str, Any]) -> str:
-    return " ".join(str(one) for one in stated.values())
+    return " ".join(str(value) for value in stated.values())
 
 
 def _lists(stated: Mapping[str, Any]) -> set[str]:
@@ -348,25 +360,34 @@ def _slot(stated: Mapping[str, Any]) -> PluginSlot:
 
 def _with_stated(endpoints: Iterable[Endpoint], stated: Iterable[Mapping[str, str]]) -> tuple[Endpoint, ...]:
     """Add what the supplement states about topics: whole topics, or conditions of those that the sources have."""
-    found = {(one.kind, one.name, one.type): one for one in endpoints if one.type or one.kind != "publisher"}
-    for one in reversed(list(stated)):  # what is stated about the class itself comes first, and has the last word
+    found = {
+        (endpoint.kind, endpoint.name, endpoint.type): endpoint
+        for endpoint in endpoints
+        if endpoint.type or endpoint.kind != "publisher"
+    }
+    for statement in reversed(list(stated)):  # what is stated about the class itself comes first, and has the last word
         key = {
             (kind, name, type_)
             for kind, name, type_ in found
-            if kind == one["kind"] and name == one["name"] and one.get("type", type_) == type_
+            if kind == statement["kind"] and name == statement["name"] and statement.get("type", type_) == type_
         }
-        conditions = {"when": one.get("when", ""), "needed": one.get("needed", "")}
+        conditions = {"when": statement.get("when", ""), "needed": statement.get("needed", "")}
         if not key:
-            type_ = one.get("type", "")
-            found[(one["kind"], one["name"], type_)] = Endpoint(
-                one["kind"], one["name"], type_, one.get("reliability", ""), one.get("durability", ""), **conditions
+            type_ = statement.get("type", "")
+            found[(statement["kind"], statement["name"], type_)] = Endpoint(
+                statement["kind"],
+                statement["name"],
+                type_,
+                statement.get("reliability", ""),
+                statement.get("durability", ""),
+                **conditions,
             )
         for at in key:
             known = found[at]
             found[at] = replace(
                 known,
-                reliability=one.get("reliability", known.reliability),
-                durability=one.get("durability", known.durability),
+                reliability=statement.get("reliability", known.reliability),
+                durability=statement.get("durability", known.durability),
                 **conditions,
             )
     return tuple(found[key] for key in sorted(found))
@@ -377,5 +398,5 @@ def _is_useful(package: Package, name: str, plugins: Mapping[str, Plugin]) -> bo
         package.executables
         or package.components
         or package.launch_files
-        or any(one.package == name for one in plugins.values())
+        or any(plugin.package == name for plugin in plugins.values())
     )

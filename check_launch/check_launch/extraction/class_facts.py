@@ -185,8 +185,8 @@ class _PackageReader:
         """Return the parameter whose value a variable of a class has; empty if it has none."""
         name = variable.removeprefix("this->").removesuffix("()").replace("options_.", "")
         owners = [owner, *(full for full in self._classes if full.rpartition("::")[2] in self._bases_of(owner))]
-        for one in owners:
-            links = self._links.get(one, {})
+        for class_name in owners:
+            links = self._links.get(class_name, {})
             for spelling in (name, f"{name}_"):
                 if spelling in links:
                     return links[spelling]
@@ -213,12 +213,12 @@ class _PackageReader:
             kind = _ENDPOINTS[call.function]
             type_ = call.template or "sensor_msgs::msg::Image"
             if call.function == "create_client" and "rclcpp_action" in _before(source, call):
-                kind, arguments = "action_client", [one for one in arguments if '"' in one][:1]
+                kind, arguments = "action_client", [argument for argument in arguments if '"' in argument][:1]
             self._note_endpoint(source, call, kind, type_, arguments)
         elif call.function == "subscribe" and len(call.arguments) > 1 and arguments:
             type_ = self._filtered_type(source, call)
             if type_:
-                qos = [one for one in arguments[1:] if "QOS" in one.upper()]
+                qos = [argument for argument in arguments[1:] if "QOS" in argument.upper()]
                 self._note_endpoint(source, call, "subscription", type_, [arguments[0], *(qos or arguments[1:])])
         elif call.function in _MAKING and call.template:
             self._note_made(source, call, arguments)
@@ -231,15 +231,15 @@ class _PackageReader:
         made = self._meaning(call.template)
         if match := _FILTER.search(made):
             self._note_endpoint(source, call, "subscription", match[1], arguments)
-        elif "ActionServer" in made and (names := [one for one in arguments if one.startswith('"')]):
+        elif "ActionServer" in made and (names := [argument for argument in arguments if argument.startswith('"')]):
             action = re.search(r"<\s*([\w:]+)", made)
             self._note_endpoint(source, call, "action", self._meaning(action[1]) if action else "", names[:1])
         elif call.owner:
             parts = self._facts(call.owner).parts.setdefault(re.sub(r"<.*", "", call.template).strip(), set())
             scope = self._scope(source, call)
-            given = [self._with_parameters(scope.pattern(one), call.owner, source) for one in arguments]
-            texts = [one for one, written in zip(given, arguments, strict=True) if '"' in written and "{" not in one]
-            parts.update((texts or [one for one in given if re.fullmatch(r"\$\(\w*topic\w*\)", one)])[:1])
+            given = [self._with_parameters(scope.pattern(argument), call.owner, source) for argument in arguments]
+            texts = [text for text, written in zip(given, arguments, strict=True) if '"' in written and "{" not in text]
+            parts.update((texts or [text for text in given if re.fullmatch(r"\$\(\w*topic\w*\)", text)])[:1])
 
     def _filtered_type(self, source: CppSource, call: Call) -> str:
         """Return the message type of a message filter; empty if the receiver is none."""
@@ -331,7 +331,7 @@ def _items(name: str, default: list[str], scope: Scope) -> dict[str, ParameterFa
     names, values = scope.value(ids[1])[1], scope.value(types[1])[1]
     if not isinstance(names, list) or not isinstance(values, list):
         return {}
-    return {f"{one}{ids[2]}": ParameterFact("string", value) for one, value in zip(names, values, strict=False)}
+    return {f"{name}{ids[2]}": ParameterFact("string", value) for name, value in zip(names, values, strict=False)}
 
 
 def _without_node(arguments: Iterable[str]) -> tuple[str, ...]:

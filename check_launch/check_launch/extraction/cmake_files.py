@@ -13,7 +13,6 @@ _VARIABLE = re.compile(r"\$\{(\w+)\}")
 _WORD = re.compile(r'"([^"]*)"|([^\s"]+)')
 _ENTRY_POINT = re.compile(r"['\"]\s*([\w-]+)\s*=\s*[\w.]+:\w+\s*['\"]")
 _MADE = re.compile(r"(?:make_shared|make_unique)\s*<\s*([\w:]+)")
-_PROGRAMS = frozenset({"PROGRAMS", "FILES", "TARGETS"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +59,7 @@ def programs_and_components(folder: Path, classes: Iterable[str]) -> tuple[list[
         programs |= dict.fromkeys(_ENTRY_POINT.findall(setup.read_text(encoding="utf-8")), "")
     spelled = {names.get(target, target): class_name for target, class_name in programs.items()}
     built = [BuiltProgram(name, class_name) for name, class_name in spelled.items() if "$" not in name]
-    return sorted(built, key=lambda one: one.name), sorted(set(components))
+    return sorted(built, key=lambda program: program.name), sorted(set(components))
 
 
 def _calls(text: str, variables: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:

@@ -157,7 +157,7 @@ class Scope:
         if text.endswith(".c_str()"):
             return self._part(text.removesuffix(".c_str()"), depth)
         if text.endswith(".str()") and (streamed := self._streamed(text.removesuffix(".str()"))):
-            return "".join(self._part(one, depth + 1) for one in streamed)
+            return "".join(self._part(part, depth + 1) for part in streamed)
         if _IDENTIFIER.match(text) and depth < 4:
             name = text.removeprefix("this->")
             first = self._assigned(name) or self._members(name)
@@ -195,7 +195,7 @@ class Scope:
             return None
         found: list[str] = []
         for match in re.finditer(rf"\b{re.escape(name)}\s*<<\s*([^;]+);", self._before[start:]):
-            found += [one.strip() for one in match[1].split("<<")]
+            found += [part.strip() for part in match[1].split("<<")]
         return found
 
     def _streamed_text(self, expression: str) -> str | None:
@@ -230,7 +230,7 @@ def _fits(kind: str, value: Any) -> bool:
 
 
 def _literal(text: str) -> str:
-    return "".join(ast.literal_eval(one) for one in re.findall(r'"(?:\\.|[^"\\])*"', text))
+    return "".join(ast.literal_eval(literal) for literal in re.findall(r'"(?:\\.|[^"\\])*"', text))
 
 
 def _split_sum(expression: str) -> Iterator[str]:
@@ -276,13 +276,15 @@ def _unbraced(text: str) -> str:
 
 def first_values(texts: Sequence[str], name: str) -> str | None:
     """Return the value with which a member or constant begins, from the texts that may declare or initialize it."""
-    one = re.escape(name)
-    of_constructor = re.compile(rf"[:,]\s*{one}\s*[({{](?P<v>(?:[^(){{}}]|[({{][^(){{}}]*[)}}])*)[)}}]\s*(?=[,{{]|\n)")
+    escaped = re.escape(name)
+    of_constructor = re.compile(
+        rf"[:,]\s*{escaped}\s*[({{](?P<v>(?:[^(){{}}]|[({{][^(){{}}]*[)}}])*)[)}}]\s*(?=[,{{]|\n)"
+    )
     declared = re.compile(
-        rf"(?:^|[;{{}}:\n])\s*(?:static |const |constexpr |inline )*[\w:]+(?:<[^<>;]*>)?\s*[&*]?\s+{one}\s*"
+        rf"(?:^|[;{{}}:\n])\s*(?:static |const |constexpr |inline )*[\w:]+(?:<[^<>;]*>)?\s*[&*]?\s+{escaped}\s*"
         rf"(?:=\s*(?P<a>[^;]+);|\{{(?P<b>[^;]*)\}}\s*;|\((?P<c>\"[^;]*)\)\s*;)"
     )
-    defined = re.compile(rf"^\s*#define\s+{one}\s+(?P<d>\"[^\n]*\"|[-\d.]+)\s*$", re.MULTILINE)
+    defined = re.compile(rf"^\s*#define\s+{escaped}\s+(?P<d>\"[^\n]*\"|[-\d.]+)\s*$", re.MULTILINE)
     for pattern in (of_constructor, declared, defined):
         for text in texts:
             if match := pattern.search(text):

@@ -21,7 +21,7 @@ def launch_files_of(folder: Path) -> Iterator[tuple[str, Any]]:
 
     Files whose actions depend on more than arguments, because functions create them, are left out.
     """
-    for path in sorted(one for pattern in _PATTERNS for one in (folder / "launch").glob(pattern)):
+    for path in sorted(found for pattern in _PATTERNS for found in (folder / "launch").glob(pattern)):
         try:
             if path.suffix == ".py":
                 with mock.patch("tempfile.mktemp", _same_name):

@@ -29,7 +29,7 @@ def plugins_of_package(folder: Path) -> Iterator[tuple[str, Plugin]]:
 
 
 def _plugin(element: ElementTree.Element, type_: str, base: str, package: str) -> Plugin:
-    written = (one.text.strip() for one in element.iter("message_type") if one.text)
+    written = (child.text.strip() for child in element.iter("message_type") if child.text)
     # Some name their own package instead of the package of the message, as rtabmap_rviz_plugins does.
     messages = tuple(name for name in written if not name.startswith(f"{package}/"))
     return Plugin(re.sub(r"<.*>", "", type_), base, package, messages)

@@ -33,6 +33,6 @@ class Supplement:
     """Packages whose launch files others include, so that the catalogue describes them."""
 
 
-def read_supplement(path: Path = _FILE) -> Supplement:
+def read_supplement() -> Supplement:
     """Read the file."""
-    return Supplement(**yaml.safe_load(path.read_text(encoding="utf-8")))
+    return Supplement(**yaml.safe_load(_FILE.read_text(encoding="utf-8")))

@@ -53,7 +53,7 @@ def _without_cycles(vertices: Iterable[str], edges: Sequence[tuple[str, str]]) -
                 visit(other, way | {other})
 
     targets = {end for _, end in edges}
-    for vertex in sorted(vertices, key=lambda one: (one in targets, one)):  # sources first
+    for vertex in sorted(vertices, key=lambda name: (name in targets, name)):  # sources first
         if vertex not in done:
             visit(vertex, frozenset({vertex}))
     return kept
@@ -85,7 +85,9 @@ def _order(columns: list[list[str]], edges: Sequence[tuple[str, str]]) -> None:
         for column in columns if sweep % 2 == 0 else reversed(columns):
             means = {
                 vertex: (
-                    sum(place[one] for one in near) / len(near) if (near := neighbours.get(vertex)) else place[vertex]
+                    sum(place[neighbour] for neighbour in near) / len(near)
+                    if (near := neighbours.get(vertex))
+                    else place[vertex]
                 )
                 for vertex in column
             }

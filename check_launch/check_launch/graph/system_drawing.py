@@ -29,13 +29,13 @@ def graph_of(system: System, title: str) -> str:
     for node in system.nodes:
         labels[node.full_name] = node.full_name.removeprefix("/"), "node" if node.facts else "unknown"
     for topic, ends in topics.items():
-        kinds = {one.endpoint.kind for one in ends}
+        kinds = {end.endpoint.kind for end in ends}
         labels[f"topic {topic}"] = topic, "topic" if len(kinds) == 2 else "topic open"
-        for one in ends:
-            pair = (one.node.full_name, f"topic {topic}")
-            edges.append(pair if one.endpoint.kind == "publisher" else (pair[1], pair[0]))
+        for connection in ends:
+            pair = (connection.node.full_name, f"topic {topic}")
+            edges.append(pair if connection.endpoint.kind == "publisher" else (pair[1], pair[0]))
     frames = sorted({(parent, child) for node in system.nodes for parent, child in node.transforms})
-    frame_labels = {f"frame {one}": (one, "frame") for pair in frames for one in pair}
+    frame_labels = {f"frame {frame}": (frame, "frame") for pair in frames for frame in pair}
     above = layered(_sizes(labels), edges, (56.0, 10.0))
     below = layered(_sizes(frame_labels), [(f"frame {a}", f"frame {b}") for a, b in frames], (40.0, 8.0))
     height = max((box.y + box.height for box in above.values()), default=0.0)
@@ -65,13 +65,13 @@ def _topics(system: System) -> Mapping[str, list[Connection]]:
     """Return the topics to draw, with their ends."""
     found: dict[str, list[Connection]] = {}
     for node in system.nodes:
-        for one in node.connections:
-            if one.topic and one.endpoint.kind in ("publisher", "subscription") and not _is_of_all(one.topic):
-                found.setdefault(one.topic, []).append(one)
+        for end in node.connections:
+            if end.topic and end.endpoint.kind in ("publisher", "subscription") and not _is_of_all(end.topic):
+                found.setdefault(end.topic, []).append(end)
     return {
         topic: ends
         for topic, ends in sorted(found.items())
-        if len({one.endpoint.kind for one in ends}) == 2 or any(one.is_needed for one in ends)
+        if len({end.endpoint.kind for end in ends}) == 2 or any(end.is_needed for end in ends)
     }
 
 

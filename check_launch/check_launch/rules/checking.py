@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from check_launch.catalogue.facts import OWN_SOURCE, Catalogue
-from check_launch.expansion.actions import Problem
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.expander import Expander, Expansion, variations
 from check_launch.expansion.launch_context import Packages
@@ -19,9 +18,7 @@ from check_launch.rules.launch_rules import (
     NotExpanded,
     TopicFromOutside,
     UndeclaredArgument,
-    UnknownAction,
     UnreadableLaunchFile,
-    WrongArgumentValue,
 )
 from check_launch.rules.parameter_findings import (
     parameter_findings,
@@ -29,23 +26,13 @@ from check_launch.rules.parameter_findings import (
     used_parameters,
     used_sections,
 )
-from check_launch.rules.system import System, Variants, span, system_of
+from check_launch.rules.system import System, Variants, system_of
 from check_launch.rules.topic_findings import ends_of, topic_findings, used_remappings
-from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, in_order
+from roverlink.generator.diagnostics import Diagnostic, Severity, in_order
 
 LAUNCH_ENDINGS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch")
 _COMPLETE = re.compile(r"^[ \t]*(?:#|<!--)[ \t]*check-launch: complete\b", re.MULTILINE)
 """Comment in a launch file that starts everything."""
-_RULES: Mapping[str, type[Rule]] = {
-    "element": UnknownAction,
-    "text": UnknownAction,
-    "condition": WrongArgumentValue,
-    "choice": WrongArgumentValue,
-    "argument": UndeclaredArgument,
-    "include": UnreadableLaunchFile,
-    "parameter-file": UnreadableLaunchFile,
-    "needs": NotExpanded,
-}
 
 
 @dataclass(slots=True)
@@ -65,16 +52,16 @@ class Checker:
         self._catalogue, self._complete = catalogue, complete
         stored = {
             (name, path): actions
-            for name, one in catalogue.packages.items()
-            for path, actions in one.launch_files.items()
+            for name, package in catalogue.packages.items()
+            for path, actions in package.launch_files.items()
         }
         self._known = [
-            (one.kind, one.name)
+            (endpoint.kind, endpoint.name)
             for package in catalogue.packages.values()
             if package.source == OWN_SOURCE
             for class_name in package.executables.values()
             if class_name in catalogue.classes
-            for one in catalogue.classes[class_name].endpoints
+            for endpoint in catalogue.classes[class_name].endpoints
         ]
         self._expander = Expander(Packages(packages), shown_path, stored, catalogue.packages)
 
@@ -82,7 +69,7 @@ class Checker:
         """Check launch files with some values of their arguments, and parameter files."""
         checked, paths = Checked(), list(files)
         used: set[str] = set()
-        for path in sorted(paths, key=lambda one: not one.name.endswith(LAUNCH_ENDINGS)):
+        for path in sorted(paths, key=lambda path: not path.name.endswith(LAUNCH_ENDINGS)):
             try:
                 if path.name.endswith(LAUNCH_ENDINGS):
                     used |= self._check_launch_file(path, arguments, checked)
@@ -90,7 +77,7 @@ class Checker:
                     sections = ParameterFile(path, shown_path(str(path))).sections(_known_text)
                     checked.findings += standalone_findings(sections, self._catalogue)
             except UnreadableFileError as error:
-                checked.findings.append(UnreadableLaunchFile.at(span(error.place), str(error)))
+                checked.findings.append(UnreadableLaunchFile.at(error.place, str(error)))
         checked.findings = in_order(_once(checked.findings))
         return checked
 
@@ -99,7 +86,7 @@ class Checker:
         expansion = self._expander.expand(path, arguments)
         expansions = [expansion]
         expansions += [self._expander.expand(path, {**arguments, **values}) for values in variations(expansion)]
-        systems = [system_of(one, self._catalogue) for one in expansions]
+        systems = [system_of(expanded, self._catalogue) for expanded in expansions]
         checked.systems.append((shown_path(str(path)), systems[0]))
         variants = Variants(
             frozenset().union(*map(used_parameters, systems)),
@@ -109,10 +96,10 @@ class Checker:
         )
         complete = self._complete or _COMPLETE.search(path.read_text(encoding="utf-8")) is not None
         known: set[tuple[object, ...]] = set()
-        for one, system in zip(expansions, systems, strict=True):
-            varied = ((name, value) for name, value in one.arguments.items() if name not in arguments)
+        for expanded, system in zip(expansions, systems, strict=True):
+            varied = ((name, value) for name, value in expanded.arguments.items() if name not in arguments)
             chosen = " ".join(f"{name}:={'...' if value is None else value}" for name, value in varied)
-            for finding in self._of_expansion(one, system, variants, complete):
+            for finding in self._of_expansion(expanded, system, variants, complete):
                 if _key(finding) in known or (chosen and finding.severity is Severity.HINT):
                     continue
                 known.add(_key(finding))
@@ -124,12 +111,12 @@ class Checker:
     def _of_expansion(
         self, expansion: Expansion, system: System, variants: Variants, complete: bool
     ) -> Iterator[Diagnostic]:
-        yield from (_of_problem(one) for one in expansion.problems)
+        yield from expansion.findings
         for name, place in expansion.undeclared:
-            yield UndeclaredArgument.at(span(place), f"the argument '{name}' is not declared", "declare it with `arg`")
+            yield UndeclaredArgument.at(place, f"the argument '{name}' is not declared", "declare it with `arg`")
         for package, place in expansion.skipped.items():
             message = f"the launch files of '{package}' are not here; what they start is not checked"
-            yield NotExpanded.at(span(place), message)
+            yield NotExpanded.at(place, message)
         yield from system.findings
         yield from parameter_findings(system, self._catalogue, variants)
         yield from topic_findings(system, variants, self._known, complete)
@@ -147,18 +134,15 @@ def _known_text(text: str) -> str | None:
 def _once(findings: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     """Yield the findings without those that other launch files have at the same place, perhaps with other arguments."""
     seen: set[tuple[object, ...]] = set()
-    for one in sorted(findings, key=lambda one: not one.help):  # the first one stays: one that says what to write
-        family = one.rule.id if one.rule.id not in ("PAR101", "PAR102") else "PAR"
-        is_one = family in ("PAR", "TOP101") or one.rule is TopicFromOutside  # whatever the names of the nodes are
-        text = "" if is_one else one.message.partition(" (with ")[0]
-        key = (family, one.span, text) if one.span.line else (family, one.span, one.message)
+    # The first finding stays: one that says what to write.
+    for finding in sorted(findings, key=lambda finding: not finding.help):
+        family = finding.rule.id if finding.rule.id not in ("PAR101", "PAR102") else "PAR"
+        is_one = family in ("PAR", "TOP101") or finding.rule is TopicFromOutside  # whatever the names of the nodes are
+        text = "" if is_one else finding.message.partition(" (with ")[0]
+        key = (family, finding.span, text) if finding.span.line else (family, finding.span, finding.message)
         if key not in seen:
             seen.add(key)
-            yield one
-
-
-def _of_problem(problem: Problem) -> Diagnostic:
-    return _RULES[problem.kind].at(span(problem.place), problem.message, problem.help)
+            yield finding
 
 
 def shown_path(path: str) -> str:
@@ -178,11 +162,11 @@ def files_to_check(paths: Iterable[Path], missing: Callable[[Path], None]) -> It
             yield path
             continue
         found = [
-            one
-            for one in (sorted(path.rglob("*")) if path.is_dir() else ())
-            if one.is_file()
-            and not any(part.startswith(".") for part in one.relative_to(path).parts)
-            and (one.name.endswith(LAUNCH_ENDINGS) or (one.suffix in (".yaml", ".yml") and is_parameter_file(one)))
+            file
+            for file in (sorted(path.rglob("*")) if path.is_dir() else ())
+            if file.is_file()
+            and not any(part.startswith(".") for part in file.relative_to(path).parts)
+            and (file.name.endswith(LAUNCH_ENDINGS) or (file.suffix in (".yaml", ".yml") and is_parameter_file(file)))
         ]
         if not found:
             missing(path)

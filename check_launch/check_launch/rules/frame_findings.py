@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from difflib import get_close_matches
 
+from check_launch.misspellings import did_you_mean, nearest
 from check_launch.rules.launch_rules import FrameFromOutside, FramePublishedTwice, FrameWithoutTransform
-from check_launch.rules.system import RunningNode, System, span
+from check_launch.rules.system import RunningNode, System
 from roverlink.generator.diagnostics import Diagnostic
 
 
@@ -28,11 +28,11 @@ def _of_tree(nodes: list[RunningNode], is_closed: bool) -> Iterator[Diagnostic]:
         (parent, first), *others = {id(node): (parent, node) for parent, node in ends}.values()
         for other_parent, other in others:
             yield FramePublishedTwice.at(
-                span(other.started.place),
+                other.started.place,
                 f"{other.name} publishes the transform from '{other_parent}' to '{child}', and {first.name} "
                 f"the one from '{parent}'",
                 "let only one of them publish it, such as with the parameter publish_tf",
-                also=[(span(first.started.place), f"{first.name} publishes it")],
+                also=[(first.started.place, f"{first.name} publishes it")],
             )
     roots = {frame: _root(frame, publishers) for frame in frames}
     for node in nodes:
@@ -40,20 +40,16 @@ def _of_tree(nodes: list[RunningNode], is_closed: bool) -> Iterator[Diagnostic]:
         for frame, place in looked_up:
             if frame in frames:
                 continue
-            near = get_close_matches(frame, sorted(frames), 1, 0.8)
+            near = nearest(frame, sorted(frames), 0.8)
             message = f"{node.name} looks up the frame '{frame}', but nothing publishes it"
-            if near:
-                yield FrameWithoutTransform.at(span(place), message, f"did you mean '{near[0]}'?")
-            elif is_closed:
-                yield FrameWithoutTransform.at(span(place), message)
+            if near or is_closed:
+                yield FrameWithoutTransform.at(place, message, did_you_mean(near))
             else:
-                yield FrameFromOutside.at(span(place), f"{message} in these launch files")
+                yield FrameFromOutside.at(place, f"{message} in these launch files")
         known = [(frame, place) for frame, place in looked_up if frame in roots]
         if is_closed and len({roots[frame] for frame, _ in known}) > 1:
             names = " and ".join(f"'{frame}'" for frame, _ in known)
-            yield FrameWithoutTransform.at(
-                span(known[0][1]), f"{node.name} looks up {names}, but no transforms connect them"
-            )
+            yield FrameWithoutTransform.at(known[0][1], f"{node.name} looks up {names}, but no transforms connect them")
 
 
 def _root(frame: str, publishers: dict[str, list[tuple[str, RunningNode]]]) -> str:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
 from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Parameter, PluginSlot
 from check_launch.expansion.parameter_files import UNKNOWN, GivenValue
-from check_launch.expansion.places import Place
 from check_launch.expansion.substitutions import UnknownTextError, evaluated
+from check_launch.misspellings import nearest
+from roverlink.generator.diagnostics import Span
 
 _LIST = re.compile(r"\{([^{}#*]+)\}")
 _VALUE = re.compile(r"\$\(([^()|]+)(?:\|([^()]*))?\)")
@@ -30,7 +30,7 @@ class LoadedPlugin:
     """Full name of the plugin's parameters, such as ``FollowPath.RotateToGoal``."""
     type: str | None
     """Type as the parameter or its default says; None if it is not known."""
-    place: Place | None
+    place: Span | None
     """Place of the parameter that decides; None if defaults decide."""
     base: str = ""
     """Base class of the plugin; empty if the plugin is not known."""
@@ -93,7 +93,7 @@ class ParameterView:
             return None
         if isinstance(value, str):
             return value.split()
-        return [str(one) for one in value] if isinstance(value, list) else []
+        return [str(item) for item in value] if isinstance(value, list) else []
 
     def text(self, text: str, prefix: str) -> str | None:
         """Replace ``$(x)`` in a text by the value of the parameter x; None if one of them is not known."""
@@ -184,12 +184,14 @@ class ParameterView:
         for match in _LIST.finditer(pattern):
             names = self.names(prefix + match[1])
             inner = [_ANY_NAME] if names is None else [re.escape(name) for name in names]
-            alternatives = [one.replace(match[0], f"\0{name}\0") for one in alternatives for name in inner]
-        for one in alternatives:
-            parts = one.split("\0")
+            alternatives = [
+                alternative.replace(match[0], f"\0{name}\0") for alternative in alternatives for name in inner
+            ]
+        for alternative in alternatives:
+            parts = alternative.split("\0")
             text = "".join(re.escape(part) if index % 2 == 0 else part for index, part in enumerate(parts))
-            if len(parts) <= 3 and "#" not in one and _ANY_NAME not in one:
-                self.exact.setdefault(prefix + re.sub(r"\\(.)", r"\1", one.replace("\0", "")), parameter)
+            if len(parts) <= 3 and "#" not in alternative and _ANY_NAME not in alternative:
+                self.exact.setdefault(prefix + re.sub(r"\\(.)", r"\1", alternative.replace("\0", "")), parameter)
             else:
                 self.patterns.append((re.compile(re.escape(prefix) + text.replace(r"\{\#\}", _NUMBER)), parameter))
 
@@ -214,18 +216,18 @@ class ParameterView:
 
     def _add_spare(self, slot: PluginSlot, prefix: str, seen: set[str]) -> None:
         """Add the parameters of plugins that are configured, but not in the list of those that are loaded."""
-        configured = {one.name for one in self.plugins}
-        for key, one in list(self.given.items()):
+        configured = {plugin.name for plugin in self.plugins}
+        for key, given in list(self.given.items()):
             name = key.removeprefix(prefix).removesuffix(".plugin")
             if key != f"{prefix}{name}.plugin" or not name or "." in name or prefix + name in configured:
                 continue
-            plugin = self.catalogue.plugins.get(str(one.value))
+            plugin = self.catalogue.plugins.get(str(given.value))
             if plugin is not None and plugin.base.rpartition("::")[2] == slot.base.rpartition("::")[2]:
                 self.exact.setdefault(key, Parameter("string"))
-                spare = LoadedPlugin(slot, prefix + name, str(one.value), one.place, is_spare=True)
+                spare = LoadedPlugin(slot, prefix + name, str(given.value), given.place, is_spare=True)
                 self._load(spare, f"{prefix}{name}.", prefix, seen)
 
-    def _type(self, slot: PluginSlot, facts: NodeClass, prefix: str, name: str) -> tuple[str | None, Place | None]:
+    def _type(self, slot: PluginSlot, facts: NodeClass, prefix: str, name: str) -> tuple[str | None, Span | None]:
         """Return the type of a plugin, and the place that states it; the type is empty if nothing states it."""
         if not slot.type_key:
             return name, None
@@ -246,8 +248,7 @@ class ParameterView:
                 found = found or self.catalogue.plugins.get(spelling.format(plugin.type))
         self.plugins.append(replace(plugin, base=found.base if found else ""))
         if found is None and plugin.type:  # the parameters of the plugin that is likely meant; rules report the type
-            near = get_close_matches(plugin.type, self.catalogue.plugins, 1, _SIMILAR)
-            found = self.catalogue.plugins[near[0]] if near else None
+            found = self.catalogue.plugins.get(nearest(plugin.type, self.catalogue.plugins, _SIMILAR))
         facts = self.catalogue.classes.get(found.class_name) if found else None
         if found is None:
             self.open.append(prefix)
@@ -282,5 +283,6 @@ def _is_of(name: str, groups: tuple[str, ...]) -> bool:
     """Return true if a name of RTAB-Map is of one of the groups, such as ``Grid``, ``Odom*`` or ``Kp/ByteToFloat``."""
     group = name.partition("/")[0]
     return any(
-        name == one or group == one or (one.endswith("*") and name.startswith(one.removesuffix("*"))) for one in groups
+        name == wanted or group == wanted or (wanted.endswith("*") and name.startswith(wanted.removesuffix("*")))
+        for wanted in groups
     )

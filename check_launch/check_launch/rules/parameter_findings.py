@@ -5,12 +5,11 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from difflib import get_close_matches
 from typing import Any
 
 from check_launch.catalogue.facts import Catalogue, NodeClass, Parameter
 from check_launch.expansion.parameter_files import UNKNOWN, GivenValue, Section
-from check_launch.expansion.places import Place
+from check_launch.misspellings import did_you_mean, is_near, nearest
 from check_launch.rules.known_parameters import LoadedPlugin, ParameterView
 from check_launch.rules.launch_rules import (
     MisplacedParameter,
@@ -23,9 +22,8 @@ from check_launch.rules.launch_rules import (
     UnknownPlugin,
     WrongType,
 )
-from check_launch.rules.misspellings import is_near
-from check_launch.rules.system import RunningNode, System, Use, Variants, span
-from roverlink.generator.diagnostics import Diagnostic
+from check_launch.rules.system import RunningNode, System, Use, Variants
+from roverlink.generator.diagnostics import Diagnostic, Span
 
 _OF_RCL = re.compile(r"(?:qos_overrides\..*|use_sim_time)")
 """Parameters that the client libraries declare."""
@@ -50,11 +48,11 @@ _CORE = re.compile(r"--([A-Za-z0-9]+/[A-Za-z0-9]+)(?:=.*)?$")
 def used_parameters(system: System) -> set[Use]:
     """Return the parameters that at least one node has."""
     return {
-        (one.name, one.place)
+        (given.name, given.place)
         for node in system.nodes
         if node.view is not None
-        for one in node.view.given.values()
-        if node.view.known(one.name) is not None or node.view.is_open(one.name)
+        for given in node.view.given.values()
+        if node.view.known(given.name) is not None or node.view.is_open(given.name)
     }
 
 
@@ -73,12 +71,12 @@ def parameter_findings(system: System, catalogue: Catalogue, variants: Variants)
         if view is None:
             continue
         yield from _of_plugins(view, catalogue)
-        general = {one.name for one in node.started.general_values}
-        for one in view.given.values():
-            if one.name in general and one in node.started.general_values:
+        general = {given.name for given in node.started.general_values}
+        for given in view.given.values():
+            if given.name in general and given in node.started.general_values:
                 continue  # for all nodes of a group; not each of them has it
-            if (one.name, one.place) not in variants.parameters or view.known(one.name) is not None:
-                yield from _of_value(one, node, view, system)
+            if (given.name, given.place) not in variants.parameters or view.known(given.name) is not None:
+                yield from _of_value(given, node, view, system)
         yield from _of_axes(view)
         yield from _of_arguments(node, view)
     yield from _of_general_values(system)
@@ -96,10 +94,10 @@ def standalone_findings(sections: Iterable[Section], catalogue: Catalogue) -> It
         if (facts := classes.get(section.node_name)) is None:
             yield from _of_unknown_section(section, classes)
             continue
-        view = ParameterView(facts, {one.name: one for one in section.values}, catalogue)
+        view = ParameterView(facts, {given.name: given for given in section.values}, catalogue)
         yield from _of_plugins(view, catalogue)
-        for one in section.values:
-            yield from _of_value(one, None, view, None, section.node_name)
+        for given in section.values:
+            yield from _of_value(given, None, view, None, section.node_name)
         yield from _of_axes(view)
 
 
@@ -120,42 +118,42 @@ def _by_name(catalogue: Catalogue) -> dict[str, NodeClass]:
 
 
 def _of_value(
-    one: GivenValue, node: RunningNode | None, view: ParameterView, system: System | None, name: str = ""
+    given: GivenValue, node: RunningNode | None, view: ParameterView, system: System | None, name: str = ""
 ) -> Iterator[Diagnostic]:
     shown = node.name if node is not None else name
-    parameter = view.known(one.name)
+    parameter = view.known(given.name)
     if parameter is None:
-        if not view.is_open(one.name) and not _OF_RCL.fullmatch(one.name):
-            yield _unknown(one, shown, node, view, system)
+        if not view.is_open(given.name) and not _OF_RCL.fullmatch(given.name):
+            yield _unknown(given, shown, node, view, system)
         return
-    yield from _wrong_value(one, parameter)
+    yield from _wrong_value(given, parameter)
 
 
 def _unknown(
-    one: GivenValue, shown: str, node: RunningNode | None, view: ParameterView, system: System | None
+    given: GivenValue, shown: str, node: RunningNode | None, view: ParameterView, system: System | None
 ) -> Diagnostic:
-    at = span(one.place)
+    at = given.place
     known = list(view.exact)
+    message = f"{shown} has no parameter '{given.name}'"
     for shared in view.facts.shared:
         renamed = view.catalogue.sets[shared.set].renamed
-        if one.name in renamed:
-            new = renamed[one.name]
+        if given.name in renamed:
+            new = renamed[given.name]
             help = f"it is now '{new}'" if new else "it is gone, and nothing replaces it"
-            return UnknownParameter.at(at, f"{shown} has no parameter '{one.name}' any more", help)
-    near = get_close_matches(one.name, known, 1, 0.75)
-    if near:
-        return UnknownParameter.at(at, f"{shown} has no parameter '{one.name}'", f"did you mean '{near[0]}'?")
-    last = one.name.rpartition(".")[2]
+            return UnknownParameter.at(at, f"{message} any more", help)
+    if near := nearest(given.name, known, 0.75):
+        return UnknownParameter.at(at, message, did_you_mean(near))
+    last = given.name.rpartition(".")[2]
     elsewhere = [name for name in known if name.rpartition(".")[2] == last]
     if elsewhere:
         places = _listed(elsewhere)
-        return MisplacedParameter.at(at, f"'{one.name}' has no effect here in {shown}", f"it belongs to {places}")
-    others = [other.name for other in system.nodes if _has(other, one.name) and other is not node] if system else []
+        return MisplacedParameter.at(at, f"'{given.name}' has no effect here in {shown}", f"it belongs to {places}")
+    others = [other.name for other in system.nodes if _has(other, given.name) and other is not node] if system else []
     if others:
-        return MisplacedParameter.at(at, f"{shown} has no parameter '{one.name}'", f"it belongs to {_listed(others)}")
-    near = get_close_matches(last, {name.rpartition(".")[2]: name for name in known}, 1)
-    full = next((name for name in known if near and name.rpartition(".")[2] == near[0]), "")
-    return UnknownParameter.at(at, f"{shown} has no parameter '{one.name}'", f"did you mean '{full}'?" if full else "")
+        return MisplacedParameter.at(at, message, f"it belongs to {_listed(others)}")
+    near = nearest(last, dict.fromkeys(name.rpartition(".")[2] for name in known))
+    full = next((name for name in known if near and name.rpartition(".")[2] == near), "")
+    return UnknownParameter.at(at, message, did_you_mean(full))
 
 
 def _has(node: RunningNode, name: str) -> bool:
@@ -164,27 +162,26 @@ def _has(node: RunningNode, name: str) -> bool:
 
 def _listed(names: Iterable[str]) -> str:
     found = list(dict.fromkeys(names))
-    return " or ".join(f"'{one}'" for one in found[:3])
+    return " or ".join(f"'{name}'" for name in found[:3])
 
 
-def _wrong_value(one: GivenValue, parameter: Parameter) -> Iterator[Diagnostic]:
-    value, at = one.value, span(one.place)
+def _wrong_value(given: GivenValue, parameter: Parameter) -> Iterator[Diagnostic]:
+    value, at = given.value, given.place
     if value is UNKNOWN or value is None or value == []:
         return
     if parameter.type and not _fits(value, parameter.type):
         wanted = _wanted(parameter.type)
-        message = f"the parameter '{one.name}' is {_described(value)}; it must be {wanted}"
+        message = f"the parameter '{given.name}' is {_described(value)}; it must be {wanted}"
         yield WrongType.at(at, message, _spelling(value, parameter.type))
         return
     low, high = parameter.minimum, parameter.maximum
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if is_number and ((low is not None and value < low) or (high is not None and value > high)):
-        yield OutOfRange.at(at, f"the parameter '{one.name}' is {value}; it must be {_limits(low, high)}")
+        yield OutOfRange.at(at, f"the parameter '{given.name}' is {value}; it must be {_limits(low, high)}")
     if parameter.choices and value not in parameter.choices:
         known = ", ".join(str(choice) for choice in parameter.choices)
-        near = get_close_matches(str(value), [str(choice) for choice in parameter.choices], 1)
-        help = f"did you mean '{near[0]}'?" if near else ""
-        yield OutOfRange.at(at, f"the parameter '{one.name}' is {value!r}; it must be one of: {known}", help)
+        help = did_you_mean(nearest(str(value), map(str, parameter.choices)))
+        yield OutOfRange.at(at, f"the parameter '{given.name}' is {value!r}; it must be one of: {known}", help)
 
 
 def _limits(low: float | None, high: float | None) -> str:
@@ -196,7 +193,7 @@ def _limits(low: float | None, high: float | None) -> str:
 def _fits(value: Any, type_: str) -> bool:
     if type_.endswith("_array"):
         inner = type_.removesuffix("_array")
-        return isinstance(value, list) and all(_fits(one, inner) for one in value)
+        return isinstance(value, list) and all(_fits(item, inner) for item in value)
     wanted = _TYPES.get(type_)
     if wanted is None:
         return True
@@ -220,8 +217,8 @@ def _spelling(value: Any, type_: str) -> str:
         return f"write {value}.0"
     if type_ == "string" and isinstance(value, bool | int | float):
         return f'write "{str(value).lower() if isinstance(value, bool) else value}"'
-    if type_ == "double_array" and isinstance(value, list) and all(isinstance(one, int | float) for one in value):
-        return f"write [{', '.join(str(float(one)) for one in value)}]"
+    if type_ == "double_array" and isinstance(value, list) and all(isinstance(item, int | float) for item in value):
+        return f"write [{', '.join(str(float(item)) for item in value)}]"
     if type_ in ("bool", "integer", "double") and isinstance(value, str):
         return "remove the quotation marks" if re.fullmatch(r"[-+\d.eE]+|true|false|True|False", value) else ""
     return ""
@@ -231,7 +228,7 @@ def _of_plugins(view: ParameterView, catalogue: Catalogue) -> Iterator[Diagnosti
     for plugin in view.plugins:
         if plugin.place is None or plugin.type is None:
             continue
-        at = span(plugin.place)
+        at = plugin.place
         if plugin.is_spare:
             yield from _spare(plugin, view)
         elif not plugin.type:
@@ -239,8 +236,7 @@ def _of_plugins(view: ParameterView, catalogue: Catalogue) -> Iterator[Diagnosti
             known = sorted(
                 {name.rpartition(".")[0] for name in view.given if name.endswith(f".{plugin.slot.type_key}")}
             )
-            near = get_close_matches(plugin.name, known, 1)
-            help = f"did you mean '{near[0].rpartition('.')[2]}'?" if near else f"set '{key}'"
+            help = did_you_mean(nearest(plugin.name, known).rpartition(".")[2], f"set '{key}'")
             yield UnknownPlugin.at(at, f"the plugin '{plugin.name}' has no type", help)
         elif not plugin.base:
             yield from _unknown_plugin(plugin, at, catalogue)
@@ -252,27 +248,27 @@ def _of_plugins(view: ParameterView, catalogue: Catalogue) -> Iterator[Diagnosti
 def _spare(plugin: LoadedPlugin, view: ParameterView) -> Iterator[Diagnostic]:
     """Yield a finding about a plugin that is not loaded: an error if it is a misspelling of one without parameters."""
     bare = [
-        one.name
-        for one in view.plugins
-        if one.slot == plugin.slot
-        and not one.is_spare
-        and not any(key.startswith(f"{one.name}.") for key in view.given)
+        other.name
+        for other in view.plugins
+        if other.slot == plugin.slot
+        and not other.is_spare
+        and not any(key.startswith(f"{other.name}.") for key in view.given)
     ]
     near = [name for name in bare if is_near(plugin.name, name, 2)]
     if plugin.place is not None and near:
         message = f"the plugin '{plugin.name}' is not in '{plugin.slot.parameter}'"
-        yield UnknownPlugin.at(span(plugin.place), message, f"did you mean '{near[0]}'?")
+        yield UnknownPlugin.at(plugin.place, message, did_you_mean(near[0]))
 
 
 def _unknown_plugin(plugin: LoadedPlugin, at: Any, catalogue: Catalogue) -> Iterator[Diagnostic]:
     type_ = plugin.type or ""
     base = plugin.slot.base.rpartition("::")[2]
-    fitting = {name for name, one in catalogue.plugins.items() if one.base.rpartition("::")[2] == base}
+    fitting = {name for name, known in catalogue.plugins.items() if known.base.rpartition("::")[2] == base}
     short = {name.rpartition("::")[2]: name for name in fitting}
-    near = get_close_matches(type_, [*fitting, *short], 1, 0.7)
+    near = nearest(type_, [*fitting, *short], 0.7)
     package = re.split(r"::|/", type_)[0]
     if near or package in catalogue.packages or plugin.slot.spellings:
-        help = f"did you mean '{near[0]}'?" if near else f"plugins of this kind: {', '.join(sorted(fitting))}"
+        help = did_you_mean(near, f"plugins of this kind: {', '.join(sorted(fitting))}")
         yield UnknownPlugin.at(at, f"unknown plugin '{type_}' for '{plugin.slot.parameter}'", help)
     else:
         yield PluginOfUnknownPackage.at(
@@ -282,11 +278,13 @@ def _unknown_plugin(plugin: LoadedPlugin, at: Any, catalogue: Catalogue) -> Iter
 
 def _of_axes(view: ParameterView) -> Iterator[Diagnostic]:
     """Yield findings about parameters of the y axis whose counterpart of the x axis is not given."""
-    for one in view.given.values():
-        counterparts = (f"{one.name[:at]}x{one.name[at + 1 :]}" for at, letter in enumerate(one.name) if letter == "y")
+    for given in view.given.values():
+        counterparts = (
+            f"{given.name[:at]}x{given.name[at + 1 :]}" for at, letter in enumerate(given.name) if letter == "y"
+        )
         for x in counterparts:
-            if x in view.exact and one.name in view.exact and x not in view.given:
-                yield OneAxis.at(span(one.place), f"'{one.name}' is given, but '{x}' is not", f"did you mean '{x}'?")
+            if x in view.exact and given.name in view.exact and x not in view.given:
+                yield OneAxis.at(given.place, f"'{given.name}' is given, but '{x}' is not", did_you_mean(x))
 
 
 def _of_arguments(node: RunningNode, view: ParameterView) -> Iterator[Diagnostic]:
@@ -297,28 +295,28 @@ def _of_arguments(node: RunningNode, view: ParameterView) -> Iterator[Diagnostic
     for argument in node.started.arguments:
         for word in (argument or "").split():
             match = _CORE.match(word)
-            if match is None or any(match[1] in one.parameters or match[1] in one.renamed for one in sets):
+            if match is None or any(match[1] in group.parameters or match[1] in group.renamed for group in sets):
                 continue
-            near = get_close_matches(match[1], [name for one in sets for name in one.parameters], 1)
-            help = f"did you mean '--{near[0]}'?" if near else ""
-            at = span(node.started.place)
-            yield UnknownParameter.at(at, f"{node.name} has no parameter '{match[1]}' (argument '{word}')", help)
+            near = nearest(match[1], [name for group in sets for name in group.parameters])
+            help = did_you_mean(near and f"--{near}")
+            yield UnknownParameter.at(
+                node.started.place, f"{node.name} has no parameter '{match[1]}' (argument '{word}')", help
+            )
 
 
 def _of_general_values(system: System) -> Iterator[Diagnostic]:
     """Yield findings about parameters for all nodes of a group that no node has."""
-    users: dict[tuple[str, Place], list[RunningNode]] = {}
+    users: dict[tuple[str, Span], list[RunningNode]] = {}
     for node in system.nodes:
-        for one in node.started.general_values:
-            users.setdefault((one.name, one.place), []).append(node)
+        for given in node.started.general_values:
+            users.setdefault((given.name, given.place), []).append(node)
     for (name, place), nodes in users.items():
         if any(node.view is None or node.view.known(name) or node.view.is_open(name) for node in nodes):
             continue
         if not _OF_RCL.fullmatch(name):
-            known = {one for node in nodes if node.view for one in node.view.exact}
-            near = get_close_matches(name, known, 1)
-            help = f"did you mean '{near[0]}'?" if near else ""
-            yield UnknownParameter.at(span(place), f"no node of this group has a parameter '{name}'", help)
+            known = {parameter for node in nodes if node.view for parameter in node.view.exact}
+            message = f"no node of this group has a parameter '{name}'"
+            yield UnknownParameter.at(place, message, did_you_mean(nearest(name, known)))
 
 
 def _of_sections(system: System, catalogue: Catalogue, variants: Variants) -> Iterator[Diagnostic]:
@@ -341,7 +339,7 @@ def _of_sections(system: System, catalogue: Catalogue, variants: Variants) -> It
 def _of_unused_section(
     section: Section, nodes: list[RunningNode], classes: dict[str, NodeClass], catalogue: Catalogue
 ) -> Iterator[Diagnostic]:
-    at = span(section.place)
+    at = section.place
     same = [node for node in nodes if node.name == section.node_name]
     if same:
         full = same[0].full_name
@@ -351,9 +349,8 @@ def _of_unused_section(
     if section.node_name in classes:
         yield from standalone_findings([section], catalogue)  # for a node that another launch file starts
         return
-    near = get_close_matches(section.node_name, [node.name for node in nodes], 1, 0.7)
-    if near:
-        yield SectionWithoutNode.at(at, f"no node has the name '{section.node_name}'", f"did you mean '{near[0]}'?")
+    if near := nearest(section.node_name, [node.name for node in nodes], 0.7):
+        yield SectionWithoutNode.at(at, f"no node has the name '{section.node_name}'", did_you_mean(near))
     else:
         yield from _of_unknown_section(section, classes)
 
@@ -361,18 +358,16 @@ def _of_unused_section(
 def _of_unknown_section(section: Section, classes: dict[str, NodeClass]) -> Iterator[Diagnostic]:
     if "*" in section.node_name:
         return
-    near = get_close_matches(section.node_name, classes, 1, 0.85)
-    if near:
-        at = span(section.place)
-        yield SectionWithoutNode.at(at, f"no node has the name '{section.node_name}'", f"did you mean '{near[0]}'?")
+    if near := nearest(section.node_name, classes, 0.85):
+        yield SectionWithoutNode.at(section.place, f"no node has the name '{section.node_name}'", did_you_mean(near))
 
 
 def _repeated(section: Section) -> Iterator[Diagnostic]:
-    counts = Counter(one.name for one in section.values)
-    for one in section.values:
-        if counts[one.name] > 1:
-            counts[one.name] -= 1
+    counts = Counter(given.name for given in section.values)
+    for given in section.values:
+        if counts[given.name] > 1:
+            counts[given.name] -= 1
             yield RepeatedParameter.at(
-                span(one.place),
-                f"the parameter '{one.name}' stands again further down, and only the last one has an effect",
+                given.place,
+                f"the parameter '{given.name}' stands again further down, and only the last one has an effect",
             )

@@ -9,7 +9,7 @@ from pathlib import Path
 import yaml
 
 from check_launch.expansion.entities import UnreadableFileError, compose, place_of
-from check_launch.expansion.places import Place
+from roverlink.generator.diagnostics import Span
 
 _RELIABILITY = {"Reliable": "reliable", "Best Effort": "best_effort", "System Default": "reliable"}
 _DURABILITY = {"Transient Local": "transient_local", "Volatile": "volatile", "System Default": "volatile"}
@@ -22,7 +22,7 @@ class RvizTopic:
     plugin: str
     """Class of the display or tool, such as ``rviz_default_plugins/Map``."""
     topic: str
-    place: Place
+    place: Span
     reliability: str
     durability: str
     is_published: bool
@@ -35,9 +35,9 @@ class RvizFile:
     """Contents of a configuration that depend on other nodes."""
 
     topics: tuple[RvizTopic, ...]
-    plugins: tuple[tuple[str, Place], ...]
+    plugins: tuple[tuple[str, Span], ...]
     """Classes of all displays and tools."""
-    fixed_frame: tuple[str, Place] | None
+    fixed_frame: tuple[str, Span] | None
 
 
 def read_rviz_file(path: str, shown: str) -> RvizFile | None:
@@ -48,7 +48,7 @@ def read_rviz_file(path: str, shown: str) -> RvizFile | None:
         return None
     manager = _entries(root).get("Visualization Manager")
     topics: list[RvizTopic] = []
-    plugins: list[tuple[str, Place]] = []
+    plugins: list[tuple[str, Span]] = []
     for name, is_tool in (("Displays", False), ("Tools", True)):
         for node in _with_class(_entries(manager).get(name)):
             entries = _entries(node)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from itertools import pairwise
 
 from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Package
 from check_launch.expansion.expander import Expansion, FileUse, StartedNode, StartedRemapping, joined
 from check_launch.expansion.parameter_files import GivenValue, Section
-from check_launch.expansion.places import Place
+from check_launch.misspellings import did_you_mean, nearest
 from check_launch.rules.known_parameters import ParameterView
 from check_launch.rules.launch_rules import (
     MisspeltPackage,
@@ -39,7 +38,7 @@ class Connection:
     endpoint: Endpoint
     topic: str | None
     """Full name after remappings; None if it is known at run time only."""
-    place: Place
+    place: Span
     """Place that decides the name: that of the remapping, the parameter, or the node."""
     is_named: bool
     """True if a launch file or parameter file names the topic."""
@@ -64,7 +63,7 @@ class RunningNode:
     connections_before: list[str] = field(default_factory=list)
     """Full names of all topics, services and actions that the node may have, before remappings."""
     transforms: list[tuple[str, str]] = field(default_factory=list)
-    frames: list[tuple[str, Place]] = field(default_factory=list)
+    frames: list[tuple[str, Span]] = field(default_factory=list)
     tree: str = "/tf"
     """Topic of the node's transforms after remappings: robots with different topics have different trees."""
     sections: list[tuple[FileUse, Section]] = field(default_factory=list)
@@ -86,7 +85,7 @@ class System:
     """True if nodes run that the catalogue does not know, or that were not expanded."""
 
 
-Use = tuple[str, Place]
+Use = tuple[str, Span]
 """A name, such as that of a parameter, and the place where a file uses it."""
 
 
@@ -102,11 +101,6 @@ class Variants:
     """Remappings that have an effect."""
     ends: frozenset[tuple[str, str]]
     """Kind and topic of each publisher and subscriber."""
-
-
-def span(place: Place) -> Span:
-    """Return a place as diagnostics have it."""
-    return Span(place.file, place.line, place.column)
 
 
 def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
@@ -141,21 +135,22 @@ def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> N
     if read is None:
         return
     for plugin, place in read.plugins:
-        if plugin not in catalogue.plugins and (near := get_close_matches(plugin, catalogue.plugins, 1, 0.85)):
-            system.findings.append(
-                UnknownPlugin.at(span(place), f"RViz has no display or tool '{plugin}'", f"did you mean '{near[0]}'?")
-            )
-    for one in read.topics:
-        known = catalogue.plugins.get(one.plugin)
+        if plugin not in catalogue.plugins and (near := nearest(plugin, catalogue.plugins, 0.85)):
+            message = f"RViz has no display or tool '{plugin}'"
+            system.findings.append(UnknownPlugin.at(place, message, did_you_mean(near)))
+    for rviz_topic in read.topics:
+        known = catalogue.plugins.get(rviz_topic.plugin)
         type_ = known.message_types[0] if known and len(known.message_types) == 1 else ""
-        type_ = MAP_UPDATES if one.is_update else type_
-        kind = "publisher" if one.is_published else "subscription"
-        endpoint = Endpoint(kind, one.topic, type_, one.reliability, one.durability)
-        topic = full_name(one.topic, node)
+        type_ = MAP_UPDATES if rviz_topic.is_update else type_
+        kind = "publisher" if rviz_topic.is_published else "subscription"
+        endpoint = Endpoint(kind, rviz_topic.topic, type_, rviz_topic.reliability, rviz_topic.durability)
+        topic = full_name(rviz_topic.topic, node)
         rule = next((rule for rule in node.started.remappings if topic in sources_of(rule, node)), None)
         topic = full_name(rule.target, node) if rule and rule.target else topic
         node.connections.append(
-            Connection(node, endpoint, topic, one.place, True, one.reliability, one.durability, False)
+            Connection(
+                node, endpoint, topic, rviz_topic.place, True, rviz_topic.reliability, rviz_topic.durability, False
+            )
         )
     if read.fixed_frame:
         node.frames.append(read.fixed_frame)
@@ -170,11 +165,11 @@ def _with_frames_of_topics(node: RunningNode, system: System) -> Iterator[tuple[
         if not child.startswith("@"):
             yield parent, child
             continue
-        topics = {one.topic for one in node.connections if one.endpoint.name == child[1:]}
+        topics = {end.topic for end in node.connections if end.endpoint.name == child[1:]}
         publishers = (
             other
             for other in system.nodes
-            if any(one.topic in topics and one.endpoint.kind == "publisher" for one in other.connections)
+            if any(end.topic in topics and end.endpoint.kind == "publisher" for end in other.connections)
         )
         frames = [transform[0] for other in publishers for transform in other.transforms if transform[0][0] != "@"]
         yield from ((parent, frame) for frame in frames[:1])
@@ -199,14 +194,13 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
         system.has_unknown = True
         return None
     known = catalogue.packages.get(package)
-    at = span(started.place)
+    at = started.place
     if known is None:
         if package in _WITHOUT_NODES and executable in _CONTAINERS:
             return None
         system.has_unknown = True
-        near = get_close_matches(package, catalogue.packages, 1, 0.86)
-        if near:
-            system.findings.append(MisspeltPackage.at(at, f"unknown package '{package}'", f"did you mean '{near[0]}'?"))
+        if near := nearest(package, catalogue.packages, 0.86):
+            system.findings.append(MisspeltPackage.at(at, f"unknown package '{package}'", did_you_mean(near)))
         else:
             system.findings.append(
                 UnknownPackage.at(at, f"the package '{package}' is not in the catalogue; its nodes are not checked")
@@ -215,9 +209,8 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
     if started.plugin:
         return _component(started.plugin, known, catalogue, system, at)
     if executable is None or executable not in known.executables:
-        near = get_close_matches(executable or "", known.executables, 1)
         names = ", ".join(known.executables) or "none"
-        help = f"did you mean '{near[0]}'?" if near else f"executables of {package}: {names}"
+        help = did_you_mean(nearest(executable or "", known.executables), f"executables of {package}: {names}")
         system.findings.append(
             UnknownExecutable.at(at, f"the package '{package}' has no executable '{executable}'", help)
         )
@@ -232,9 +225,8 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
 def _component(plugin: str, package: Package, catalogue: Catalogue, system: System, at: Span) -> NodeClass | None:
     if plugin in package.components:
         return catalogue.classes.get(plugin)
-    near = get_close_matches(plugin, package.components, 1)
     names = ", ".join(package.components) or "none"
-    help = f"did you mean '{near[0]}'?" if near else f"nodes of {package.name} for containers: {names}"
+    help = did_you_mean(nearest(plugin, package.components), f"nodes of {package.name} for containers: {names}")
     system.findings.append(
         UnknownExecutable.at(at, f"the package '{package.name}' has no node '{plugin}' for a container", help)
     )
@@ -245,19 +237,19 @@ def _component(plugin: str, package: Package, catalogue: Catalogue, system: Syst
 def _complete(node: RunningNode, facts: NodeClass, catalogue: Catalogue) -> None:
     """Find the parameters, topics and transforms of a node."""
     started = node.started
-    given: dict[str, GivenValue] = {one.name: one for one in started.general_values}
+    given: dict[str, GivenValue] = {value.name: value for value in started.general_values}
     for use in started.files:
         for section in use.sections:
             if section.matches(node.full_name):
                 node.sections.append((use, section))
-                given |= {one.name: one for one in section.values}
+                given |= {value.name: value for value in section.values}
     if not node.is_inner:
-        given |= {one.name: one for one in started.values}
-    given |= {one.name: one for one in _of_arguments(started, facts.arguments)}
+        given |= {value.name: value for value in started.values}
+    given |= {value.name: value for value in _of_arguments(started, facts.arguments)}
     view = node.view = ParameterView(facts, given, catalogue)
     for prefix, endpoint in view.endpoints:
         node.connections += _connections(node, view, prefix, endpoint, started.remappings)
-    of_tree = next((one for one in started.remappings if one.target and "/tf" in sources_of(one, node)), None)
+    of_tree = next((rule for rule in started.remappings if rule.target and "/tf" in sources_of(rule, node)), None)
     # A node in another node's process listens to transforms with the namespace of the process.
     process = RunningNode(started, None, "", _absolute(started.namespace or ""))
     node.tree = full_name(of_tree.target or "", process) if of_tree else "/tf"
@@ -283,7 +275,7 @@ def _of_arguments(started: StartedNode, arguments: Mapping[str, str]) -> Iterato
         for option, name in arguments.items():
             if option.endswith(":") and word and word.startswith(option):
                 yield GivenValue(name, word.removeprefix(option), started.place)
-    plain = [one for one in words if one is None or not one.startswith("--")]
+    plain = [word for word in words if word is None or not word.startswith("--")]
     if words and len(plain) == len(words) and len(words) in (8, 9):  # the older spelling: x y z angles parent child
         for name, value in zip(arguments.values(), words[-2:], strict=False):
             if value is not None:
@@ -304,7 +296,9 @@ def _connections(
             node.connections_before.append(topic)
         if view.holds(when, prefix) is False:
             continue
-        rule = next((one for one in rules if topic and one.source is not None and topic in sources_of(one, node)), None)
+        rule = next(
+            (rule for rule in rules if topic and rule.source is not None and topic in sources_of(rule, node)), None
+        )
         if rule is not None:
             topic = full_name(rule.target, node) if rule.target is not None else None
             place = rule.target_place
@@ -324,8 +318,8 @@ def _connections(
 def _spellings(view: ParameterView, prefix: str, endpoint: Endpoint) -> Iterator[tuple[str, str, str]]:
     """Yield the name of a topic and its two conditions, for each name that ``{x}`` in them stands for."""
     joint = "\0".join((endpoint.name.replace("{node}", "\1"), endpoint.when, endpoint.needed))
-    for one in view.spelled(joint, prefix):
-        name, when, needed = one.split("\0")
+    for spelling in view.spelled(joint, prefix):
+        name, when, needed = spelling.split("\0")
         yield name.replace("\1", "{node}"), when, needed
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 
 from check_launch.expansion.expander import StartedRemapping
+from check_launch.misspellings import did_you_mean, is_near, nearest
 from check_launch.rules.launch_rules import (
     DifferentTypes,
     IncompatibleQos,
@@ -15,7 +16,6 @@ from check_launch.rules.launch_rules import (
     TopicWithoutPublisher,
     TopicWithoutSubscriber,
 )
-from check_launch.rules.misspellings import is_near
 from check_launch.rules.system import (
     MAP_UPDATES,
     Connection,
@@ -25,7 +25,6 @@ from check_launch.rules.system import (
     Variants,
     full_name,
     sources_of,
-    span,
 )
 from roverlink.generator.diagnostics import Diagnostic
 
@@ -54,7 +53,7 @@ def used_remappings(system: System) -> set[Use]:
 
 def ends_of(system: System) -> set[tuple[str, str]]:
     """Return kind and topic of each publisher and subscriber."""
-    return {(one.endpoint.kind, one.topic) for node in system.nodes for one in node.connections if one.topic}
+    return {(end.endpoint.kind, end.topic) for node in system.nodes for end in node.connections if end.topic}
 
 
 def topic_findings(
@@ -72,8 +71,8 @@ def topic_findings(
         yield from _of_types(connections)
         yield from _of_qos(connections)
     for topic, connections in topics.items():
-        for one, kind in _wanting(topic, connections, variants):
-            if finding := _missing(topic, one, kind, topics, known, system, is_closed):
+        for end, kind in _wanting(topic, connections, variants):
+            if finding := _missing(topic, end, kind, topics, known, system, is_closed):
                 yield finding
 
 
@@ -81,9 +80,9 @@ def _topics(system: System) -> dict[str, list[Connection]]:
     """Return the publishers and subscribers of each topic."""
     found: dict[str, list[Connection]] = {}
     for node in system.nodes:
-        for one in node.connections:
-            if one.endpoint.kind in ("publisher", "subscription") and one.topic and not _is_general(one.topic, node):
-                found.setdefault(one.topic, []).append(one)
+        for end in node.connections:
+            if end.endpoint.kind in ("publisher", "subscription") and end.topic and not _is_general(end.topic, node):
+                found.setdefault(end.topic, []).append(end)
     return dict(sorted(found.items()))
 
 
@@ -92,38 +91,42 @@ def _is_general(topic: str, node: RunningNode) -> bool:
 
 
 def _ends(connections: Iterable[Connection], kind: str) -> list[Connection]:
-    return [one for one in connections if one.endpoint.kind == kind]
+    return [end for end in connections if end.endpoint.kind == kind]
 
 
 def _of_types(connections: list[Connection]) -> Iterator[Diagnostic]:
-    publishers = [one for one in _ends(connections, "publisher") if one.endpoint.type]
+    publishers = [end for end in _ends(connections, "publisher") if end.endpoint.type]
     subscribers = _ends(connections, "subscription")
-    for one in subscribers:
-        accepted = {other.endpoint.type for other in subscribers if other.node is one.node}
+    for subscriber in subscribers:
+        accepted = {other.endpoint.type for other in subscribers if other.node is subscriber.node}
         if accepted & {"", *(other.endpoint.type for other in publishers)}:
             continue  # a node may accept several types
-        wrong = [other for other in publishers if one.endpoint.type and other.endpoint.type != one.endpoint.type]
+        wrong = [
+            other
+            for other in publishers
+            if subscriber.endpoint.type and other.endpoint.type != subscriber.endpoint.type
+        ]
         if wrong and len(wrong) == len(publishers):
             other = wrong[0]
             yield DifferentTypes.at(
-                span(one.place),
-                f"{one.node.name} subscribes to '{one.topic}' as {one.endpoint.type}, but {other.node.name} publishes "
-                f"{other.endpoint.type}",
-                also=[(span(other.place), f"{other.node.name} publishes it")],
+                subscriber.place,
+                f"{subscriber.node.name} subscribes to '{subscriber.topic}' as {subscriber.endpoint.type}, but "
+                f"{other.node.name} publishes {other.endpoint.type}",
+                also=[(other.place, f"{other.node.name} publishes it")],
             )
 
 
 def _of_qos(connections: list[Connection]) -> Iterator[Diagnostic]:
-    for one in _ends(connections, "subscription"):
+    for end in _ends(connections, "subscription"):
         for other in _ends(connections, "publisher"):
-            if other.endpoint.type != one.endpoint.type:
+            if other.endpoint.type != end.endpoint.type:
                 continue
-            wanted = _unmet(one, other)
+            wanted = _unmet(end, other)
             if wanted:
                 yield IncompatibleQos.at(
-                    span(one.place),
-                    f"{one.node.name} gets nothing from {other.node.name} on '{one.topic}': {wanted}",
-                    also=[(span(other.place), f"{other.node.name} publishes it")],
+                    end.place,
+                    f"{end.node.name} gets nothing from {other.node.name} on '{end.topic}': {wanted}",
+                    also=[(other.place, f"{other.node.name} publishes it")],
                 )
 
 
@@ -145,15 +148,15 @@ def _wanting(topic: str, connections: list[Connection], variants: Variants) -> I
     for own, kind in (("subscription", "publisher"), ("publisher", "subscription")):
         if _ends(connections, kind):
             continue
-        for one in _ends(connections, own):
-            is_named = one.is_named and (kind, topic) not in variants.ends and not _is_disconnected(topic, one.node)
-            if one.is_needed or is_named:
-                yield one, kind
+        for end in _ends(connections, own):
+            is_named = end.is_named and (kind, topic) not in variants.ends and not _is_disconnected(topic, end.node)
+            if end.is_needed or is_named:
+                yield end, kind
 
 
 def _missing(
     topic: str,
-    one: Connection,
+    connection: Connection,
     kind: str,
     topics: dict[str, list[Connection]],
     known: Iterable[tuple[str, str]],
@@ -163,41 +166,50 @@ def _missing(
     is_reader = kind == "publisher"
     rule = TopicWithoutPublisher if is_reader else TopicWithoutSubscriber
     verb, nobody = ("subscribes to", "nothing publishes it") if is_reader else ("publishes", "nothing subscribes to it")
-    message = f"{one.node.name} {verb} '{topic}', but {nobody}"
-    interruption = _interruption(_behind(one.node, system)) if is_reader and one.is_needed else ""
+    message = f"{connection.node.name} {verb} '{topic}', but {nobody}"
+    interruption = _interruption(_behind(connection.node, system)) if is_reader and connection.is_needed else ""
     fitting = {
         name: ends[0]
         for name, connections in topics.items()
-        if (ends := [end for end in _ends(connections, kind) if _fits(end, one)])
+        if (ends := [end for end in _ends(connections, kind) if _fits(end, connection)])
     }
     # A name that is used at both ends already is no misspelling of this one, unless somebody has written this one.
-    candidates = [name for name in fitting if one.is_named or not _has_both(topics[name]) or fitting[name].is_named]
+    candidates = [
+        name for name in fitting if connection.is_named or not _has_both(topics[name]) or fitting[name].is_named
+    ]
     similar = get_close_matches(topic, candidates, 3, _SIMILAR)
-    near = [name for name in similar if _is_misspelling(topic, name, one.is_named or fitting[name].is_named)]
-    if not is_reader and not one.is_needed and not is_closed and not any(_has_both(topics[name]) for name in near):
+    near = [name for name in similar if _is_misspelling(topic, name, connection.is_named or fitting[name].is_named)]
+    if (
+        not is_reader
+        and not connection.is_needed
+        and not is_closed
+        and not any(_has_both(topics[name]) for name in near)
+    ):
         return None  # nobody needs to hear it, or the subscriber that does is reported
     if near:
         end = fitting[near[0]]
-        also = [(span(end.place), f"{end.node.name} has '{near[0]}'")]
-        return rule.at(span(one.place), message + interruption, f"did you mean '{near[0]}'?", also)
-    full = {full_name(name, one.node) for of_kind, name in known if of_kind == kind}
-    if is_closed and (one.is_needed or not _may_be_missing(topic, one, full)):
+        also = [(end.place, f"{end.node.name} has '{near[0]}'")]
+        return rule.at(connection.place, message + interruption, did_you_mean(near[0]), also)
+    full = {full_name(name, connection.node) for of_kind, name in known if of_kind == kind}
+    if is_closed and (connection.is_needed or not _may_be_missing(topic, connection, full)):
         help = f"topics of this type: {', '.join(sorted(fitting))}" if fitting else ""
-        return rule.at(span(one.place), message + interruption, help)
-    of_programs = [name for name in full if one.is_named and topic not in full and _is_misspelling(topic, name, True)]
+        return rule.at(connection.place, message + interruption, help)
+    of_programs = [
+        name for name in full if connection.is_named and topic not in full and _is_misspelling(topic, name, True)
+    ]
     if of_programs:
-        return rule.at(span(one.place), message, f"did you mean '{min(of_programs)}'?")
-    return TopicFromOutside.at(span(one.place), f"{message} in these launch files")
+        return rule.at(connection.place, message, did_you_mean(min(of_programs)))
+    return TopicFromOutside.at(connection.place, f"{message} in these launch files")
 
 
-def _may_be_missing(topic: str, one: Connection, of_programs: set[str]) -> bool:
+def _may_be_missing(topic: str, connection: Connection, of_programs: set[str]) -> bool:
     """Return true for a topic of RViz that is there at times only.
 
     A map may have no updates, a program of this project may be started later, and not every tool is used.
     """
-    is_of_rviz = one.node.facts is not None and one.node.facts.has_open_topics
-    is_of_tool = one.endpoint.kind == "publisher" and topic.rpartition("/")[2] in _OF_TOOLS
-    return is_of_rviz and (one.endpoint.type == MAP_UPDATES or topic in of_programs or is_of_tool)
+    is_of_rviz = connection.node.facts is not None and connection.node.facts.has_open_topics
+    is_of_tool = connection.endpoint.kind == "publisher" and topic.rpartition("/")[2] in _OF_TOOLS
+    return is_of_rviz and (connection.endpoint.type == MAP_UPDATES or topic in of_programs or is_of_tool)
 
 
 def _fits(end: Connection, other: Connection) -> bool:
@@ -241,17 +253,17 @@ def _behind(node: RunningNode, system: System) -> list[str]:
     while grown:
         grown = False
         topics = {
-            one.topic
+            connection.topic
             for reached_node in reached.values()
-            for one in reached_node.connections
-            if one.endpoint.kind == "publisher" and one.topic
+            for connection in reached_node.connections
+            if connection.endpoint.kind == "publisher" and connection.topic
         }
         for other in system.nodes:
-            needed = (one for one in other.connections if one.endpoint.kind == "subscription" and one.is_needed)
-            if id(other) not in reached and any(one.topic in topics for one in needed):
+            needed = (end for end in other.connections if end.endpoint.kind == "subscription" and end.is_needed)
+            if id(other) not in reached and any(end.topic in topics for end in needed):
                 reached[id(other)] = other
                 grown = True
-    return [one.name for one in reached.values() if one is not node]
+    return [other.name for other in reached.values() if other is not node]
 
 
 def _interruption(names: list[str]) -> str:
@@ -279,7 +291,7 @@ def _of_remappings(system: System, used: frozenset[Use]) -> Iterator[Diagnostic]
                 continue
             reported.add(use)
             if rule.is_general:
-                yield RemappingOfUnknownTopic.at(span(rule.place), f"no node of this group has a topic '{rule.source}'")
+                yield RemappingOfUnknownTopic.at(rule.place, f"no node of this group has a topic '{rule.source}'")
             else:
                 yield _without_effect(rule, nodes)
 
@@ -290,23 +302,16 @@ def _is_of_all(rule: StartedRemapping, nodes: list[RunningNode]) -> bool:
 
 def _names(node: RunningNode, source: str) -> bool:
     """Return true if a node has or may have a topic, service or action of this full name, or one that belongs to it."""
-    if any(source == one or source.startswith(f"{one}/") for one in node.connections_before):
+    if any(source == name or source.startswith(f"{name}/") for name in node.connections_before):
         return True
-    patterns = (re.escape(full_name(one, node)) for one in (node.facts.topic_patterns if node.facts else ()))
-    return any(re.fullmatch(one.replace(re.escape("{*}"), ".+"), source) for one in patterns)
+    patterns = (re.escape(full_name(name, node)) for name in (node.facts.topic_patterns if node.facts else ()))
+    return any(re.fullmatch(pattern.replace(re.escape("{*}"), ".+"), source) for pattern in patterns)
 
 
 def _without_effect(rule: StartedRemapping, nodes: list[RunningNode]) -> Diagnostic:
     source = rule.source or ""
-    known = [one for node in nodes for one in node.connections_before]
+    known = [name for node in nodes for name in node.connections_before]
     wanted = full_name(source, nodes[0])
-    near = get_close_matches(wanted, known, 1)
-    shown = (
-        near[0].removeprefix(f"{nodes[0].namespace}/")
-        if near and not source.startswith("/")
-        else near[0] if near else ""
-    )
-    help = f"did you mean '{shown}'?" if near else ""
-    return RemappingOfUnknownTopic.at(
-        span(rule.place), f"{nodes[0].name} has no topic, service or action '{source}'", help
-    )
+    near = nearest(wanted, known)
+    help = did_you_mean(near if source.startswith("/") else near.removeprefix(f"{nodes[0].namespace}/"))
+    return RemappingOfUnknownTopic.at(rule.place, f"{nodes[0].name} has no topic, service or action '{source}'", help)

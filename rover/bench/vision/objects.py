@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Protocol
 
 import numpy as np
-from roverkit.objects.detected_objects import Detection, TrackedObject
+from roverkit.objects.detected_objects import ObjectDetection, TrackedObject
 from roverkit.objects.detector import ObjectDetector
 from roverkit.objects.metrics import overlap
 from roverkit.objects.object_rows import DetectedObjectRow
@@ -29,13 +29,13 @@ _PERIOD_NS = 33_333_333
 _OVERLAP = 0.5
 _MISSED = 0.2
 
-Seen = list[tuple[RenderedScene, list[Detection]]]
+Seen = list[tuple[RenderedScene, list[ObjectDetection]]]
 
 
 class Tracker(Protocol):
     """What gives the detections of a frame their numbers."""
 
-    def track(self, detections: Iterable[Detection], stamp: int) -> list[TrackedObject]:
+    def track(self, detections: Iterable[ObjectDetection], stamp: int) -> list[TrackedObject]:
         """Return the objects that are visible in a frame; `stamp` is in nanoseconds."""
 
 
@@ -46,7 +46,11 @@ class NearestOverlap:
         self._last: list[TrackedObject] = []
         self._count = 0
 
-    def track(self, detections: Iterable[Detection], stamp: int) -> list[TrackedObject]:  # noqa: ARG002  # as `Tracker`
+    def track(
+        self,
+        detections: Iterable[ObjectDetection],
+        stamp: int,  # noqa: ARG002  # as `Tracker`
+    ) -> list[TrackedObject]:
         """Return the objects that are visible in a frame."""
         free, found = list(self._last), []
         for one in detections:
@@ -109,7 +113,7 @@ def perfect(scenes: Sequence[RenderedScene], missed: float) -> Seen:
     return [
         (
             scene,
-            [Detection(one.box, one.class_name, 0.9) for one in scene.objects if rng.random() >= missed],
+            [ObjectDetection(one.box, one.class_name, 0.9) for one in scene.objects if rng.random() >= missed],
         )
         for scene in scenes
     ]

@@ -18,12 +18,12 @@ from roverkit.objects.scenes import sequence
 from roverkit.objects.shipped_model import PATH
 from roverkit.vision import Landmarks, MarkerSet, Tracker, localize
 from roverkit.vision.camera.camera_model import Floats
-from roverkit.vision.field.view import Eye, Lookout, View
+from roverkit.vision.field.field_tracker import FieldTracker, LandmarkResult, MountedCamera
 from roverkit.vision.frames import Frame
 from roverkit.vision.images.drawing import SEEN, draw
 from roverkit.vision.images.film import Film as Writer
 from roverkit.vision.images.object_drawing import draw_objects
-from roverkit.vision.markers.detection import Detection, Detector, Image, to_grey
+from roverkit.vision.markers.detection import Detector, Image, MarkerDetection, to_grey
 
 from bench.report import draw as draw_charts
 from rover.bench.vision.accuracy import SIZES, measure
@@ -81,37 +81,37 @@ def draw_detections(path: Path) -> None:
 def draw_steps(folder: Path, film: Film) -> None:
     """Draw a picture for each step from a frame to a position on the field."""
     tracker = Tracker(parameters(), MarkerSet(side=SIDE))
-    _, second = _views(list(film)[:2], tracker)  # the first frame is searched completely
+    _, second = _results(list(film)[:2], tracker)  # the first frame is searched completely
     _write(folder / "frame.png", second.frame.image)
     _write(folder / "looks.png", _with_looks(second))
     rough, *_ = Detector(MarkerSet(side=SIDE)).scan(to_grey(second.frame.image))
     _write(folder / "edges.png", _with_edges(second, rough))
-    _write(folder / "seen.png", draw(second.frame.image, parameters(), second.sightings, second.place))
+    _write(folder / "seen.png", draw(second.frame.image, parameters(), second.detections, second.camera_pose))
     _draw_field(folder / "field.png", film)
 
 
-def _views(frames: Iterable[Frame], tracker: Tracker) -> list[View]:
-    lookout = Lookout(landmarks=landmarks())
-    return [lookout.view(Eye(tracker), frame) for frame in frames]
+def _results(frames: Iterable[Frame], tracker: Tracker) -> list[LandmarkResult]:
+    field_tracker = FieldTracker(landmarks=landmarks())
+    return [field_tracker.track(MountedCamera(tracker), frame) for frame in frames]
 
 
-def _with_looks(view: View) -> Image:
+def _with_looks(result: LandmarkResult) -> Image:
     """Return the frame, darkened except around the markers, whose edges are fitted where they were expected."""
-    shown: Image = view.frame.image // 3
-    for one in view.sightings:
+    shown: Image = result.frame.image // 3
+    for one in result.detections:
         left, top = np.floor(one.corners.min(axis=0)).astype(int) - _AROUND
         right, bottom = np.ceil(one.corners.max(axis=0)).astype(int) + _AROUND
-        shown[top:bottom, left:right] = view.frame.image[top:bottom, left:right]
+        shown[top:bottom, left:right] = result.frame.image[top:bottom, left:right]
         cv2.rectangle(shown, (left, top), (right - 1, bottom - 1), _REGION, 1)
     return shown
 
 
-def _with_edges(view: View, rough: Detection) -> Image:
+def _with_edges(result: LandmarkResult, rough: MarkerDetection) -> Image:
     """Return an enlarged marker with its detected and its refined corners."""
-    (one,) = (one for one in view.sightings if one.id == rough.number)
+    (one,) = (one for one in result.detections if one.id == rough.number)
     low = np.floor(one.corners.min(axis=0)).astype(int) - 5
     high = np.ceil(one.corners.max(axis=0)).astype(int) + 6
-    part = view.frame.image[low[1] : high[1], low[0] : high[0]]
+    part = result.frame.image[low[1] : high[1], low[0] : high[0]]
     shown: Image = cv2.resize(part, None, fx=_ZOOM, fy=_ZOOM, interpolation=cv2.INTER_NEAREST)
     for corners, colour in ((rough.corners, _ROUGH), (one.corners, SEEN)):
         places = np.rint(((corners - low + 0.5) * _ZOOM - 0.5) * 16).astype(np.int32)
@@ -133,16 +133,16 @@ def _draw_field(path: Path, film: Film) -> None:
     figure = Figure(figsize=(9, 3.8), layout="constrained")
     FigureCanvasAgg(figure)
     field, near = figure.subplots(1, 2)
-    views = _views(film, Tracker(parameters(), MarkerSet(side=SIDE)))
-    _plot_field(field, film, views)
-    _plot_place(near, film, views[0])
+    results = _results(film, Tracker(parameters(), MarkerSet(side=SIDE)))
+    _plot_field(field, film, results)
+    _plot_place(near, film, results[0])
     figure.savefig(path, dpi=90)
     print(f"picture: {path}")
 
 
-def _plot_field(axes: Any, film: Film, views: list[View]) -> None:
+def _plot_field(axes: Any, film: Film, results: list[LandmarkResult]) -> None:
     truth = np.array([pose.translation for pose in film.truth])
-    found = np.array([view.place.pose.translation for view in views if view.place])
+    found = np.array([result.camera_pose.pose.translation for result in results if result.camera_pose])
     axes.plot(truth[:, 0], truth[:, 1], color="lightgray", linewidth=5, label="true position")
     axes.plot(found[:, 0], found[:, 1], ".", color="tab:green", label="estimated position")
     for number, one in landmarks().places.items():
@@ -153,18 +153,22 @@ def _plot_field(axes: Any, film: Film, views: list[View]) -> None:
     axes.legend(fontsize="small", loc="lower left")
 
 
-def _plot_place(axes: Any, film: Film, view: View) -> None:
+def _plot_place(axes: Any, film: Film, result: LandmarkResult) -> None:
     """Plot the uncertainty of a position from single landmarks, and from all of them."""
-    known, truth = landmarks(), film.truth[view.frame.number].translation
-    for one in view.sightings:
+    known, truth = landmarks(), film.truth[result.frame.number].translation
+    for one in result.detections:
         single = localize([one], Landmarks(known.frame, {one.id: known.places[one.id]}))
         if single:
             _plot_ellipse(
                 axes, single.pose.translation - truth, single.covariance, "tab:orange", f"from {one.id} alone"
             )
-    if view.place:
+    if result.camera_pose:
         _plot_ellipse(
-            axes, view.place.pose.translation - truth, view.place.covariance, "tab:green", "from all together"
+            axes,
+            result.camera_pose.pose.translation - truth,
+            result.camera_pose.covariance,
+            "tab:green",
+            "from all together",
         )
     axes.plot([0], [0], "+", color="black", markersize=12, label="true position")
     axes.set(title="one position with 95 % ellipses", xlabel="x, mm", ylabel="y, mm")

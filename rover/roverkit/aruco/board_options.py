@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import math
 import re
 from typing import TYPE_CHECKING, Any
 
+from roverlink.console import parsed_number
 from roverlink.runtime.core.errors import SetupError
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def board_of(arguments: argparse.Namespace) -> CalibrationBoard:
     given: dict[str, Any] = {name: value for name in names if (value := getattr(arguments, name)) is not None}
     for name in given:
         if name not in _OPTIONS[kind]:
-            known = ", ".join(f"--{one}" for one in _OPTIONS[kind])
+            known = ", ".join(f"--{option}" for option in _OPTIONS[kind])
             raise SetupError(f"--{name} does not belong to --board {kind}, which has {known}")
     if size := given.pop("squares", None):
         given["columns"], given["rows"] = size
@@ -93,20 +93,11 @@ def board_of(arguments: argparse.Namespace) -> CalibrationBoard:
 
 def metres(text: str) -> float:
     """Parse the value of an option that is a length in metres, from 1 micrometre to 10 kilometres."""
-    try:
-        found = float(text)
-    except ValueError:
-        found = math.nan
-    if not 1e-6 <= found <= 1e4:  # false for NaN too
-        raise argparse.ArgumentTypeError(f"{text!r} is not a length in metres, such as 0.024")
-    return found
+    return parsed_number(text, float, lambda number: 1e-6 <= number <= 1e4, "a length in metres, such as 0.024")
 
 
 def _ratio(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number, such as 0.3") from None
+    return parsed_number(text, float, lambda _: True, "a number, such as 0.3")
 
 
 def _squares(text: str) -> tuple[int, int]:

@@ -9,8 +9,7 @@ import roverkit.vision  # noqa: F401  # first: it explains how to install numpy 
 import argparse
 import json
 import logging
-import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import fields
 from functools import cache
@@ -19,12 +18,14 @@ from pathlib import Path
 from roverkit.aruco.target_parameters import TargetParameters
 from roverkit.aruco.tracked_cameras import CameraOpener, TrackedCamera, described, frames_of
 from roverkit.aruco.tracking_log import TrackingLog
+from roverkit.node.program import project_registry
 from roverkit.node.ros_connection import RosConnection
 from roverkit.vision import Tracker
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.camera.uncertainty import Uncertainty
-from roverkit.vision.field.view import Eye, Lookout, View
+from roverkit.vision.field.field_tracker import FieldTracker, LandmarkResult, MountedCamera
 from roverkit.vision.frames import Frame
+from roverkit.vision.frames.camera_source import with_progress
 from roverkit.vision.frames.open_source import TOPIC
 from roverkit.vision.images.drawing import draw, write_above
 from roverkit.vision.images.film import Film
@@ -35,14 +36,11 @@ from roverkit.vision.ros.mounts import MountOnTf
 from roverkit.vision.ros.publishing import Publishing
 from roverkit.vision.ros.rover_pose import RoverFrames, RoverPublishing
 from roverkit.vision.ros.rover_position import position_publisher
-from roverlink.console import OK, NoProjectError, project_folder
-from roverlink.generated_code import load_project
+from roverlink.console import OK, NoProjectError
 from roverlink.node_log import publish_log
-from roverlink.progress import progress
-from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
-Output = Callable[[View], None]
+Output = Callable[[LandmarkResult], None]
 
 
 def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> int:
@@ -65,31 +63,35 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
 
         hears_ros = arguments.middleware or any(entry.source.startswith(TOPIC) for entry in entries)
         ros_of_mounts = connection if hears_ros else None
-        eyes = {
-            one.name: Eye(tracker(one), one.name, _mount(one, ros_of_mounts, arguments, logger, now=located))
-            for one in cameras
+        mounted = {
+            camera.name: MountedCamera(
+                tracker(camera), camera.name, _mount(camera, ros_of_mounts, arguments, logger, now=located)
+            )
+            for camera in cameras
         }
-        lookout = Lookout(sum(bool(ros_of_mounts or one.mount) for one in entries), targets.landmarks)
+        field_tracker = FieldTracker(sum(bool(ros_of_mounts or entry.mount) for entry in entries), targets.landmarks)
         outputs = [output for camera in cameras for output in _files(camera, arguments, stack)]
         if arguments.middleware:
             stack.enter_context(publish_log(logger, connection.middleware, ros))
             outputs += [_publisher(camera, connection, arguments, logger) for camera in cameras]
             outputs.append(_rover_publisher(connection, arguments, logger, now=located))
-        log = stack.enter_context(TrackingLog(logger, targets.markers, {one.name: one.parameters for one in cameras}))
+        log = stack.enter_context(
+            TrackingLog(logger, targets.markers, {camera.name: camera.parameters for camera in cameras})
+        )
         frames = frames_of(cameras, arguments, connection)
-        for camera, frame in log.timed(_with_progress(frames, cameras, arguments)):
+        for camera, frame in log.timed(with_progress(frames, [camera.source for camera in cameras], arguments)):
             if wanted.targets is not targets:
                 targets = wanted.targets
-                for one in cameras:
-                    eyes[one.name].tracker = tracker(one)
-                lookout.use(targets.landmarks)
+                for tracked in cameras:
+                    mounted[tracked.name].tracker = tracker(tracked)
+                field_tracker.use(targets.landmarks)
                 log.look_for(targets.markers)
-            view = lookout.view(eyes[camera.name], frame)
-            log.add(view)
+            result = field_tracker.track(mounted[camera.name], frame)
+            log.add(result)
             if arguments.json:
-                print(json.dumps(view.as_dict()), flush=True)
+                print(json.dumps(result.as_dict()), flush=True)
             for output in outputs:
-                output(view)
+                output(result)
     return OK
 
 
@@ -127,34 +129,17 @@ def _mount(
     return lambda frame: on_tf()(frame)
 
 
-def _with_progress(
-    frames: Iterator[tuple[TrackedCamera, Frame]], cameras: Sequence[TrackedCamera], arguments: argparse.Namespace
-) -> Iterator[tuple[TrackedCamera, Frame]]:
-    """Yield the frames; show the progress if they end and the terminal does not show JSON."""
-    totals = [camera.source.total for camera in cameras]
-    known = [total for total in totals if total is not None]
-    if arguments.loop or len(known) < len(totals) or (arguments.json and sys.stdout.isatty()):
-        yield from frames
-        return
-    with progress(", ".join(camera.source.name for camera in cameras)) as report:
-        for done, one in enumerate(frames, 1):
-            yield one
-            report(done, sum(known))
-
-
 def _of(camera: TrackedCamera, output: Output) -> Output:
     """Return an output that gets only the results of one camera."""
-    return lambda view: output(view) if view.camera == camera.name else None
+    return lambda result: output(result) if result.camera == camera.name else None
 
 
 def _files(camera: TrackedCamera, arguments: argparse.Namespace, stack: ExitStack) -> Iterator[Output]:
     if arguments.save:
         path: Path = arguments.save
         own = path.with_stem(f"{path.stem}_{camera.name}") if camera.name else path
-        if own.exists() and Path(camera.entry.source).exists() and own.samefile(camera.entry.source):
-            raise SetupError(f"{own} is the source of the images; give --save another name")
-        film = stack.enter_context(Film(own, camera.source.rate))
-        yield _of(camera, lambda view: film.add(_drawn(view, camera), view.frame.stamp))
+        film = stack.enter_context(Film(own, camera.source.rate, camera.entry.source))
+        yield _of(camera, lambda result: film.add(_drawn(result, camera), result.frame.stamp))
 
 
 def _publisher(
@@ -182,26 +167,26 @@ def _rover_publisher(ros: RosConnection, arguments: argparse.Namespace, logger: 
         tree = ros.transforms if frames.odom else TransformTree()
         poses = RoverPublishing(ros.middleware, frames, tree, ros.topic, logger.warning)
         try:
-            registry = load_project(project_folder(arguments.project))
+            registry = project_registry(arguments)
         except NoProjectError as error:  # tracking works without a bridge
             logger.warning("the rover's position is not sent to the basestation: %s", error)
             return poses, lambda _: None
         return poses, position_publisher(ros.middleware, registry, ros.topic, logger.warning)
 
-    def publish(view: View) -> None:
-        if view.rover and view.rover.place.agreed:
+    def publish(result: LandmarkResult) -> None:
+        if result.rover and result.rover.field_pose.agreed:
             poses, publish_position = publishers()
-            poses.publish(view.rover)
-            publish_position(view.rover.place.pose.translation)
+            poses.publish(result.rover)
+            publish_position(result.rover.field_pose.pose.translation)
 
     if now:
         publishers()
     return publish
 
 
-def _drawn(view: View, camera: TrackedCamera) -> Image:
+def _drawn(result: LandmarkResult, camera: TrackedCamera) -> Image:
     """Return the image of a film: a frame with its landmarks, its stamp in seconds, and its coordinate frame."""
-    frame = view.frame
+    frame = result.frame
     stamp = f"{frame.stamp // 10**9}.{frame.stamp % 10**9:09d}"
-    drawn = draw(frame.image, camera.parameters, view.sightings, view.place)
+    drawn = draw(frame.image, camera.parameters, result.detections, result.camera_pose)
     return write_above(drawn, f"{stamp} {frame.frame_id}")

@@ -11,8 +11,8 @@ from typing import TypeVar
 import numpy as np
 
 from roverkit.vision import CameraParameters, MarkerSet
+from roverkit.vision.field.field_tracker import LandmarkResult
 from roverkit.vision.field.localization import FieldPose
-from roverkit.vision.field.view import View
 from roverkit.vision.markers.dictionaries import other_dictionary
 from roverkit.vision.markers.marker_set import TargetId
 from roverlink.console import counted
@@ -56,39 +56,39 @@ class TrackingLog:
         self._seen.clear()
         self._shared.clear()
 
-    def add(self, view: View) -> None:
+    def add(self, result: LandmarkResult) -> None:
         """Log the landmarks of a frame that were not seen before, and problems with its markers.
 
         Call this once for each frame.
         """
         self._times.append(time.perf_counter() - self._begin)
         self._frames += 1
-        self._with_landmarks += bool(view.sightings)
-        by = f"{view.camera}: " if view.camera else ""
-        for one in view.sightings:
-            if (view.camera, one.id) not in self._seen:
-                self._seen.add((view.camera, one.id))
-                distance = np.linalg.norm(one.pose.translation)
-                self._logger.info("%sfound landmark %s at a distance of %.2f m", by, one.id, distance)
-            if one.shared and one.id not in self._shared:
-                self._shared.add(one.id)
+        self._with_landmarks += bool(result.detections)
+        by = f"{result.camera}: " if result.camera else ""
+        for detection in result.detections:
+            if (result.camera, detection.id) not in self._seen:
+                self._seen.add((result.camera, detection.id))
+                distance = np.linalg.norm(detection.pose.translation)
+                self._logger.info("%sfound landmark %s at a distance of %.2f m", by, detection.id, distance)
+            if detection.shared and detection.id not in self._shared:
+                self._shared.add(detection.id)
                 self._logger.warning(
                     "%sseveral markers with the number %s are visible; their frames are not on /tf, and none of them "
                     "is used as a landmark; print each marker with a number of its own",
                     by,
-                    one.id,
+                    detection.id,
                 )
         if not (self._seen or self._hinted) and (self._frames.bit_count() == 1 or self._frames % _HINT_EVERY == 0):
-            self._hint(view)
-        if view.rover:
-            self._judge(view.rover.place)
-        elif not view.camera:
-            self._judge(view.place)
+            self._hint(result)
+        if result.rover:
+            self._judge(result.rover.field_pose)
+        elif not result.camera:
+            self._judge(result.camera_pose)
 
-    def _judge(self, place: FieldPose | None) -> None:
+    def _judge(self, pose: FieldPose | None) -> None:
         """Log the landmarks that do not fit a pose, if they are others than before."""
-        if place and not place.agreed:
-            rejected, used = (", ".join(map(str, sorted(some, key=str))) for some in (place.rejected, place.used))
+        if pose and not pose.agreed:
+            rejected, used = (", ".join(map(str, sorted(some, key=str))) for some in (pose.rejected, pose.used))
             if not self._disagreed:
                 self._logger.warning(
                     "landmarks %s and %s contradict each other; there is no pose until most of them agree",
@@ -96,14 +96,14 @@ class TrackingLog:
                     rejected,
                 )
         else:
-            for target in sorted(set(place.rejected if place else ()) - set(self._rejected), key=str):
+            for target in sorted(set(pose.rejected if pose else ()) - set(self._rejected), key=str):
                 self._logger.warning("landmark %s is not at the position in the landmarks file; ignoring it", target)
-        self._disagreed = place is not None and not place.agreed
-        self._rejected = place.rejected if place else ()
+        self._disagreed = pose is not None and not pose.agreed
+        self._rejected = pose.rejected if pose else ()
 
-    def _hint(self, view: View) -> None:
+    def _hint(self, result: LandmarkResult) -> None:
         """Log the dictionary of the markers in an image in which no marker of the chosen dictionary was found."""
-        if found := other_dictionary(view.frame.image, self._cameras[view.camera], self._markers):
+        if found := other_dictionary(result.frame.image, self._cameras[result.camera], self._markers):
             dictionary, numbers = found
             self._hinted = True
             self._logger.warning(

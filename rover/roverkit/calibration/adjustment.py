@@ -112,23 +112,25 @@ def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[L
 
     The derivatives are with respect to the shared parameters and to the board's pose in the view.
     """
-    predicted = [predict(pose, one.bent(estimate.bend)) for one, pose in zip(observations, estimate.poses)]
+    predicted = [
+        predict(pose, observation.bent(estimate.bend)) for observation, pose in zip(observations, estimate.poses)
+    ]
     rays, by_pose = (np.concatenate(parts) for parts in zip(*predicted))  # one call for all views is faster
     # A bend moves points along the normal of the board, as a translation of the board would.
     by_bend = np.concatenate(
         [
-            (by_one[:, :, :3] @ pose.rotation[:, 2])[:, :, None] * one.shapes[:, None]
-            for (_, by_one), pose, one in zip(predicted, estimate.poses, observations)
+            (by_one[:, :, :3] @ pose.rotation[:, 2])[:, :, None] * observation.shapes[:, None]
+            for (_, by_one), pose, observation in zip(predicted, estimate.poses, observations)
         ]
     )
     pixels, slope = estimate.camera.distort_with_derivative(rays)
-    roots = np.sqrt(np.concatenate([one.weights for one in observations]))[:, None]
-    residuals = roots * (np.concatenate([one.pixels for one in observations]) - pixels)
+    roots = np.sqrt(np.concatenate([observation.weights for observation in observations]))[:, None]
+    residuals = roots * (np.concatenate([observation.pixels for observation in observations]) - pixels)
     by_camera = by_parameters(estimate.camera, rays)
     by_shared = roots[:, :, None] * np.concatenate([by_camera, slope @ by_bend], axis=2)
     by_pose = roots[:, :, None] * (slope @ by_pose)
     counted = roots[:, 0] > 0  # corners of weight 0 may be NaN
-    ends = np.cumsum([len(one.weights) for one in observations])
+    ends = np.cumsum([len(observation.weights) for observation in observations])
     return [
         Linearization(
             residuals[start:end][counted[start:end]].ravel(),
@@ -158,7 +160,7 @@ def moved_camera(camera: CameraParameters, change: Floats) -> CameraParameters:
 
 
 def _cost(views: Sequence[Linearization]) -> float:
-    return float(sum(one.residuals @ one.residuals for one in views))
+    return float(sum(view.residuals @ view.residuals for view in views))
 
 
 def _step(
@@ -168,17 +170,17 @@ def _step(
     count = int(free.sum())
     normal, right = np.zeros((count, count)), np.zeros(count)
     eliminated = []
-    for one in views:
-        by_shared = one.by_shared[:, free]
-        by_both = one.by_pose.T @ by_shared
-        own = one.by_pose.T @ one.by_pose
+    for view in views:
+        by_shared = view.by_shared[:, free]
+        by_both = view.by_pose.T @ by_shared
+        own = view.by_pose.T @ view.by_pose
         # Marquardt's damping: scale the diagonal, so that steps do not depend on the units of the parameters.
         own.flat[::7] *= 1 + damping
-        solved = np.linalg.solve(own, np.column_stack([by_both, one.by_pose.T @ one.residuals]))
+        solved = np.linalg.solve(own, np.column_stack([by_both, view.by_pose.T @ view.residuals]))
         diagonal = by_shared.T @ by_shared
         diagonal.flat[:: count + 1] *= 1 + damping
         normal += diagonal - by_both.T @ solved[:, :-1]
-        right += by_shared.T @ one.residuals - by_both.T @ solved[:, -1]
+        right += by_shared.T @ view.residuals - by_both.T @ solved[:, -1]
         eliminated.append(solved)
     # A focal length is about 1000 and k3 about 0.1: scaled to a unit diagonal, rounding affects both alike.
     scale = 1 / np.sqrt(normal.diagonal())

@@ -127,7 +127,7 @@ class AprilGrid(CalibrationBoard):
             if not found:
                 return nothing_found()
             order = sorted(found)
-            return np.array(order, np.intp), np.array([found[one] for one in order])
+            return np.array(order, np.intp), np.array([found[number] for number in order])
 
         return find
 

@@ -91,7 +91,7 @@ class PlainText:
         console.print()
         console.print(_parameter_table(calibration))
         mean, most = spread(calibration)
-        dropped = sum(bool(one.dropped) for one in calibration.views)
+        dropped = sum(bool(fitted.dropped) for fitted in calibration.views)
         console.print(
             f"\nreprojection error {calibration.rms:.3f} px (root mean square), {counted(dropped, 'view')} dropped\n"
             f"uncertainty of a direction {mean:.3f} px on average, {most:.3f} px at most (standard deviation)"
@@ -161,17 +161,17 @@ def as_dict(calibration: Calibration) -> dict[str, Any]:
         "uncertainty": {"mean": mean, "max": most},
         "judgement": {
             "verdict": calibration.judgement.verdict.value,
-            "doubts": [{"verdict": one.verdict.value, "text": one.text} for one in calibration.judgement.doubts],
+            "doubts": [{"verdict": doubt.verdict.value, "text": doubt.text} for doubt in calibration.judgement.doubts],
         },
         "views": [
             {
-                "name": one.view.name,
-                "corners": len(one.view.ids),
-                "used": int(one.used.sum()),
-                "rms": one.rms if np.isfinite(one.rms) else None,
-                "dropped": one.dropped,
+                "name": fitted.view.name,
+                "corners": len(fitted.view.ids),
+                "used": int(fitted.used.sum()),
+                "rms": fitted.rms if np.isfinite(fitted.rms) else None,
+                "dropped": fitted.dropped,
             }
-            for one in calibration.views
+            for fitted in calibration.views
         ],
     }
 
@@ -193,10 +193,16 @@ def _view_table(calibration: Calibration) -> Table:
     for name in ("corners", "left out", "error px"):
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("")
-    for one in calibration.views:
-        error = f"{one.rms:.3f}" if np.isfinite(one.rms) else ""
-        rejected = str(one.rejected) if one.rejected else ""
-        table.add_row(one.view.name, str(len(one.view.ids)), rejected, error, one.dropped and f"dropped: {one.dropped}")
+    for fitted in calibration.views:
+        error = f"{fitted.rms:.3f}" if np.isfinite(fitted.rms) else ""
+        rejected = str(fitted.rejected) if fitted.rejected else ""
+        table.add_row(
+            fitted.view.name,
+            str(len(fitted.view.ids)),
+            rejected,
+            error,
+            fitted.dropped and f"dropped: {fitted.dropped}",
+        )
     return table
 
 
@@ -205,8 +211,8 @@ def _parameter_table(calibration: Calibration) -> Table:
     table.add_column("parameter", no_wrap=True)
     for name in ("value", "95 % interval"):
         table.add_column(name, justify="right", no_wrap=True)
-    for one in parameters(calibration):
-        table.add_row(one.name, one.value, f"± {one.interval}")
+    for parameter in parameters(calibration):
+        table.add_row(parameter.name, parameter.value, f"± {parameter.interval}")
     return table
 
 

@@ -98,7 +98,7 @@ class Collection:
 
     def discard(self, view: View) -> None:
         """Remove a view that was taken, and compute the coverage without it."""
-        self._views = [one for one in self._views if one is not view]
+        self._views = [taken for taken in self._views if taken is not view]
         self._count()
 
     def _consider(self, view: View, *, force: bool) -> Offer:

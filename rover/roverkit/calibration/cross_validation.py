@@ -47,11 +47,11 @@ def better_model(
                 fits[other] = fit(views, board, other)
             except PoorViewsError:
                 continue  # this model does not fit the views at all
-    lengths = {one: _prediction(views, board, *found) for one, found in fits.items()}
-    cap = _CAP * min(float(np.median(one)) for one in lengths.values())
-    errors = {one: float(np.sqrt(np.mean(np.minimum(found, cap) ** 2))) for one, found in lengths.items()}
+    lengths = {candidate: _prediction(views, board, *found) for candidate, found in fits.items()}
+    cap = _CAP * min(float(np.median(length)) for length in lengths.values())
+    errors = {candidate: float(np.sqrt(np.mean(np.minimum(found, cap) ** 2))) for candidate, found in lengths.items()}
     best = min(errors.values())
-    chosen = next(one for one in _ORDER if one in errors and errors[one] <= _ALIKE * best)
+    chosen = next(candidate for candidate in _ORDER if candidate in errors and errors[candidate] <= _ALIKE * best)
     if chosen is model or errors[chosen] > BETTER * errors[model]:
         return None
     places = np.concatenate([view.corners for view in views])

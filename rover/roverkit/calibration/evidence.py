@@ -40,11 +40,11 @@ def gather(
 
     `estimate` and `choice` are the fit to the `usable` views, `coverage` is that of the views that are used.
     """
-    kept = [one for one in calibration.views if not one.dropped]
+    kept = [fitted for fitted in calibration.views if not fitted.dropped]
     corners = calibration.seen
-    sigmas = np.concatenate([one.view.sigmas[one.used] for one in kept])
+    sigmas = np.concatenate([fitted.view.sigmas[fitted.used] for fitted in kept])
     noise = float(np.sqrt(2 * np.mean(sigmas**2)))
-    rejected = 1 - len(corners) / sum(one.used.size for one in kept)
+    rejected = 1 - len(corners) / sum(fitted.used.size for fitted in kept)
     dropped = 1 - len(kept) / len(usable)
     deviations = calibration.uncertainty(corners[:: -(-len(corners) // _PLACES)])
     chi2 = float(calibration.bend @ np.linalg.solve(calibration.bend_covariance, calibration.bend))

@@ -112,7 +112,7 @@ def choose(misses: ResidualLengths) -> Choice:
 
 def _bad_views(misses: ResidualLengths) -> list[str]:
     """Return, for each view, the reason why the view does not fit the others; an empty text if it fits."""
-    medians = [float(np.median(np.nan_to_num(one, nan=np.inf))) for one in misses.lengths]
+    medians = [float(np.median(np.nan_to_num(length, nan=np.inf))) for length in misses.lengths]
     typical = float(np.median(medians))
     others = float(np.nanmedian(np.concatenate(misses.pixels)))
     return [

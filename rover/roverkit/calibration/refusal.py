@@ -39,8 +39,8 @@ def check_coverage(kept: Sequence[Fitted], board: CalibrationBoard, camera: Came
     """Return the coverage of the used views. Raises `PoorViewsError` if it is too small, or if too few are tilted."""
     coverage = Coverage()
     tilted = 0
-    for one in kept:
-        shown = traits(one.view, one.pose, camera.project(one.pose.apply(board.outline)))
+    for fitted in kept:
+        shown = traits(fitted.view, fitted.pose, camera.project(fitted.pose.apply(board.outline)))
         coverage.add(shown)
         tilted += bool(shown.tilts)
     reasons = []

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from roverkit.calibration import pictures
+from roverkit.calibration import figures
 from roverkit.calibration.board import CalibrationBoard
 from roverkit.calibration.coverage import Coverage, traits
 from roverkit.calibration.solution import Calibration, Fitted
@@ -84,10 +84,10 @@ def report(calibration: Calibration, board: CalibrationBoard, versions: Mapping[
         size=size,
         date=_date(calibration.views),
         versions=versions,
-        residuals=pictures.residuals(calibration),
-        uncertainty=pictures.uncertainty(calibration),
-        bounds=pictures.BOUNDS,
-        cells=list(zip(pictures.fields(cells, size), coverage.cells.ravel().tolist())),
+        residuals=figures.residuals(calibration),
+        uncertainty=figures.uncertainty(calibration),
+        bounds=figures.BOUNDS,
+        cells=list(zip(figures.fields(cells, size), coverage.cells.ravel().tolist())),
         needs=[need for need in coverage.needs() if need.cell is None],
         rows=[_row(fitted, board) for fitted in calibration.views],
         kept=[fitted for fitted in calibration.views if not fitted.dropped],
@@ -129,8 +129,8 @@ def _row(fitted: Fitted, board: CalibrationBoard) -> _Row:
     lengths = np.linalg.norm(fitted.residuals[fitted.used if fitted.used.any() else slice(None)], axis=1)
     return _Row(
         fitted,
-        pictures.dots(fitted.view.corners[fitted.used]),
-        pictures.dots(fitted.view.corners[~fitted.used]),
+        figures.dots(fitted.view.corners[fitted.used]),
+        figures.dots(fitted.view.corners[~fitted.used]),
         bool(np.isfinite(fitted.pose.translation).all()),
         float(np.max(lengths, initial=0)),
         float(np.linalg.norm(fitted.pose.apply(board.outline.mean(axis=0)))),

@@ -36,8 +36,8 @@ def find_rolling_shutter(observations: Sequence[Observation], estimate: Estimate
     The camera stays as estimated, because a shift that is equal in all views is the same as another focal length.
     """
     shifts, before, after, count = [], 0.0, 0.0, 0
-    for view, one in zip(linearise(observations, estimate), observations):
-        unknowns = np.column_stack([view.by_pose, _by_shift(one, rows)])
+    for view, observation in zip(linearise(observations, estimate), observations):
+        unknowns = np.column_stack([view.by_pose, _by_shift(observation, rows)])
         found = np.linalg.lstsq(unknowns, view.residuals, rcond=None)[0]
         shifts.append(found[-_SHIFTS:])
         before += float(view.residuals @ view.residuals)
@@ -47,9 +47,9 @@ def find_rolling_shutter(observations: Sequence[Observation], estimate: Estimate
     return RollingShutter(size, 1 - after / before, _SHIFTS * len(shifts) / count)
 
 
-def _by_shift(one: Observation, rows: int) -> Floats:
+def _by_shift(observation: Observation, rows: int) -> Floats:
     """Return the derivative (2N, 2) of the weighted pixels with respect to the shift of the last row."""
-    used = one.weights > 0
-    along = np.sqrt(one.weights[used]) * (one.pixels[used, 1] / rows - 0.5)
+    used = observation.weights > 0
+    along = np.sqrt(observation.weights[used]) * (observation.pixels[used, 1] / rows - 0.5)
     derivative: Floats = np.kron(along[:, None], np.eye(_SHIFTS))
     return derivative

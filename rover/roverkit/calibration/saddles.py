@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.markers.detection import Image
-from roverkit.vision.markers.pattern import look, make_pattern
+from roverkit.vision.markers.pattern import make_pattern, predict_grey
 
 # Why not cv2.cornerSubPix: it takes every gradient in its window for one of the edges through the corner. On a ChArUco
 # board, markers stand close to the corners; a larger window, which averages more noise, catches their bits and makes
@@ -176,16 +176,16 @@ def _design(
     count = pixels.shape[2]
     by_pixel = np.broadcast_to((normals / _FAR)[..., None], (len(pixels), 2, 2, count))
     variance = np.exp(2 * state.log_blurs)[:, None, None]
-    seen = look(
+    predicted = predict_grey(
         np.broadcast_to(_DIFFERENCES, (len(pixels), 3, 3)), distances / _FAR + 1, by_pixel, variance * np.eye(2)
     )
-    light = np.stack([np.ones_like(grey), offsets[:, 0], offsets[:, 1], seen.grey], axis=1) * real[:, None]
+    light = np.stack([np.ones_like(grey), offsets[:, 0], offsets[:, 1], predicted.grey], axis=1) * real[:, None]
     # Brightness is linear in the model, so it is solved exactly before each step (variable projection), and needs no
     # start.
     level = np.linalg.solve(light @ light.transpose(0, 2, 1) + 1e-9 * np.eye(4), light @ grey[:, :, None])
     residuals = grey - (level[:, None, :, 0] @ light)[:, 0]
-    by_distance = np.stack([seen.by_u, seen.by_v], axis=1) / _FAR  # (K, edge, N)
+    by_distance = np.stack([predicted.by_u, predicted.by_v], axis=1) / _FAR  # (K, edge, N)
     contrast = level[:, 3]
-    by_log_blur = 2 * variance * (seen.by_blur[:, :1] + seen.by_blur[:, 2:])
+    by_log_blur = 2 * variance * (predicted.by_blur[:, :1] + predicted.by_blur[:, 2:])
     shape = np.concatenate([-normals.transpose(0, 2, 1) @ by_distance, by_distance * turned, by_log_blur], axis=1)
     return np.concatenate([shape * contrast[:, :, None] * real[:, None], light], axis=1), contrast[:, 0], residuals

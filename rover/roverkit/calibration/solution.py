@@ -119,7 +119,7 @@ class Calibration:
     @property
     def seen(self) -> Floats:
         """Positions (N, 2) in pixels of all corners that the calibration uses."""
-        return np.concatenate([one.view.corners[one.used] for one in self.views])
+        return np.concatenate([fitted.view.corners[fitted.used] for fitted in self.views])
 
     def uncertainty(self, pixels: Floats) -> Floats:
         """Return how exactly the calibration is known at `pixels` (..., 2): a standard deviation (...,) in pixels.

@@ -38,10 +38,10 @@ def calibrate(views: Sequence[View], board: CalibrationBoard, model: Model = Mod
         Fitted(view, pose, residuals(view, points, estimate.camera, pose), mask, reason)
         for view, pose, mask, reason in zip(usable, estimate.poses, choice.masks, choice.dropped)
     ]
-    kept = [one for one in fitted if not one.dropped]
+    kept = [result for result in fitted if not result.dropped]
     check_count(len(kept), len(views))
     coverage = check_coverage(kept, board, estimate.camera)
-    squares = np.concatenate([one.residuals[one.used] for one in kept]) ** 2
+    squares = np.concatenate([result.residuals[result.used] for result in kept]) ** 2
     found = iter(fitted)
     covariance = _covariance(observations_of(usable, board, estimate, choice), part_of(estimate, choice))
     calibration = Calibration(

@@ -52,7 +52,7 @@ class Judgement:
     @property
     def verdict(self) -> Verdict:
         """Worst verdict of all doubts."""
-        worst = {one.verdict for one in self.doubts}
+        worst = {doubt.verdict for doubt in self.doubts}
         return next((verdict for verdict in (Verdict.UNUSABLE, Verdict.USABLE) if verdict in worst), Verdict.GOOD)
 
 
@@ -102,7 +102,7 @@ class Evidence:
 
 def judge(evidence: Evidence) -> Judgement:
     """Return the judgement that follows from the evidence, with the worst doubts first."""
-    doubts = sorted(_doubts(evidence), key=lambda one: one.verdict is not Verdict.UNUSABLE)
+    doubts = sorted(_doubts(evidence), key=lambda doubt: doubt.verdict is not Verdict.UNUSABLE)
     return Judgement(tuple(doubts))
 
 

@@ -19,15 +19,15 @@ def write_calibration(path: Path, calibration: Calibration) -> None:
     `judgement`, and `data_date`, the day (UTC) of the newest view if known. Raises `SetupError` if the file cannot be
     written.
     """
-    used = [one for one in calibration.views if not one.dropped]
+    used = [fitted for fitted in calibration.views if not fitted.dropped]
     facts: dict[str, Fact] = {
         "reprojection_error_rms": calibration.rms,
         DEVIATIONS: calibration.deviations.reshape(1, -1),
         COVARIANCE: calibration.covariance,
         "views": len(used),
-        "corners": int(np.sum([one.used.sum() for one in used])),
+        "corners": int(np.sum([fitted.used.sum() for fitted in used])),
         "judgement": calibration.judgement.verdict.value,
     }
-    if newest := max(one.view.stamp_ns for one in used):
+    if newest := max(fitted.view.stamp_ns for fitted in used):
         facts["data_date"] = datetime.fromtimestamp(newest / 1e9, timezone.utc).strftime("%Y-%m-%d")
     write_parameters(path, calibration.camera, facts)

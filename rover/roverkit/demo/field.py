@@ -47,8 +47,8 @@ def write_field(folder: Path) -> None:
     """Write the camera's parameters to ``camera.yml`` and the landmarks to ``landmarks.yaml``, both in ``folder``."""
     write_parameters(folder / "camera.yml", parameters())
     lines = [
-        f"  {number}: {{position: {one.pose.translation.tolist()}, rpy: [90, 0, -90]}}"
-        for number, one in landmarks().places.items()
+        f"  {number}: {{position: {landmark.pose.translation.tolist()}, rpy: [90, 0, -90]}}"
+        for number, landmark in landmarks().places.items()
     ]
     text = "\n".join(["frame: map", f"survey: {{position: {SURVEY}}}", "landmarks:", *lines, ""])
     (folder / "landmarks.yaml").write_text(text, encoding="utf-8")

@@ -35,7 +35,9 @@ class MarkerCamera(CameraProgram):
     def __init__(self, setting: DemoSetting, rover: DemoRover, images: RoverImages) -> None:
         """Write the files for the child process, and prepare its command line."""
         self.images, self._driven = images, rover.driven
-        self._driven.landmarks = {str(name): _on_map(one.pose.translation) for name, one in landmarks().places.items()}
+        self._driven.landmarks = {
+            str(name): _on_map(landmark.pose.translation) for name, landmark in landmarks().places.items()
+        }
         self._publish_position: Callable[[Floats], None] = lambda _: None
         self._frames = 0
         self._worst = 0.0

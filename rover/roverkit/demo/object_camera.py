@@ -57,7 +57,7 @@ class ObjectCamera(CameraProgram):
         publisher = row.topic.publisher(middleware, full_topic)
 
         def publish(objects: list[TrackedObject]) -> None:
-            publisher.publish(list(row.messages([(one, types.of(one.class_name)) for one in objects], SIZE)))
+            publisher.publish(list(row.messages([(shown, types.of(shown.class_name)) for shown in objects], SIZE)))
 
         self._publish = publish
 
@@ -69,7 +69,8 @@ class ObjectCamera(CameraProgram):
 
     def _take(self, view: dict[str, Any]) -> None:
         objects = [
-            TrackedObject(one["id"], Box(**one["box"]), one["class"], one["confidence"]) for one in view["objects"]
+            TrackedObject(entry["id"], Box(**entry["box"]), entry["class"], entry["confidence"])
+            for entry in view["objects"]
         ]
         self._publish(objects)
         self._frames += 1
@@ -78,5 +79,5 @@ class ObjectCamera(CameraProgram):
         for truth in self._scenes[view["frame"] % len(self._scenes)].objects:
             self._there += 1
             self._found += any(
-                one.class_name == truth.class_name and overlap(one.box, truth.box) >= _OVERLAP for one in objects
+                shown.class_name == truth.class_name and overlap(shown.box, truth.box) >= _OVERLAP for shown in objects
             )

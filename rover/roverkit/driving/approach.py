@@ -29,7 +29,7 @@ class Waypoint:
 
 
 @dataclass(frozen=True, slots=True)
-class LandmarkView:
+class LandmarkViewpoint:
     """Place in front of a landmark, from which the camera sees it.
 
     ``landmark`` is its number or name, ``x`` and ``y`` its position. ``facing`` is the direction in which an upright

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 
 from roverkit.driving.drive_declaration import NODE
-from roverlink.console import OK, Subparsers, add_middleware, add_project, command, node_logger
-from roverlink.runtime.ros_arguments import ros_args
+from roverkit.node.program import node_arguments
+from roverlink.console import OK, Subparsers, add_middleware, add_project, command
 
 
 def add(commands: Subparsers) -> None:
@@ -34,8 +34,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Drive until a signal comes; the exit code is then 0."""
-    ros = ros_args.parse(arguments.ros_args, NODE.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, NODE.name)
     from roverkit.driving.drive_node import drive
 
     drive(arguments, ros, logger)

@@ -62,7 +62,7 @@ def path_of(data: bytes, now: int) -> tuple[list[Point], str]:
     if others:
         raise ConversionError(f"it is in the frame {frame!r}, but has poses in {sorted(others)}")
     _check_age(path.header, now, OLDEST_PATH_S)
-    return [(one.pose.position.x, one.pose.position.y) for one in path.poses], frame
+    return [(pose.pose.position.x, pose.pose.position.y) for pose in path.poses], frame
 
 
 def pose_of(data: bytes, now: int, longest: float, base_frame: str) -> ReceivedPose:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 import logging
 import math
 import threading
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import closing
 from dataclasses import asdict
 from functools import partial
 
@@ -18,10 +17,8 @@ from roverkit.driving.drive_declaration import PATH, POSE, STATE, VELOCITY
 from roverkit.driving.drive_inputs import path_of, pose_of, velocity_of
 from roverkit.driving.drive_parameters import DriveParameters
 from roverkit.driving.drive_rows import DriveRows
+from roverkit.node.program import connected, json_printer, project_registry
 from roverkit.node.ros_connection import RosConnection
-from roverlink.console import project_folder
-from roverlink.generated_code import load_project
-from roverlink.node_log import publish_log
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError, MiddlewareError
 from roverlink.runtime.core.messages import Message
@@ -44,19 +41,15 @@ def drive(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
 
     Raises `SetupError` if the table lacks a row, or if a parameter is wrong.
     """
-    rows = DriveRows(load_project(project_folder(arguments.project)))
+    rows = DriveRows(project_registry(arguments))
     parameters = DriveParameters(ros, logger)
-    with ExitStack() as stack:
-        connection = RosConnection(ros, arguments.middleware, stack, logger.warning, parameters)
-        stack.enter_context(publish_log(logger, connection.middleware, ros))
+    with connected(ros, arguments.middleware, logger, parameters) as connection:
         driving = Driving(connection, rows, parameters, logger, as_json=arguments.json)
-        stack.callback(driving.end)
-        driving.receive()
-        logger.info(
-            "driving as %s and %s say, while %s is AUTO",
-            *(ros.topic(one.name) for one in (VELOCITY, PATH, rows.mode)),
-        )
-        driving.run()
+        with closing(driving):
+            driving.receive()
+            topics = (ros.topic(topic.name) for topic in (VELOCITY, PATH, rows.mode))
+            logger.info("driving as %s and %s say, while %s is AUTO", *topics)
+            driving.run()
 
 
 class Driving:
@@ -72,7 +65,7 @@ class Driving:
         as_json: bool,
     ) -> None:
         self._connection, self._rows, self._parameters, self._logger = connection, rows, parameters, logger
-        self._json = as_json
+        self._print = json_printer(as_json)
         self._control = DriveControl(lambda: parameters.meaning.control, logger.warning)
         self._stamps = connection.clock
         # Timeouts must not depend on somebody setting the time of the computer.
@@ -110,7 +103,7 @@ class Driving:
             self._tell(f"no velocities are received: {error}")
         self._happen(lambda _: None)
 
-    def end(self) -> None:
+    def close(self) -> None:
         """Stop the rover if it moves, and send nothing any more."""
         with self._lock:
             self._ended = True
@@ -189,7 +182,3 @@ class Driving:
         self._states.publish([cdr.encode(String(text))])
         self._logger.info("%s", text)
         self._print({"stamp": self._stamps.now(), "state": status.state.value, "reason": status.reason})
-
-    def _print(self, entry: dict[str, object]) -> None:
-        if self._json:
-            print(json.dumps(entry), flush=True)

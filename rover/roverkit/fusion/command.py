@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 
 from roverkit.fusion.fusion_declaration import NODE
-from roverlink.console import OK, Subparsers, add_middleware, command, node_logger
-from roverlink.runtime.ros_arguments import ros_args
+from roverkit.node.program import node_arguments
+from roverlink.console import OK, Subparsers, add_middleware, command, parsed_number
 
 
 def add(commands: Subparsers) -> None:
@@ -61,8 +61,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Fuse until a signal comes; the exit code is then 0."""
-    ros = ros_args.parse(arguments.ros_args, NODE.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, NODE.name)
     from roverkit.fusion.fusing import fuse  # only here, so that the help needs neither OpenCV nor GTSAM
 
     fuse(arguments, ros, logger)
@@ -70,11 +69,4 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _finite(text: str) -> float:
-    """Parse a finite number."""
-    try:
-        found = float(text)
-    except ValueError:
-        found = math.nan
-    if not math.isfinite(found):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number, such as 50.06")
-    return found
+    return parsed_number(text, float, math.isfinite, "a finite number, such as 50.06")

@@ -37,7 +37,7 @@ def motion_factor(start: int, end: int, motion: SlippingMotion) -> Any:
     return gtsam.CustomFactor(gtsam.noiseModel.Gaussian.Covariance(motion.covariance), [start, end], error)
 
 
-def sighting_factor(key: int, landmark: int, place: PlanarPose, noise: Any) -> Any:
+def detection_factor(key: int, landmark: int, place: PlanarPose, noise: Any) -> Any:
     """Return the factor of a landmark with a place in the frame of the rover."""
     expected = pose2(place)
 
@@ -71,7 +71,7 @@ def pose2(pose: PlanarPose) -> Any:
     return gtsam.Pose2(pose.x, pose.y, pose.yaw)
 
 
-def _missed(expected: Any, one: Any, other: Any) -> tuple[Floats, Floats]:
+def _missed(expected: Any, pose: Any, other: Any) -> tuple[Floats, Floats]:
     """Return the error (3,) of the pose of ``other`` in the frame of ``one``, and its derivative (3, 3) by ``one``."""
-    apart = one.between(other)
+    apart = pose.between(other)
     return expected.localCoordinates(apart), -apart.inverse().AdjointMap()

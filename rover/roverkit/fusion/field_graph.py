@@ -20,7 +20,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from roverkit.driving.arcs import PlanarPose
-from roverkit.fusion.field_factors import motion_factor, pose2, sighting_factor, state_factor
+from roverkit.fusion.field_factors import detection_factor, motion_factor, pose2, state_factor
 from roverkit.fusion.gtsam_library import gtsam
 from roverkit.fusion.landmark_agreement import agreeing
 from roverkit.fusion.odometry_track import OdometryPoint
@@ -33,7 +33,7 @@ _APART_RAD = 0.15
 _GPS_APART_M = 1.0
 """Least distance between two GPS positions: the errors of successive ones are nearly the same."""
 _HUBER = 3.0
-"""Error in standard deviations from which a sighting or a GPS position counts less (Huber's estimator)."""
+"""Error in standard deviations from which a detection or a GPS position counts less (Huber's estimator)."""
 _ENOUGH = 2
 """Landmarks that must agree before there is a pose, if the survey has more: a single one may have been moved."""
 _HELD = gtsam.noiseModel.Isotropic.Sigma(3, 1e-3)
@@ -72,9 +72,9 @@ class FieldGraph(Generic[T]):
         if len(self._trusted) < _ENOUGH:
             return {}
         return {
-            one: self._surveyed[one].pose.distance_to(self._place(self._keys[one]))
-            for one in self._keys
-            if one not in self._trusted
+            landmark: self._surveyed[landmark].pose.distance_to(self._place(self._keys[landmark]))
+            for landmark in self._keys
+            if landmark not in self._trusted
         }
 
     def pose(self, point: OdometryPoint) -> PlanarGaussian | None:
@@ -89,34 +89,34 @@ class FieldGraph(Generic[T]):
         state, covariance = self._solver.calculateEstimateVector(last), self._solver.marginalCovariance(last)
         return self._last.motion_to(point).pose_after(state, covariance)
 
-    def see(self, sightings: Mapping[T, PlanarGaussian], point: OdometryPoint) -> None:
+    def see(self, detections: Mapping[T, PlanarGaussian], point: OdometryPoint) -> None:
         """Add an image: the places of landmarks in the frame of the rover, and the odometry at its time.
 
         Does nothing if the image is older than the last one, shows nothing new, or shows no surveyed landmark.
         """
-        sightings = {one: place for one, place in sightings.items() if one in self._surveyed}
-        if not sightings or not self._is_new(point, sightings):
+        detections = {landmark: place for landmark, place in detections.items() if landmark in self._surveyed}
+        if not detections or not self._is_new(point, detections):
             return
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         if self._last is None:
             # The landmark that is seen best is believed until others contradict.
-            best = min(sightings, key=lambda one: float(np.trace(sightings[one].covariance)))
+            best = min(detections, key=lambda landmark: float(np.trace(detections[landmark].covariance)))
             self._trusted = frozenset({best})
-            start = state_of(self._surveyed[best].pose @ sightings[best].pose.inverse(), np.zeros(2))
+            start = state_of(self._surveyed[best].pose @ detections[best].pose.inverse(), np.zeros(2))
             factors.add(state_factor(gtsam.symbol("x", 0), 3, start[3:], _ANY_SLIP))
         else:
             start = self._follow(point, factors)
         key = self._add_pose(point, start, values)
-        for one, place in sightings.items():
-            if one not in self._keys:
-                self._keys[one] = gtsam.symbol("l", len(self._keys))
-                values.insert(self._keys[one], pose2(pose_of(start) @ place.pose))
-            factors.add(sighting_factor(key, self._keys[one], place.pose, _robust(place.covariance)))
+        for landmark, place in detections.items():
+            if landmark not in self._keys:
+                self._keys[landmark] = gtsam.symbol("l", len(self._keys))
+                values.insert(self._keys[landmark], pose2(pose_of(start) @ place.pose))
+            factors.add(detection_factor(key, self._keys[landmark], place.pose, _robust(place.covariance)))
         self._solve(factors, values)
-        self._last_seen = frozenset(sightings)
-        self._seen.update(sightings.keys())
+        self._last_seen = frozenset(detections)
+        self._seen.update(detections.keys())
         # Each doubling of what is known about a landmark is a reason to ask again.
-        if any(_is_power_of_two(self._seen[one]) for one in sightings):
+        if any(_is_power_of_two(self._seen[landmark]) for landmark in detections):
             self._judge()
 
     def locate(self, position: Floats, covariance: Floats, point: OdometryPoint) -> None:
@@ -135,14 +135,14 @@ class FieldGraph(Generic[T]):
         self._last_gps = point
         self._solve(factors, values)
 
-    def _is_new(self, point: OdometryPoint, sightings: Mapping[T, PlanarGaussian]) -> bool:
+    def _is_new(self, point: OdometryPoint, detections: Mapping[T, PlanarGaussian]) -> bool:
         if self._last is None:
             return True
         if point.stamp <= self._last.stamp:
             return False
         turn = math.remainder(point.pose.yaw - self._last.pose.yaw, 2 * math.pi)
         return (
-            not sightings.keys() <= self._last_seen
+            not detections.keys() <= self._last_seen
             or point.pose.distance_to(self._last.pose) >= _APART_M
             or abs(turn) >= _APART_RAD
         )
@@ -181,14 +181,14 @@ class FieldGraph(Generic[T]):
         held.add(state_factor(first, 0, values.atVector(first)[:3], _HELD))
         joint = gtsam.Marginals(held, values).jointMarginalCovariance(list(self._keys.values()))
         trusted = agreeing(
-            {one: self._place(key) for one, key in self._keys.items()},
-            lambda one, other: joint.at(self._keys[one], self._keys[other]),
+            {landmark: self._place(key) for landmark, key in self._keys.items()},
+            lambda landmark, other: joint.at(self._keys[landmark], self._keys[other]),
             self._surveyed,
             self._trusted,
         )
         if trusted == self._trusted:
             return
-        anchor = next(one for one in self._keys if one in (trusted & self._trusted or trusted))
+        anchor = next(landmark for landmark in self._keys if landmark in (trusted & self._trusted or trusted))
         move = self._surveyed[anchor].pose @ self._place(self._keys[anchor]).inverse()
         for key in self._keys.values():
             values.update(key, pose2(move @ self._place(key)))
@@ -201,11 +201,11 @@ class FieldGraph(Generic[T]):
     def _restart(self, values: Any) -> None:
         """Solve all anew, with the surveyed places of the trusted landmarks."""
         factors = gtsam.NonlinearFactorGraph(self._measured)
-        for one in self._keys:
-            if one in self._trusted:
-                place = self._surveyed[one]
+        for landmark in self._keys:
+            if landmark in self._trusted:
+                place = self._surveyed[landmark]
                 noise = gtsam.noiseModel.Gaussian.Covariance(place.covariance)
-                factors.add(gtsam.PriorFactorPose2(self._keys[one], pose2(place.pose), noise))
+                factors.add(gtsam.PriorFactorPose2(self._keys[landmark], pose2(place.pose), noise))
         self._solver = _solver()
         self._solver.update(factors, values)
         for _ in range(_ROUNDS):

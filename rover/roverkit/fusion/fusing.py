@@ -11,12 +11,10 @@ import roverkit.vision  # noqa: F401  # first: it explains how to install numpy 
 # isort: split
 
 import argparse
-import json
 import logging
 import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -29,7 +27,8 @@ from roverkit.fusion.field_graph import FieldGraph
 from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY, TRANSFORM
 from roverkit.fusion.odometry_track import OdometryPoint, OdometryTrack
 from roverkit.fusion.planar_gaussian import PlanarGaussian, is_covariance
-from roverkit.fusion.planar_landmarks import planar_sightings, surveyed_places
+from roverkit.fusion.planar_landmarks import planar_detections, surveyed_places
+from roverkit.node.program import connected, json_printer
 from roverkit.node.ros_connection import RosConnection
 from roverkit.odometry.odometry_messages import UNKNOWN_VARIANCE, pose_of
 from roverkit.vision.camera.cameras_file import read_cameras
@@ -37,7 +36,6 @@ from roverkit.vision.field.landmarks import Landmarks, read_landmarks
 from roverkit.vision.markers.marker_set import TargetId
 from roverkit.vision.poses.pose import Pose
 from roverkit.vision.poses.transform_tree import TransformError
-from roverlink.node_log import publish_log
 from roverlink.runtime.convert.rotations import angles
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
@@ -56,9 +54,7 @@ def fuse(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logge
     """Fuse until the program is stopped. Raises `SetupError` if a file or a package is missing or wrong."""
     landmarks = read_landmarks(arguments.landmarks)
     cameras = read_cameras(arguments.cameras) if arguments.cameras else []
-    with ExitStack() as stack:
-        connection = RosConnection(ros, arguments.middleware, stack, logger.warning)
-        stack.enter_context(publish_log(logger, connection.middleware, ros))
+    with connected(ros, arguments.middleware, logger) as connection:
         fusion = Fusion(connection, landmarks, arguments, logger)
         if not cameras:
             fusion.receive(DETECTIONS.name, None)
@@ -75,7 +71,7 @@ class Fusion:
         self, connection: RosConnection, landmarks: Landmarks, arguments: argparse.Namespace, logger: logging.Logger
     ) -> None:
         self._connection, self._landmarks, self._logger = connection, landmarks, logger
-        self._base, self._json, self._datum = arguments.base_frame, arguments.json, arguments.datum
+        self._base, self._datum, self._print = arguments.base_frame, arguments.datum, json_printer(arguments.json)
         self._lock = threading.Lock()
         self._said: set[str] = set()
         self._start()
@@ -132,8 +128,8 @@ class Fusion:
                     # Once for each reason: the age in the text changes with every image.
                     self._say_once(f"ignoring landmarks: {str(error).partition(':')[0]}")
                     continue
-                sightings = planar_sightings(message, place, self._landmarks)
-                self._wait(stamp, partial(self._graph.see, sightings))
+                detections = planar_detections(message, place, self._landmarks)
+                self._wait(stamp, partial(self._graph.see, detections))
 
     def _take_fixes(self, messages: Sequence[bytes]) -> None:
         with self._lock:
@@ -152,7 +148,7 @@ class Fusion:
     def _wait(self, stamp: int, use: Callable[[OdometryPoint], None]) -> None:
         """Use a measurement with the odometry of its time, which comes later if its message takes longer."""
         self._waiting.append((stamp, use))
-        self._waiting.sort(key=lambda one: one[0])
+        self._waiting.sort(key=lambda waiting: waiting[0])
         del self._waiting[:-_WAITING]
         if (newest := self._track.newest) is not None:
             self._catch_up(newest.stamp)
@@ -177,11 +173,10 @@ class Fusion:
         transform = geometry_msgs.Transform(geometry_msgs.Vector3(shift.x, shift.y), pose_of(shift).orientation)
         stamped = geometry_msgs.TransformStamped(header, odometry.header.frame_id, transform)
         self._transforms.publish([cdr.encode(tf2_msgs.TFMessage([stamped]))])
-        if self._json:
-            pose, spread = place.pose, place.outer_covariance
-            entry = {"stamp": point.stamp, "x": pose.x, "y": pose.y, "yaw": math.remainder(pose.yaw, 2 * math.pi)}
-            deviation = [math.sqrt(value) for value in spread.diagonal().tolist()]
-            print(json.dumps({**entry, "deviation": deviation, "moved": [*self._moved]}), flush=True)
+        pose, spread = place.pose, place.outer_covariance
+        entry = {"stamp": point.stamp, "x": pose.x, "y": pose.y, "yaw": math.remainder(pose.yaw, 2 * math.pi)}
+        deviation = [math.sqrt(value) for value in spread.diagonal().tolist()]
+        self._print({**entry, "deviation": deviation, "moved": [*self._moved]})
 
     def _tell_moved(self) -> None:
         """Name landmarks that stand elsewhere than the survey says, once when this is found."""

@@ -1,6 +1,6 @@
 """Agreement of landmarks: those that stand where the survey says, and those that somebody has moved since.
 
-The sightings of landmarks during a drive give their places relative to each other, whatever the survey says. Two
+The detections of landmarks during a drive give their places relative to each other, whatever the survey says. Two
 landmarks agree if they stand to each other as in the survey. The largest set of landmarks that all agree is right; one
 that was moved agrees with none of them.
 """
@@ -31,24 +31,24 @@ def agreeing(
 ) -> frozenset[T]:
     """Return the largest set of landmarks that agree with each other.
 
-    ``seen`` has the places by the sightings, in any frame, and ``covariance`` their joint covariance (3, 3) for two
+    ``seen`` has the places by the detections, in any frame, and ``covariance`` their joint covariance (3, 3) for two
     landmarks. Of sets of one size, the one with most of ``preferred`` is returned.
     """
-    friends: dict[T, frozenset[T]] = {one: frozenset() for one in seen}
-    for one, other in combinations(seen, 2):
-        by_sight = seen[one].inverse() @ seen[other]
+    friends: dict[T, frozenset[T]] = {landmark: frozenset() for landmark in seen}
+    for landmark, other in combinations(seen, 2):
+        by_sight = seen[landmark].inverse() @ seen[other]
         carried = adjoint(by_sight.inverse())
-        mixed = carried @ covariance(one, other)
-        spread = covariance(other, other) + carried @ covariance(one, one) @ carried.T - mixed - mixed.T
-        by_survey = PlanarGaussian(surveyed[one].pose.inverse(), _of_inverse(surveyed[one])) @ surveyed[other]
+        mixed = carried @ covariance(landmark, other)
+        spread = covariance(other, other) + carried @ covariance(landmark, landmark) @ carried.T - mixed - mixed.T
+        by_survey = PlanarGaussian(surveyed[landmark].pose.inverse(), _of_inverse(surveyed[landmark])) @ surveyed[other]
         missed = _difference(by_survey.pose, by_sight)
         if missed @ np.linalg.solve(spread + by_survey.covariance, missed) < _LIMIT:
-            friends[one] |= {other}
-            friends[other] |= {one}
+            friends[landmark] |= {other}
+            friends[other] |= {landmark}
     order = list(seen)
     return max(
         _cliques(frozenset(), frozenset(seen), frozenset(), friends),
-        key=lambda found: (len(found), len(found & set(preferred)), [one in found for one in order]),
+        key=lambda found: (len(found), len(found & set(preferred)), [landmark in found for landmark in order]),
     )
 
 
@@ -58,8 +58,8 @@ def _of_inverse(known: PlanarGaussian) -> Floats:
     return covariance
 
 
-def _difference(one: PlanarPose, other: PlanarPose) -> Floats:
-    apart = one.inverse() @ other
+def _difference(pose: PlanarPose, other: PlanarPose) -> Floats:
+    apart = pose.inverse() @ other
     difference: Floats = gtsam.Pose2.Logmap(gtsam.Pose2(apart.x, apart.y, apart.yaw))
     return difference
 
@@ -74,7 +74,7 @@ def _cliques(
     if not left and not done:
         yield chosen
         return
-    pivot = max(left | done, key=lambda one: len(left & friends[one]))
-    for one in left - friends[pivot]:
-        yield from _cliques(chosen | {one}, left & friends[one], done & friends[one], friends)
-        left, done = left - {one}, done | {one}
+    pivot = max(left | done, key=lambda landmark: len(left & friends[landmark]))
+    for landmark in left - friends[pivot]:
+        yield from _cliques(chosen | {landmark}, left & friends[landmark], done & friends[landmark], friends)
+        left, done = left - {landmark}, done | {landmark}

@@ -1,4 +1,4 @@
-"""Landmarks, and sightings of them, on the plane of the field.
+"""Landmarks, and detections of them, on the plane of the field.
 
 A landmark's pose on the plane has the yaw 0 if the landmark stands as the survey says, however it is mounted: the yaw
 is its rotation about the vertical since the survey. So a landmark on the ground has one as well as one on a wall.
@@ -25,14 +25,14 @@ def surveyed_places(landmarks: Landmarks) -> dict[TargetId, PlanarGaussian]:
     """Return the places of the landmarks on the plane, with the accuracy of the survey."""
     return {
         name: PlanarGaussian(
-            PlanarPose(float(one.pose.translation[0]), float(one.pose.translation[1]), 0.0),
-            np.diag([one.position_sigma, one.position_sigma, one.rotation_sigma]) ** 2,
+            PlanarPose(float(landmark.pose.translation[0]), float(landmark.pose.translation[1]), 0.0),
+            np.diag([landmark.position_sigma, landmark.position_sigma, landmark.rotation_sigma]) ** 2,
         )
-        for name, one in landmarks.places.items()
+        for name, landmark in landmarks.places.items()
     }
 
 
-def planar_sightings(
+def planar_detections(
     message: vision_msgs.Detection3DArray, mount: Pose, landmarks: Landmarks
 ) -> dict[TargetId, PlanarGaussian]:
     """Return the places of the surveyed landmarks in a message of ``roverlink aruco track``, in the rover's frame.
@@ -41,11 +41,15 @@ def planar_sightings(
     those without a covariance.
     """
     names = {str(name): name for name in landmarks.places}
-    sightings = {}
-    for one in message.detections:
-        if not one.id or not one.results or (name := names.get(one.results[0].hypothesis.class_id)) is None:
+    detections = {}
+    for detection in message.detections:
+        if (
+            not detection.id
+            or not detection.results
+            or (name := names.get(detection.results[0].hypothesis.class_id)) is None
+        ):
             continue
-        seen = one.results[0].pose
+        seen = detection.results[0].pose
         place = mount @ _pose(seen.pose)
         turn = place.rotation @ landmarks.places[name].pose.rotation.T
         yaw = math.atan2(turn[1, 0], turn[0, 0])
@@ -55,8 +59,8 @@ def planar_sightings(
         own = rotation(yaw).T @ covariance @ rotation(yaw)
         x, y, _ = place.translation.tolist()
         if is_covariance(own):
-            sightings[name] = PlanarGaussian(PlanarPose(x, y, yaw), own)
-    return sightings
+            detections[name] = PlanarGaussian(PlanarPose(x, y, yaw), own)
+    return detections
 
 
 def _pose(pose: geometry_msgs.Pose) -> Pose:

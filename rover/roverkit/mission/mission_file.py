@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
-from roverkit.driving.approach import LandmarkView, Waypoint
+from roverkit.driving.approach import LandmarkViewpoint, Waypoint
 from roverkit.driving.arcs import PlanarPose
 from roverkit.driving.geodesy import Datum
 from roverkit.mission.mission_declaration import DETECTIONS
@@ -63,7 +63,7 @@ class Goal:
 
     name: str
     """Name in messages, such as ``goal 2 (landmark 7)``."""
-    place: Waypoint | LandmarkView
+    place: Waypoint | LandmarkViewpoint
     pause: float
     """Time in seconds for which the rover stays at the goal."""
     rules: GoalRules
@@ -81,7 +81,7 @@ class Mission:
     @property
     def has_landmarks(self) -> bool:
         """True if the mission has goals at landmarks."""
-        return any(isinstance(goal.place, LandmarkView) for goal in self.goals)
+        return any(isinstance(goal.place, LandmarkViewpoint) for goal in self.goals)
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,16 +124,16 @@ def _goal(item: Item, facts: _Field, rules: GoalRules) -> Goal:
         if key in entries and kind not in owners:
             raise entries[key].error(f"{item.name} has a {key}, which belongs to a goal with {' or '.join(owners)}")
     place = _place(kind, entries, facts)
-    what = f"landmark {place.landmark}" if isinstance(place, LandmarkView) else kind
+    what = f"landmark {place.landmark}" if isinstance(place, LandmarkViewpoint) else kind
     name = _name(entries["name"]) if "name" in entries else what
     pause = _number(entries["pause"], 0, _LONGEST_S, "seconds") if "pause" in entries else 0.0
     return Goal(f"{item.name} ({name})", place, pause, _rules(entries, rules))
 
 
-def _place(kind: str, entries: Mapping[str, Item], facts: _Field) -> Waypoint | LandmarkView:
+def _place(kind: str, entries: Mapping[str, Item], facts: _Field) -> Waypoint | LandmarkViewpoint:
     if kind == "landmark":
         distance = _number(entries["distance"], 0.1, _FARTHEST_M, "metres") if "distance" in entries else 1.0
-        return _view(entries["landmark"], facts.landmarks, distance)
+        return _viewpoint(entries["landmark"], facts.landmarks, distance)
     yaw = math.radians(_number(entries["heading"], -360, 360, "degrees")) if "heading" in entries else None
     first, second = (float(number) for number in entries[kind].numbers(2))
     if kind == "position":
@@ -142,7 +142,7 @@ def _place(kind: str, entries: Mapping[str, Item], facts: _Field) -> Waypoint | 
     return Waypoint(place.x, place.y, yaw)
 
 
-def _view(item: Item, landmarks: Landmarks | None, distance: float) -> LandmarkView:
+def _viewpoint(item: Item, landmarks: Landmarks | None, distance: float) -> LandmarkViewpoint:
     if landmarks is None:
         raise item.error("a goal at a landmark needs the places of the landmarks; write landmarks: FILE")
     name = item.value
@@ -153,7 +153,7 @@ def _view(item: Item, landmarks: Landmarks | None, distance: float) -> LandmarkV
     x, y, _ = (float(part) for part in known.pose.translation)
     east, north, _ = (float(part) for part in known.pose.rotation[:, 2])  # z points out of the print
     facing = math.atan2(north, east) if math.hypot(east, north) >= _UPRIGHT else None
-    return LandmarkView(str(name), x, y, facing, distance)
+    return LandmarkViewpoint(str(name), x, y, facing, distance)
 
 
 def _on_map(item: Item, latitude: float, longitude: float, facts: _Field) -> PlanarPose:
@@ -203,41 +203,36 @@ def _rules(entries: Mapping[str, Item], default: GoalRules) -> GoalRules:
         "on_failure": ("stops", _stops),
         "back_up": ("back_up", lambda item: _number(item, 0, 10, "metres")),
         "look": ("look", lambda item: _number(item, 0.1, _LONGEST_S, "seconds")),
-        "search": ("search", lambda item: _list(item, lambda one: math.radians(_number(one, -180, 180, "degrees")))),
+        "search": (
+            "search",
+            lambda item: _list(item, lambda angle: math.radians(_number(angle, -180, 180, "degrees"))),
+        ),
     }
     stated = {field: convert(entries[key]) for key, (field, convert) in read.items() if key in entries}
     return replace(default, **stated)  # type: ignore[arg-type]  # each function returns the type of its field
 
 
 def _stops(item: Item) -> bool:
-    if item.value not in (_STOP, _CONTINUE):
-        raise item.error(f"{item.name} is {item.shown}; it must be {_STOP} or {_CONTINUE} (with the next goal)")
+    item.require(item.value in (_STOP, _CONTINUE), f"{_STOP} or {_CONTINUE} (with the next goal)")
     return bool(item.value == _STOP)
 
 
 def _whole(item: Item, largest: int) -> int:
     value = item.value
-    if type(value) is not int or not 0 <= value <= largest:
-        raise item.error(f"{item.name} is {item.shown}; it must be a whole number from 0 to {largest}")
-    return value
+    item.require(type(value) is int and 0 <= value <= largest, f"a whole number from 0 to {largest}")
+    return int(value)
 
 
 def _number(item: Item, smallest: float, largest: float, unit: str) -> float:
-    number = item.number
-    if not smallest <= number <= largest:
-        raise item.error(f"{item.name} is {item.shown}; it must be a number from {smallest:g} to {largest:g} ({unit})")
-    return number
+    item.require(smallest <= item.number <= largest, f"a number from {smallest:g} to {largest:g} ({unit})")
+    return item.number
 
 
 def _name(item: Item) -> str:
-    value = item.value
-    if not isinstance(value, str) or not value:
-        raise item.error(f"{item.name} is {item.shown}; it must be a name (in quotes if it looks like a number)")
-    return value
+    return item.filled_text("a name")
 
 
 def _list(item: Item, read: Callable[[Item], T]) -> tuple[T, ...]:
     items = item.items(f"an entry of {item.name}")
-    if items is None:
-        raise item.error(f"{item.name} is {item.shown}; it must be a list, such as [a, b]")
-    return tuple(read(one) for one in items)
+    item.require(items is not None, "a list, such as [a, b]")
+    return tuple(read(item) for item in items or ())

@@ -18,7 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from roverkit.driving.approach import LandmarkView
+from roverkit.driving.approach import LandmarkViewpoint
 from roverkit.driving.arcs import PlanarPose
 from roverkit.mission.mission_file import Goal, Mission
 
@@ -115,10 +115,10 @@ class MissionRun:
         """Reach a goal. Returns the reason if that is not possible, and an empty text otherwise."""
         if reason := self._drive(number, goal):
             return reason
-        view = goal.place
-        if isinstance(view, LandmarkView) and not self.rover.sees(view.landmark, goal.rules.look):
-            if not self._search(number, goal, view):
-                return f"no camera sees landmark {view.landmark}"
+        viewpoint = goal.place
+        if isinstance(viewpoint, LandmarkViewpoint) and not self.rover.sees(viewpoint.landmark, goal.rules.look):
+            if not self._search(number, goal, viewpoint):
+                return f"no camera sees landmark {viewpoint.landmark}"
             if reason := self._drive(number, goal):
                 return reason
         self.rover.wait(goal.pause)
@@ -143,17 +143,19 @@ class MissionRun:
         elif goal.rules.back_up:
             self.rover.back_up(goal.rules.back_up)
 
-    def _search(self, number: int, goal: Goal, view: LandmarkView) -> bool:
+    def _search(self, number: int, goal: Goal, viewpoint: LandmarkViewpoint) -> bool:
         """Search a landmark around its place. Returns true if a camera has seen it."""
-        self.report(Report(State.SEARCHING, number, f"{goal.name}: no camera sees landmark {view.landmark}; searching"))
+        self.report(
+            Report(State.SEARCHING, number, f"{goal.name}: no camera sees landmark {viewpoint.landmark}; searching")
+        )
         rules = goal.rules
         if rules.back_up:
             self.rover.back_up(rules.back_up)
-            if self.rover.sees(view.landmark, rules.look):
+            if self.rover.sees(viewpoint.landmark, rules.look):
                 return True
-        for pose in view.viewpoints(self.rover.pose(), rules.search):
+        for pose in viewpoint.viewpoints(self.rover.pose(), rules.search):
             # The outcome does not count: the landmark may be in sight from the place where the rover was stopped, too.
             self.rover.drive_to(pose, rules.timeout)
-            if self.rover.sees(view.landmark, rules.look):
+            if self.rover.sees(viewpoint.landmark, rules.look):
                 return True
         return False

@@ -7,12 +7,10 @@ import roverkit.vision  # noqa: F401  # first: it explains how to install numpy 
 # isort: split
 
 import argparse
-import json
 import logging
 import math
 import time
 from collections.abc import Callable
-from contextlib import ExitStack
 from dataclasses import replace
 
 from roverkit.driving.drive_rows import DriveRows
@@ -20,11 +18,8 @@ from roverkit.mission.mission_declaration import STATE
 from roverkit.mission.mission_file import read_mission
 from roverkit.mission.mission_row import progress_publisher
 from roverkit.mission.mission_rules import MissionRun, Report, State
-from roverkit.node.ros_connection import RosConnection
+from roverkit.node.program import connected, json_printer, project_registry
 from roverkit.vision.ros.outputs import Output, Outputs
-from roverlink.console import project_folder
-from roverlink.generated_code import load_project
-from roverlink.node_log import publish_log
 from roverlink.runtime.interfaces import std_msgs
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
@@ -38,12 +33,10 @@ def run_mission(arguments: argparse.Namespace, ros: RosArguments, logger: loggin
     Raises `SetupError` if the file has a mistake, or if Nav2 or the rover's pose is missing.
     """
     mission = read_mission(arguments.mission)
-    registry = load_project(project_folder(arguments.project))
+    registry = project_registry(arguments)
     rows = DriveRows(registry)
-    with ExitStack() as stack:
-        connection = RosConnection(ros, "rclpy", stack, logger.warning)
+    with connected(ros, "rclpy", logger) as connection:
         middleware = connection.middleware
-        stack.enter_context(publish_log(logger, middleware, ros))
         from roverkit.mission.nav2_rover import Nav2Rover  # only here: it imports rclpy, which may be missing
 
         output = Outputs(middleware, connection.topic, logger.warning).open(STATE)
@@ -68,7 +61,8 @@ class Reporting:
         *,
         as_json: bool,
     ) -> None:
-        self._logger, self._output, self._publish, self._goals, self._json = logger, output, publish, goals, as_json
+        self._logger, self._output, self._publish, self._goals = logger, output, publish, goals
+        self._print = json_printer(as_json)
         self._last = Report(State.WAITING)
         self._shown = self._logged = -math.inf
 
@@ -95,7 +89,6 @@ class Reporting:
 
     def _tell(self, report: Report) -> None:
         self._publish(report)
-        if self._json:
-            distance = report.distance if math.isfinite(report.distance) else None
-            entry = {"state": report.state.value, "goal": report.goal, "goals": self._goals, "distance": distance}
-            print(json.dumps({**entry, "message": report.message}), flush=True)
+        distance = report.distance if math.isfinite(report.distance) else None
+        entry = {"state": report.state.value, "goal": report.goal, "goals": self._goals, "distance": distance}
+        self._print({**entry, "message": report.message})

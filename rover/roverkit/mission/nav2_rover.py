@@ -216,7 +216,11 @@ class Nav2Rover:
 
     def _take_sight(self, messages: Sequence[bytes]) -> None:
         try:
-            seen = [one.id for data in messages for one in cdr.decode(vision_msgs.Detection3DArray, data).detections]
+            seen = [
+                detection.id
+                for data in messages
+                for detection in cdr.decode(vision_msgs.Detection3DArray, data).detections
+            ]
         except ConversionError as error:
             self._warn("ignoring landmarks that cannot be read: %s", error)
             return

@@ -16,7 +16,7 @@ class Box:
 
 
 @dataclass(frozen=True, slots=True)
-class Detection:
+class ObjectDetection:
     """Object that a detector has found in one image."""
 
     box: Box

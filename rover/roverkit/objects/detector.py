@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from roverkit.objects.detected_objects import Box, Detection
+from roverkit.objects.detected_objects import Box, ObjectDetection
 from roverkit.objects.layouts import LAYOUTS, Candidates, Layout, Signature, candidates
 from roverkit.objects.runtime_session import Array, Session
 from roverkit.vision.markers.detection import Image, to_colour
@@ -56,7 +56,7 @@ class ObjectDetector:
         self.class_names: tuple[str, ...] = tuple(known)
         """Names of the classes; empty if neither the caller nor the model names them."""
 
-    def detect(self, image: Image) -> list[Detection]:
+    def detect(self, image: Image) -> list[ObjectDetection]:
         """Return the objects in a grey or BGR image, the surest one first; their boxes are clipped to the image.
 
         Raises `SetupError` if the model fails.
@@ -76,7 +76,7 @@ class ObjectDetector:
             Candidates(np.hstack([boxes[good, :2], lengths[good]]), found.scores[good], found.classes[good])
         )
         return [
-            Detection(Box(*(float(value) for value in box)), self._class_name(index), float(score))
+            ObjectDetection(Box(*(float(value) for value in box)), self._class_name(index), float(score))
             for box, score, index in chosen
         ]
 
@@ -91,7 +91,7 @@ class ObjectDetector:
         else:
             kept = np.arange(len(found.boxes))
         kept = kept[np.argsort(-found.scores[kept], kind="stable")][:_MOST]
-        return [(found.boxes[one], float(found.scores[one]), int(found.classes[one])) for one in kept]
+        return [(found.boxes[index], float(found.scores[index]), int(found.classes[index])) for index in kept]
 
     def _class_name(self, index: int) -> str:
         return self.class_names[index] if self.class_names else str(index)
@@ -101,7 +101,7 @@ class ObjectDetector:
         (name, shape), *others = self._session.inputs.items() or [("", ())]
         rest = [other for other, sides in others if len(sides) != 2]
         if len(others) > 1 or rest or len(shape) != 4 or shape[0] not in (1, None) or shape[1] not in (3, None):
-            given = ", ".join(f"{one} {_shown(sides)}" for one, sides in self._session.inputs.items())
+            given = ", ".join(f"{other} {_shown(sides)}" for other, sides in self._session.inputs.items())
             given = given or "none"
             raise SetupError(
                 f"{self._path}: the inputs are {given}; a detector has one for an image, (1, 3, height, width)"
@@ -117,7 +117,7 @@ class ObjectDetector:
         """Return height and width; what the file leaves open is that of training, if the metadata has it."""
         stated = _literal(self._session.metadata.get("imgsz", ""))
         trained = stated if isinstance(stated, list) else [stated, stated]
-        if len(trained) != 2 or any(type(one) is not int for one in trained):  # True is an instance of int
+        if len(trained) != 2 or any(type(side) is not int for side in trained):  # True is an instance of int
             trained = [_SIZE, _SIZE]
         height, width = (side or size for side, size in zip(sides, trained))
         return height, width
@@ -128,7 +128,7 @@ class ObjectDetector:
         if isinstance(names, dict) and sorted(map(str, names)) == sorted(map(str, range(len(names)))):
             by_index = {int(index): str(name) for index, name in names.items()}
             return [by_index[index] for index in range(len(by_index))]
-        return [str(one) for one in names] if isinstance(names, list) else []
+        return [str(name) for name in names] if isinstance(names, list) else []
 
     def _states_suppression(self) -> bool:
         """Return true if the metadata of Ultralytics says that the outputs have no overlapping boxes."""
@@ -143,7 +143,7 @@ class ObjectDetector:
             raise SetupError(f"{self._path}: the model is for the task {task!r}; export one for 'detect'")
         width, height = self._size
         blank = np.full((1, 3, height, width), 0.5, np.float32)
-        return {name: one.shape for name, one in self._session.run([blank, *self._extra]).items()}
+        return {name: output.shape for name, output in self._session.run([blank, *self._extra]).items()}
 
     def _recognized(self, signature: Signature, layout: str | None) -> Layout:
         found = candidates(signature, layout)
@@ -153,7 +153,7 @@ class ObjectDetector:
         classes = f" and {signature.classes} classes" if signature.classes else ""
         start = f"{self._path}: the outputs are {outputs}{classes};"
         if found:
-            names = " or ".join(dict.fromkeys(one.name for one in found))
+            names = " or ".join(dict.fromkeys(candidate.name for candidate in found))
             raise SetupError(f"{start} this may be {names}; choose with --layout")
         if layout:
             raise SetupError(

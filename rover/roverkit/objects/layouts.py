@@ -82,7 +82,7 @@ class Signature:
     def cells(self) -> list[int]:
         """Return the numbers of cells that the grids can have."""
         width, height = self.size
-        return [sum((width // one) * (height // one) for one in strides) for strides in _STRIDES]
+        return [sum((width // stride) * (height // stride) for stride in strides) for strides in _STRIDES]
 
     def fits(self, columns: int, others: int) -> bool:
         """Return true if a number of columns is that of the classes and of `others`; true if that is unknown."""
@@ -183,58 +183,58 @@ _STRETCHED = Preprocessing(Fit.STRETCHED)
 _VARIANTS = (
     Layout(
         "yolov8",
-        lambda one: _is_table(one.only) and one.only[1] < one.only[2] and one.fits(one.only[1], 4),
+        lambda model: _is_table(model.only) and model.only[1] < model.only[2] and model.fits(model.only[1], 4),
         _yolov8,
         overlapping=True,
     ),
     Layout(
         "yolov5",
-        lambda one: _is_table(one.only)
-        and one.only[1] in [_RATIOS * cells for cells in one.cells()]
-        and one.fits(one.only[2], 5),
+        lambda model: _is_table(model.only)
+        and model.only[1] in [_RATIOS * cells for cells in model.cells()]
+        and model.fits(model.only[2], 5),
         _yolov5,
         overlapping=True,
     ),
     Layout(
         "yolox",
-        lambda one: _is_table(one.only) and one.only[1] in one.cells() and one.fits(one.only[2], 5),
+        lambda model: _is_table(model.only) and model.only[1] in model.cells() and model.fits(model.only[2], 5),
         _yolox,
         Preprocessing(Fit.CORNER, rgb=False, unit=False),
         overlapping=True,
     ),
-    Layout("rtdetr", lambda one: one.has(logits=0, pred_boxes=4), _detr("pred_boxes", "logits"), _STRETCHED),
-    Layout("rtdetr", lambda one: one.has(labels=None, boxes=4, scores=None), _detr_with_labels, _STRETCHED),
+    Layout("rtdetr", lambda model: model.has(logits=0, pred_boxes=4), _detr("pred_boxes", "logits"), _STRETCHED),
+    Layout("rtdetr", lambda model: model.has(labels=None, boxes=4, scores=None), _detr_with_labels, _STRETCHED),
     Layout(
         "rtdetr",
-        lambda one: _is_table(one.only)
-        and one.only[1] > one.only[2]
-        and not _is_on_grid(one)
-        and one.fits(one.only[2], 4),
+        lambda model: _is_table(model.only)
+        and model.only[1] > model.only[2]
+        and not _is_on_grid(model)
+        and model.fits(model.only[2], 4),
         _detr_in_one,
         _STRETCHED,
     ),
     Layout(
         "rfdetr",
-        lambda one: one.has(dets=4, labels=0),
+        lambda model: model.has(dets=4, labels=0),
         _detr("dets", "labels"),
         Preprocessing(Fit.STRETCHED, normalized=True),
     ),
     Layout(
         "nms",
-        lambda one: _is_table(one.only) and one.only[2] == 6 and (one.suppressed or not _is_on_grid(one)),
+        lambda model: _is_table(model.only) and model.only[2] == 6 and (model.suppressed or not _is_on_grid(model)),
         _suppressed,
     ),
-    Layout("nms", lambda one: len(one.only) == 2 and one.only[1] == 7, _suppressed_in_batch),
+    Layout("nms", lambda model: len(model.only) == 2 and model.only[1] == 7, _suppressed_in_batch),
     Layout("nms", _has_parts, _suppressed_in_parts),
 )
-LAYOUTS = tuple(dict.fromkeys(one.name for one in _VARIANTS))
+LAYOUTS = tuple(dict.fromkeys(layout.name for layout in _VARIANTS))
 """Names of the layouts."""
 
 
 def candidates(signature: Signature, name: str | None = None) -> list[Layout]:
     """Return the layouts that a model can have; `name` is that of the only one that is possible, if it is known."""
-    found = [one for one in _VARIANTS if name in (None, one.name) and one.matches(signature)]
-    stated = [one for one in found if signature.suppressed and one.name == "nms"]
+    found = [layout for layout in _VARIANTS if name in (None, layout.name) and layout.matches(signature)]
+    stated = [layout for layout in found if signature.suppressed and layout.name == "nms"]
     return stated or found
 
 
@@ -264,7 +264,7 @@ def _corners(boxes: Floats) -> Floats:
 
 def _grid(size: tuple[int, int], count: int) -> tuple[Floats, Floats]:
     """Return the column and row (N, 2) of each cell of YOLOX's grids, and the cells' sides (N, 1) in pixels."""
-    strides = next(one for one in _STRIDES if sum((size[0] // s) * (size[1] // s) for s in one) == count)
+    strides = next(group for group in _STRIDES if sum((size[0] // s) * (size[1] // s) for s in group) == count)
     cells, sides = [], []
     for stride in strides:
         columns, rows = np.meshgrid(np.arange(size[0] // stride), np.arange(size[1] // stride))

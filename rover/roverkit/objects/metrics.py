@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from roverkit.objects.detected_objects import Box, Detection
+from roverkit.objects.detected_objects import Box, ObjectDetection
 from roverkit.vision.camera.camera_model import Floats
 
 _OVERLAP = 0.5
@@ -23,7 +23,9 @@ def overlap(first: Box, second: Box) -> float:
     return both / (first.width * first.height + second.width * second.height - both) if both else 0.0
 
 
-def average_precisions(images: Iterable[tuple[Sequence[Detection], Sequence[tuple[str, Box]]]]) -> dict[str, float]:
+def average_precisions(
+    images: Iterable[tuple[Sequence[ObjectDetection], Sequence[tuple[str, Box]]]],
+) -> dict[str, float]:
     """Return the average precision (AP50) of each class that the truth has; their mean is mAP50.
 
     Each image has what was detected, with all scores, and the truth. The precision is interpolated at 101 recalls, as
@@ -35,17 +37,21 @@ def average_precisions(images: Iterable[tuple[Sequence[Detection], Sequence[tupl
         for name, _ in truth:
             wanted[name] += 1
         free = list(truth)
-        for one in sorted(detections, key=lambda one: -one.confidence):
-            fits = [(overlap(one.box, box), index) for index, (name, box) in enumerate(free) if name == one.class_name]
+        for detection in sorted(detections, key=lambda detection: -detection.confidence):
+            fits = [
+                (overlap(detection.box, box), index)
+                for index, (name, box) in enumerate(free)
+                if name == detection.class_name
+            ]
             best, index = max(fits, default=(0.0, 0))
-            scored[one.class_name].append((one.confidence, best >= _OVERLAP))
+            scored[detection.class_name].append((detection.confidence, best >= _OVERLAP))
             if best >= _OVERLAP:
                 del free[index]
     return {name: _average_precision(scored[name], count) for name, count in sorted(wanted.items())}
 
 
 def _average_precision(scored: Sequence[tuple[float, bool]], wanted: int) -> float:
-    hits = np.array([hit for _, hit in sorted(scored, key=lambda one: -one[0])], float)
+    hits = np.array([hit for _, hit in sorted(scored, key=lambda entry: -entry[0])], float)
     found = np.cumsum(hits)
     precision: Floats = found / np.arange(1, len(hits) + 1)
     # The best precision at this recall or a larger one.

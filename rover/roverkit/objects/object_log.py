@@ -36,10 +36,10 @@ class ObjectLog:
         self._frames += 1
         self._skipped += max(frame.number - self._newest - 1, 0)
         self._newest = frame.number
-        for one in objects:
-            if one.id not in self._seen:
-                self._seen[one.id] = one.class_name
-                self._logger.info("object %d appeared: %s", one.id, one.class_name)
+        for tracked in objects:
+            if tracked.id not in self._seen:
+                self._seen[tracked.id] = tracked.class_name
+                self._logger.info("object %d appeared: %s", tracked.id, tracked.class_name)
         if live:
             self._latencies.append((self._clock.now() - frame.stamp) / 1e6)
         if time.monotonic() - self._since >= _EVERY_S:

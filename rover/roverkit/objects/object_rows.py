@@ -21,7 +21,7 @@ class DetectedObjectRow:
     def __init__(self, registry: Registry) -> None:
         """Find the row. Raises `SetupError` if it is missing, or lacks a field."""
         self.topic = DETECTED.of(registry)
-        fields = {one.name: one.type for one in fields_of(self.topic.message_type)}
+        fields = {field.name: field.type for field in fields_of(self.topic.message_type)}
         self._box = cast("type[Message]", fields["bbox"])
         self._frames = itertools.count(1)
 
@@ -38,17 +38,17 @@ class DetectedObjectRow:
         message with the total count 0, so that the basestation can tell it from a camera that has failed.
         """
         frame = next(self._frames) % _LARGEST
-        for index, (one, type_) in enumerate(objects):
-            box = self._box(**dict(zip(("x", "y", "width", "height"), _pixels(one.box, size))))
+        for index, (tracked, type_) in enumerate(objects):
+            box = self._box(**dict(zip(("x", "y", "width", "height"), _pixels(tracked.box, size))))
             yield cdr.encode(
                 self.topic.message_type(
                     frame_id=frame,
                     total_count=len(objects),
                     index=index,
-                    id=one.id,
+                    id=tracked.id,
                     type=type_,
                     bbox=box,
-                    confidence=one.confidence,
+                    confidence=tracked.confidence,
                 )
             )
         if not objects:

@@ -19,7 +19,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from roverkit.objects.detected_objects import Box, Detection, TrackedObject
+from roverkit.objects.detected_objects import Box, ObjectDetection, TrackedObject
 from roverkit.vision.camera.camera_model import Floats
 from roverlink.runtime.core.errors import SetupError
 
@@ -56,7 +56,7 @@ class _Track:
     The four numbers have the same noise, so they have one covariance, of the number and its change.
     """
 
-    def __init__(self, id: int, detection: Detection, stamp: int) -> None:
+    def __init__(self, id: int, detection: ObjectDetection, stamp: int) -> None:
         self.id, self.stamp, self.seen = id, stamp, 1
         self.confidence = detection.confidence
         self.classes: dict[str, float] = defaultdict(float, {detection.class_name: detection.confidence})
@@ -88,7 +88,7 @@ class _Track:
         """Move the predicted centre by pixels (2,)."""
         self._state[0, :2] += pixels
 
-    def update(self, detection: Detection, stamp: int) -> None:
+    def update(self, detection: ObjectDetection, stamp: int) -> None:
         """Correct the state by a detection."""
         innovation = self._covariance[0, 0] + (_JITTER * _size(detection.box)) ** 2
         gain = self._covariance[0] / innovation
@@ -108,7 +108,7 @@ class ObjectTracker:
         self._ids = itertools.count(1)
         self._stamp: int | None = None
 
-    def track(self, detections: Iterable[Detection], stamp: int) -> list[TrackedObject]:
+    def track(self, detections: Iterable[ObjectDetection], stamp: int) -> list[TrackedObject]:
         """Return the objects that are visible in a frame, with the detections in it; `stamp` is in nanoseconds.
 
         An object comes out when it is detected for the second time. If the time jumps back, all objects are new.
@@ -116,10 +116,10 @@ class ObjectTracker:
         if self._stamp is not None and stamp < self._stamp:
             self._tracks = []
         self._stamp = stamp
-        self._tracks = [one for one in self._tracks if stamp - one.stamp < FORGOTTEN_S * 1e9]
+        self._tracks = [track for track in self._tracks if stamp - track.stamp < FORGOTTEN_S * 1e9]
         for track in self._tracks:
             track.predict(stamp)
-        found: list[tuple[_Track, Detection]] = []
+        found: list[tuple[_Track, ObjectDetection]] = []
         certain, uncertain = _parted(detections)
         self._follow_camera(certain)
         left, news = _joined(self._tracks, certain, stamp, found)
@@ -129,44 +129,49 @@ class ObjectTracker:
             self._tracks.append(track)
         return [
             TrackedObject(track.id, detection.box, track.class_name, track.confidence)
-            for track, detection in sorted(found, key=lambda one: one[0].id)
+            for track, detection in sorted(found, key=lambda pair: pair[0].id)
             if track.seen >= CONFIRMED
         ]
 
-    def _follow_camera(self, detections: Sequence[Detection]) -> None:
+    def _follow_camera(self, detections: Sequence[ObjectDetection]) -> None:
         """Shift all predictions by the motion that most objects have in common: that of the camera."""
         pairs = _pairs(self._tracks, detections)
         if len(pairs) >= _IN_COMMON:
-            shift = np.median([(_measured(one.box) - track.box)[:2] for track, one in pairs], axis=0)
+            shift = np.median([(_measured(detection.box) - track.box)[:2] for track, detection in pairs], axis=0)
             for track in self._tracks:
                 track.shift(shift)
 
 
-def _parted(detections: Iterable[Detection]) -> tuple[list[Detection], list[Detection]]:
-    certain: list[Detection] = []
-    uncertain: list[Detection] = []
-    for one in detections:
-        (certain if one.confidence >= CERTAIN else uncertain).append(one)
+def _parted(detections: Iterable[ObjectDetection]) -> tuple[list[ObjectDetection], list[ObjectDetection]]:
+    certain: list[ObjectDetection] = []
+    uncertain: list[ObjectDetection] = []
+    for detection in detections:
+        (certain if detection.confidence >= CERTAIN else uncertain).append(detection)
     return certain, uncertain
 
 
 def _joined(
-    tracks: Sequence[_Track], detections: Sequence[Detection], stamp: int, found: list[tuple[_Track, Detection]]
-) -> tuple[list[_Track], list[Detection]]:
+    tracks: Sequence[_Track],
+    detections: Sequence[ObjectDetection],
+    stamp: int,
+    found: list[tuple[_Track, ObjectDetection]],
+) -> tuple[list[_Track], list[ObjectDetection]]:
     """Join tracks and detections, and return those that are left over; `found` gets the pairs."""
     pairs = _pairs(tracks, detections)
     for track, detection in pairs:
         track.update(detection, stamp)
     found += pairs
-    used = {id(one) for pair in pairs for one in pair}
-    return [one for one in tracks if id(one) not in used], [one for one in detections if id(one) not in used]
+    used = {id(member) for pair in pairs for member in pair}
+    return [track for track in tracks if id(track) not in used], [
+        detection for detection in detections if id(detection) not in used
+    ]
 
 
-def _pairs(tracks: Sequence[_Track], detections: Sequence[Detection]) -> list[tuple[_Track, Detection]]:
+def _pairs(tracks: Sequence[_Track], detections: Sequence[ObjectDetection]) -> list[tuple[_Track, ObjectDetection]]:
     """Return the pairs of tracks and detections with the smallest total distance."""
     if not tracks or not detections:
         return []
-    seen = np.array([_measured(one.box) for one in detections])
+    seen = np.array([_measured(detection.box) for detection in detections])
     predicted = np.array([track.box for track in tracks])
     # In sizes of the detected box.
     distances = np.linalg.norm(seen - predicted[:, None], axis=2) / np.sqrt(seen[:, 2] * seen[:, 3])

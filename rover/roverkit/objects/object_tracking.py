@@ -10,13 +10,12 @@ import argparse
 import itertools
 import json
 import logging
-import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
+from roverkit.node.program import project_registry
 from roverkit.node.ros_connection import RosConnection, full_topic
 from roverkit.objects.chosen_detector import open_detector
 from roverkit.objects.detected_objects import TrackedObject
@@ -27,7 +26,7 @@ from roverkit.objects.object_rows import DetectedObjectRow
 from roverkit.objects.object_tracker import ObjectTracker
 from roverkit.objects.object_types import ClassesFile, ObjectTypes
 from roverkit.vision.frames import Frame, FrameSource, TopicSource, play
-from roverkit.vision.frames.camera_source import CAMERA_FRAME, open_source, settings_of, source_of
+from roverkit.vision.frames.camera_source import CAMERA_FRAME, open_source, settings_of, source_of, with_progress
 from roverkit.vision.frames.depth_camera import CameraTopics, DepthCamera, NoDepthError, aligned_depth_topic
 from roverkit.vision.images.film import Film
 from roverkit.vision.images.object_drawing import draw_objects
@@ -35,10 +34,8 @@ from roverkit.vision.ros.camera_info import camera_info_topic
 from roverkit.vision.ros.image_messages import compressed_of
 from roverkit.vision.ros.object_messages import detections_2d_of, detections_3d_of
 from roverkit.vision.ros.outputs import Outputs
-from roverlink.console import OK, NoProjectError, project_folder
-from roverlink.generated_code import load_project
+from roverlink.console import OK, NoProjectError
 from roverlink.node_log import publish_log
-from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
@@ -46,7 +43,7 @@ _DIGITS = 6  # significant digits of JSON
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ObjectView:
+class ObjectResult:
     """Frame with the objects in it, and those of their positions that are known, by the objects' numbers."""
 
     frame: Frame
@@ -60,19 +57,19 @@ class ObjectView:
             "stamp": frame.stamp,
             "frame": frame.number,
             "frame_id": frame.frame_id,
-            "objects": [self._object(one) for one in self.objects],
+            "objects": [self._object(tracked) for tracked in self.objects],
         }
 
-    def _object(self, one: TrackedObject) -> dict[str, Any]:
-        box = {name: _number(getattr(one.box, name)) for name in ("x", "y", "width", "height")}
-        found = {"id": one.id, "class": one.class_name, "confidence": _number(one.confidence), "box": box}
-        if location := self.locations.get(one.id):
+    def _object(self, tracked: TrackedObject) -> dict[str, Any]:
+        box = {name: _number(getattr(tracked.box, name)) for name in ("x", "y", "width", "height")}
+        found = {"id": tracked.id, "class": tracked.class_name, "confidence": _number(tracked.confidence), "box": box}
+        if location := self.locations.get(tracked.id):
             found["position"] = [_number(value) for value in location.point.tolist()]
             found["covariance"] = [_number(value) for value in location.covariance.ravel().tolist()]
         return found
 
 
-Output = Callable[[ObjectView], None]
+Output = Callable[[ObjectResult], None]
 
 
 def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> int:
@@ -93,29 +90,26 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             outputs += _publishers(arguments, classes, detector.class_names, connection, logger)
         log = stack.enter_context(ObjectLog(logger, connection.clock))
         tracker = ObjectTracker()
-        for frame in _frames(source, arguments, connection):
+        for frame in with_progress(_frames(source, arguments, connection), [source], arguments):
             objects = tracker.track(detector.detect(frame.image), frame.stamp)
-            view = ObjectView(frame, objects, _locations(objects, frame, depth))
+            result = ObjectResult(frame, objects, _locations(objects, frame, depth))
             if arguments.json:
-                print(json.dumps(view.as_dict()), flush=True)
+                print(json.dumps(result.as_dict()), flush=True)
             for output in outputs:
-                output(view)
+                output(result)
             log.add(frame, objects, live=source.live)
     return OK
 
 
 def _frames(source: FrameSource, arguments: argparse.Namespace, ros: RosConnection) -> Iterator[Frame]:
-    """Yield the frames of a source with the name of the camera's frame, at most ``--count``; show the progress.
+    """Yield the frames of a source with the name of the camera's frame, at most ``--count``.
 
     The frames of a recording come at full speed. But they come in real time if they are also published or repeated.
     """
     played = not source.live and (arguments.middleware or arguments.loop)
     frames = play(source, loop=arguments.loop, clock=ros.clock) if played else iter(source)
-    total = None if arguments.loop or (arguments.json and sys.stdout.isatty()) else source.total
-    with progress(source.name) if total else nullcontext(lambda *_: None) as report:
-        for done, frame in enumerate(itertools.islice(frames, arguments.count), 1):
-            yield replace(frame, frame_id=arguments.camera_frame or frame.frame_id or CAMERA_FRAME)
-            report(done, total or done)
+    for frame in itertools.islice(frames, arguments.count):
+        yield replace(frame, frame_id=arguments.camera_frame or frame.frame_id or CAMERA_FRAME)
 
 
 def _depth(
@@ -152,17 +146,14 @@ def _locations(objects: list[TrackedObject], frame: Frame, depth: DepthCamera | 
         image = depth.image(frame.stamp)
     except NoDepthError:  # the depth camera has said it
         return {}
-    found = {one.id: locate(one.box, image.depth, image.camera) for one in objects}
+    found = {tracked.id: locate(tracked.box, image.depth, image.camera) for tracked in objects}
     return {number: location for number, location in found.items() if location}
 
 
 def _film(source: FrameSource, text: str, arguments: argparse.Namespace, stack: ExitStack) -> Iterator[Output]:
     if arguments.save:
-        path: Path = arguments.save
-        if path.exists() and Path(text).exists() and path.samefile(text):
-            raise SetupError(f"{path} is the source of the images; give --save another name")
-        film = stack.enter_context(Film(path, source.rate))
-        yield lambda view: film.add(_drawn(view), view.frame.stamp)
+        film = stack.enter_context(Film(arguments.save, source.rate, text))
+        yield lambda result: film.add(_drawn(result), result.frame.stamp)
 
 
 def _publishers(
@@ -178,30 +169,30 @@ def _publishers(
     solid = outputs.open(DETECTIONS_3D)
     image = outputs.open(IMAGE)
 
-    def publish(view: ObjectView) -> None:
-        stamp, frame = view.frame.stamp, view.frame.frame_id
-        flat.put(lambda: detections_2d_of(view.objects, stamp, frame))
-        solid.put(lambda: detections_3d_of(view.objects, view.locations, stamp, frame))
-        image.put(lambda: compressed_of(_drawn(view), stamp, frame))
+    def publish(result: ObjectResult) -> None:
+        stamp, frame = result.frame.stamp, result.frame.frame_id
+        flat.put(lambda: detections_2d_of(result.objects, stamp, frame))
+        solid.put(lambda: detections_3d_of(result.objects, result.locations, stamp, frame))
+        image.put(lambda: compressed_of(_drawn(result), stamp, frame))
 
     yield publish
     try:
-        row = DetectedObjectRow(load_project(project_folder(arguments.project)))
+        row = DetectedObjectRow(project_registry(arguments))
     except NoProjectError as error:  # detection works without a bridge
         logger.warning("the objects are not sent to the basestation: %s", error)
         return
     publisher = row.topic.publisher(ros.middleware, ros.topic)
     types = ObjectTypes(classes, row.types, names, logger.warning)
 
-    def send(view: ObjectView) -> None:
-        objects = [(one, types.of(one.class_name)) for one in view.objects]
-        publisher.publish(list(row.messages(objects, view.frame.size)))
+    def send(result: ObjectResult) -> None:
+        objects = [(tracked, types.of(tracked.class_name)) for tracked in result.objects]
+        publisher.publish(list(row.messages(objects, result.frame.size)))
 
     yield send
 
 
-def _drawn(view: ObjectView) -> Any:
-    return draw_objects(view.frame.image, view.objects, view.locations)
+def _drawn(result: ObjectResult) -> Any:
+    return draw_objects(result.frame.image, result.objects, result.locations)
 
 
 def _number(value: float) -> float:

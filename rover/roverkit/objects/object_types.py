@@ -62,8 +62,10 @@ class ObjectTypes:
             if classes and name not in classes:
                 raise item.error(f"the detector has no class {name!r}; {nearest(name, sorted(classes))}")
             self._types[name] = numbers[item.text]
-        words = zip(*(one.split("_") for one in numbers))
-        self._prefix = "_".join(column[0] for column in itertools.takewhile(lambda one: len(set(one)) == 1, words))
+        words = zip(*(name.split("_") for name in numbers))
+        self._prefix = "_".join(
+            column[0] for column in itertools.takewhile(lambda column: len(set(column)) == 1, words)
+        )
 
     def of(self, name: str) -> int:
         """Return the type of the objects of a class."""
@@ -90,7 +92,7 @@ def class_names(item: Item) -> tuple[str, ...]:
         items = list(entries.values())
     else:
         items = item.items("a name of a class") or []
-    names = [one.text for one in items]
+    names = [item.text for item in items]
     if not names or any(name is None for name in names) or len(set(names)) < len(names):
         raise item.error("names is not a list of different names, such as [rock, socket]")
     return tuple(str(name) for name in names)

@@ -67,12 +67,12 @@ class Preprocessing:
         inner = tuple(max(1, round(length * scale)) for length, scale in zip((width, height), placement.scale))
         resized = cv2.resize(image, inner, interpolation=cv2.INTER_LINEAR) if inner != (width, height) else image
         canvas = np.full((size[1], size[0], 3), _PADDING, np.uint8)
-        left, top = (round(one) for one in placement.offset)
+        left, top = (round(offset) for offset in placement.offset)
         canvas[top : top + inner[1], left : left + inner[0]] = resized
         scale = 1 / 255 if self.unit else 1.0
         blob: NDArray[np.float32] = cv2.dnn.blobFromImage(canvas, scale, swapRB=self.rgb)
         if self.normalized:
-            mean, deviation = (one.reshape(1, 3, 1, 1).astype(np.float32) for one in _IMAGENET)
+            mean, deviation = (values.reshape(1, 3, 1, 1).astype(np.float32) for values in _IMAGENET)
             blob = (blob - mean) / deviation
         return blob, placement
 

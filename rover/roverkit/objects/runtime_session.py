@@ -38,24 +38,28 @@ class Session:
         there = runtime.get_available_providers()
         try:
             # From bytes: then a model cannot read other files as its weights.
-            self._session = runtime.InferenceSession(data, options, [one for one in _PROVIDERS if one in there])
+            self._session = runtime.InferenceSession(
+                data, options, [provider for provider in _PROVIDERS if provider in there]
+            )
         except Exception as error:  # ONNX Runtime's errors have no common class
             raise SetupError(f"{path}: {_reason(error)}") from error
         self.provider: str = self._session.get_providers()[0]
         """Execution provider that runs the model, such as ``CUDAExecutionProvider``."""
         self.metadata: dict[str, str] = dict(self._session.get_modelmeta().custom_metadata_map)
         self.inputs: dict[str, tuple[int | None, ...]] = {
-            one.name: tuple(side if isinstance(side, int) and side > 0 else None for side in one.shape)
-            for one in self._session.get_inputs()
+            given.name: tuple(side if isinstance(side, int) and side > 0 else None for side in given.shape)
+            for given in self._session.get_inputs()
         }
         """Shapes of the inputs by their names; None for a side that the file leaves open."""
-        self._types = {one.name: one.type for one in self._session.get_inputs()}
+        self._types = {given.name: given.type for given in self._session.get_inputs()}
         if unknown := sorted(set(self._types.values()) - _TYPES.keys()):
             raise SetupError(f"{path}: an input has the type {unknown[0]}; export the model with inputs of float32")
         outputs = self._session.get_outputs()
-        if other := [one.type for one in outputs if not one.type.startswith("tensor(") or "string" in one.type]:
+        if other := [
+            output.type for output in outputs if not output.type.startswith("tensor(") or "string" in output.type
+        ]:
             raise SetupError(f"{path}: an output has the type {other[0]}; a detector has tensors of numbers")
-        self._outputs = [one.name for one in outputs]
+        self._outputs = [output.name for output in outputs]
 
     def run(self, inputs: Sequence[Array]) -> dict[str, Array]:
         """Return the outputs by their names for the inputs in their order. Raises `SetupError` if the model fails."""
@@ -66,8 +70,8 @@ class Session:
             raise SetupError(f"{self._path}: the model fails on an image: {_reason(error)}") from error
         # In half precision, the arithmetic of boxes would round them to half a pixel.
         return {
-            name: one.astype(np.float32) if one.dtype == np.float16 else one
-            for name, one in zip(self._outputs, outputs)
+            name: output.astype(np.float32) if output.dtype == np.float16 else output
+            for name, output in zip(self._outputs, outputs)
         }
 
 

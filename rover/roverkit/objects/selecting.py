@@ -7,13 +7,13 @@ import roverkit.vision  # noqa: F401  # first: it explains how to install numpy 
 # isort: split
 
 import argparse
-import json
 import logging
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from functools import partial
 from queue import Empty, Queue
 
+from roverkit.node.program import connected, json_printer, project_registry
 from roverkit.node.ros_connection import RosConnection
 from roverkit.objects.location import Location
 from roverkit.objects.object_declarations import (
@@ -30,9 +30,6 @@ from roverkit.vision.poses.pose import Pose
 from roverkit.vision.poses.transform_tree import TransformError
 from roverkit.vision.ros.object_messages import locations_of, pose_of
 from roverkit.vision.ros.outputs import Output, Outputs
-from roverlink.console import project_folder
-from roverlink.generated_code import load_project
-from roverlink.node_log import publish_log
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.interfaces import geometry_msgs, std_msgs, vision_msgs
@@ -49,10 +46,8 @@ Event = Callable[[], None]
 
 def select_objects(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> None:
     """Publish positions until the program is stopped. Raises `SetupError` if the table lacks the row."""
-    row = ObjectSelectionRow(load_project(project_folder(arguments.project)))
-    with ExitStack() as stack:
-        connection = RosConnection(ros, arguments.middleware, stack, logger.warning)
-        stack.enter_context(publish_log(logger, connection.middleware, ros))
+    row = ObjectSelectionRow(project_registry(arguments))
+    with connected(ros, arguments.middleware, logger) as connection:
         selector = Selector(connection, arguments, logger)
         events: Queue[Event] = Queue()
 
@@ -89,7 +84,8 @@ class Selector:
 
     def __init__(self, connection: RosConnection, arguments: argparse.Namespace, logger: logging.Logger) -> None:
         self._tree, self._clock, self._logger = connection.transforms, connection.clock, logger
-        self._base, self._map, self._json = arguments.base_frame, arguments.map_frame, arguments.json
+        self._base, self._map = arguments.base_frame, arguments.map_frame
+        self._print = json_printer(arguments.json)
         self._selection = Selection(round(arguments.hold * 1e9))
         self._said: tuple[State, int | None] | None = (State.NONE, None)
         self._published = 0
@@ -164,8 +160,7 @@ class Selector:
     def _say(self, state: str, number: int | None) -> None:
         text = state if number is None else f"{state} {number}"
         self._state.publish(std_msgs.String(text))
-        if self._json:
-            print(json.dumps({"state": state, "id": number}), flush=True)
+        self._print({"state": state, "id": number})
 
 
 def _put(outputs: tuple[Output, Output], location: Location, frame: str, stamp: int) -> None:

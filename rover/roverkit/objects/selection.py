@@ -74,7 +74,7 @@ class Selection:
     def update(self, now: int) -> None:
         """Compute the state at a time, and forget the objects that were not visible for long."""
         kept = {number for number, (at, _) in self._seen.items() if now - at <= KNOWN_NS} | {self.object}
-        self._seen = {number: one for number, one in self._seen.items() if number in kept}
+        self._seen = {number: seen for number, seen in self._seen.items() if number in kept}
         if self.object is None or self.state is State.LOST:
             return
         hidden = now - self._seen[self.object][0]

@@ -131,13 +131,13 @@ def _images(item: Item, base: Path, classes: int) -> tuple[LabelledImage, ...]:
     given = Path(item.text or "")
     # Exports of Roboflow begin with "../", for a folder of data sets around this one.
     choices = [base / given, base / Path(*[part for part in given.parts if part != ".."])]
-    folder = next((one for one in choices if one.is_dir()), None)
+    folder = next((choice for choice in choices if choice.is_dir()), None)
     if folder is None:
         raise item.error(f"{item.name}: there is no folder {base / given}")
-    found = sorted(one for one in folder.rglob("*") if one.suffix.lower() in _IMAGES)
+    found = sorted(path for path in folder.rglob("*") if path.suffix.lower() in _IMAGES)
     if not found:
         raise item.error(f"{item.name}: the folder {folder} has no images")
-    return tuple(LabelledImage(one, _labels_of(one), classes) for one in found)
+    return tuple(LabelledImage(path, _labels_of(path), classes) for path in found)
 
 
 def _labels_of(image: Path) -> Path:

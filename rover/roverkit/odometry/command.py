@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
+from roverkit.node.program import node_arguments
 from roverkit.odometry.odometry_declaration import NODE
-from roverlink.console import OK, Subparsers, add_middleware, add_project, command, node_logger
-from roverlink.runtime.ros_arguments import ros_args
+from roverlink.console import OK, Subparsers, add_middleware, add_project, command
 
 
 def add(commands: Subparsers) -> None:
@@ -34,8 +34,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Publish odometry until a signal comes; the exit code is then 0."""
-    ros = ros_args.parse(arguments.ros_args, NODE.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, NODE.name)
     from roverkit.odometry.wheel_odometry_node import publish_odometry
 
     publish_odometry(arguments, ros, logger)

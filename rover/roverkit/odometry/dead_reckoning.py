@@ -156,4 +156,4 @@ class DeadReckoning:
 
 def _product(left: Matrix, right: Matrix) -> Matrix:
     columns = list(zip(*right))
-    return [[sum(one * other for one, other in zip(row, column)) for column in columns] for row in left]
+    return [[sum(value * other for value, other in zip(row, column)) for column in columns] for row in left]

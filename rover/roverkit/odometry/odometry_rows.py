@@ -44,5 +44,5 @@ class OdometryRows:
         """
         message = cdr.decode(self.diagnostics.message_type, data)
         motors = [getattr(message, name) for name in WHEELS]
-        speeds = [abs(one.rpm) for one in motors if one.state != one.ERROR and math.isfinite(one.rpm)]
+        speeds = [abs(motor.rpm) for motor in motors if motor.state != motor.ERROR and math.isfinite(motor.rpm)]
         return math.fsum(speeds) / len(speeds) if speeds else None

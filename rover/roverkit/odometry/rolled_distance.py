@@ -111,7 +111,9 @@ class RolledDistance:
 
     def _begin(self, now: int, left: float) -> None:
         """Begin with a report, before which nothing is known."""
-        known = [one for one in self._sent if one.sent <= now and one.length / left >= 1] if left else []
+        known = (
+            [command for command in self._sent if command.sent <= now and command.length / left >= 1] if left else []
+        )
         self._command = known[-1] if known else _Command(now, left, None if left else 0.0)
         self._left, self._moved_at = left, now
         self._by_time.stop(_SPEED_LIMIT if left else 0.0)
@@ -160,10 +162,10 @@ class RolledDistance:
             return Rolled(now, now, curvature=self._command.curvature)
         while self._sent and _seconds(self._sent[0].sent, now) > _ON_ITS_WAY_S:
             self._sent.popleft()
-        found = [one for one in self._explanations(self._at, now, left) if one is not None]
+        found = [explanation for explanation in self._explanations(self._at, now, left) if explanation is not None]
         if found:
-            best, *others = sorted(found, key=lambda one: one.cost)
-            clear = best.cost < _LIKELY_COST and all(one.cost > best.cost + _CLEAR_COST for one in others)
+            best, *others = sorted(found, key=lambda explanation: explanation.cost)
+            clear = best.cost < _LIKELY_COST and all(other.cost > best.cost + _CLEAR_COST for other in others)
             self._unclear += 1
             if clear or self._unclear > _MOST_UNCLEAR:
                 self._unclear = 0
@@ -180,7 +182,7 @@ class RolledDistance:
 
     def _explanations(self, since: int, now: int, left: float) -> list[_Explanation | None]:
         """Return the explanations of a report, that with the newest command first; None for an impossible one."""
-        found = [self._replaced(since, now, left, one) for one in reversed(self._sent)]
+        found = [self._replaced(since, now, left, command) for command in reversed(self._sent)]
         if abs(left) <= _TOLERANCE_M < abs(self._left):
             found.append(self._stopped(_ENDED_COST, _Command(since, 0.0, 0.0), since, now))
         return [*found, self._continued(since, now, left)]
@@ -248,7 +250,7 @@ class RolledDistance:
 
     def _skipped(self, sent: int, now: int) -> float:
         """Return the cost of the explanation that commands which were sent after a time have not arrived yet."""
-        skipped = sum(one.sent > sent and _seconds(one.sent, now) > _USUAL_DELAY_S for one in self._sent)
+        skipped = sum(command.sent > sent and _seconds(command.sent, now) > _USUAL_DELAY_S for command in self._sent)
         return _LOST_COST * min(skipped, _MOST_SKIPPED)
 
     def _cost(self, since: int, now: int, distance: float, command: _Command) -> float | None:

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import json
 import logging
 import math
 import threading
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 
+from roverkit.node.program import connected, json_printer, project_registry
 from roverkit.node.ros_connection import RosConnection
 from roverkit.odometry.odometry_declaration import IMU, ODOMETRY, TRANSFORM
 from roverkit.odometry.odometry_messages import odometry_of, transform_of
 from roverkit.odometry.odometry_parameters import OdometryParameters
 from roverkit.odometry.odometry_rows import OdometryRows
 from roverkit.odometry.wheel_odometry import OdometryEstimate, WheelOdometry
-from roverlink.console import project_folder
-from roverlink.generated_code import load_project
-from roverlink.node_log import publish_log
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.interfaces.sensor_msgs import Imu
@@ -37,11 +33,9 @@ def publish_odometry(arguments: argparse.Namespace, ros: RosArguments, logger: l
 
     Raises `SetupError` if the table lacks a row, or if a parameter is wrong.
     """
-    rows = OdometryRows(load_project(project_folder(arguments.project)))
+    rows = OdometryRows(project_registry(arguments))
     parameters = OdometryParameters(ros, logger)
-    with ExitStack() as stack:
-        connection = RosConnection(ros, arguments.middleware, stack, logger.warning, parameters)
-        stack.enter_context(publish_log(logger, connection.middleware, ros))
+    with connected(ros, arguments.middleware, logger, parameters) as connection:
         node = OdometryNode(connection, rows, parameters, logger, as_json=arguments.json)
         node.receive()
         logger.info(
@@ -63,7 +57,7 @@ class OdometryNode:
         as_json: bool,
     ) -> None:
         self._connection, self._rows, self._parameters, self._logger = connection, rows, parameters, logger
-        self._json = as_json
+        self._print = json_printer(as_json)
         self._clock = connection.clock
         self._odometry = WheelOdometry(parameters.meaning.noise)
         # In memory, a subscriber of the odometry may send a command, which comes back at once.
@@ -151,10 +145,9 @@ class OdometryNode:
         self._publisher.publish([cdr.encode(message)])
         if settings.publish_tf:
             self._transforms.publish([cdr.encode(TFMessage([transform_of(message)]))])
-        if self._json:
-            pose, speed, rate = estimate.pose, estimate.speed, estimate.yaw_rate
-            entry = {"stamp": estimate.at, "x": pose.x, "y": pose.y, "yaw": pose.yaw, "speed": speed, "yaw_rate": rate}
-            print(json.dumps({**entry, "covariance": estimate.covariance}), flush=True)
+        pose, speed, rate = estimate.pose, estimate.speed, estimate.yaw_rate
+        entry = {"stamp": estimate.at, "x": pose.x, "y": pose.y, "yaw": pose.yaw, "speed": speed, "yaw_rate": rate}
+        self._print({**entry, "covariance": estimate.covariance})
 
     def _say_once(self, kind: str, message: str) -> None:
         if kind not in self._said:

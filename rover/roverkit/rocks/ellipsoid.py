@@ -36,8 +36,8 @@ _CONVERGED = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LineView:
-    """What the camera sees around a line, in the frame of the line on the ground.
+class DepthPatch:
+    """Part of a depth image around a line, in the frame of the line on the ground.
 
     The origin is the line's first end on the ground; x is along the line, z is up.
     """
@@ -91,29 +91,29 @@ class LineView:
         return min(1.0, _INDEPENDENT / max(len(self.inverse), 1))
 
 
-def fit_ellipsoid(view: LineView) -> tuple[float, float] | None:
+def fit_ellipsoid(patch: DepthPatch) -> tuple[float, float] | None:
     """Return the length and the width in metres of the rock; None if the bare ground is the better explanation."""
-    cost, shape = min((_descended(view, start) for start in _STARTS), key=lambda one: one[0])
-    if cost >= view.cost(None):
+    cost, shape = min((_descended(patch, start) for start in _STARTS), key=lambda found: found[0])
+    if cost >= patch.cost(None):
         return None
-    (half_length, half_width, _), _ = view.sizes(shape)
+    (half_length, half_width, _), _ = patch.sizes(shape)
     return 2 * float(half_length), 2 * float(half_width)
 
 
-def _descended(view: LineView, shape: Floats) -> tuple[float, Floats]:
+def _descended(patch: DepthPatch, shape: Floats) -> tuple[float, Floats]:
     """Return the cost of the nearest minimum and its shape (Levenberg and Marquardt)."""
-    cost, damping = view.cost(shape), 1e-2
+    cost, damping = patch.cost(shape), 1e-2
     for _ in range(_STEPS):
-        differences = view.differences(shape)
-        weights = view.weight / (1 + (differences / _ROBUST) ** 2)
-        slopes = np.stack([view.differences(shape + _STEP * unit) - differences for unit in np.eye(4)], axis=1) / _STEP
+        differences = patch.differences(shape)
+        weights = patch.weight / (1 + (differences / _ROBUST) ** 2)
+        slopes = np.stack([patch.differences(shape + _STEP * unit) - differences for unit in np.eye(4)], axis=1) / _STEP
         system = slopes.T @ (slopes * weights[:, None]) + np.diag(_SPREAD**-2)
         gradient = slopes.T @ (differences * weights) + (shape - _EXPECTED) / _SPREAD**2
         before = cost
         while cost >= before and damping < 1e6:
             tried = shape - np.linalg.solve(system + damping * np.diag(np.diag(system)), gradient)
             tried[2] = np.clip(tried[2], 0, _HIGHEST)
-            found = view.cost(tried)
+            found = patch.cost(tried)
             damping *= 0.25 if found < before else 4
             if found < before:
                 cost, shape = found, tried

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roverkit.rocks.ellipsoid import LineView, fit_ellipsoid
+from roverkit.rocks.ellipsoid import DepthPatch, fit_ellipsoid
 from roverkit.rocks.ground import Ground, fit_ground
 from roverkit.rocks.unmeasurable import Unmeasurable, UnmeasurableError
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
@@ -78,15 +78,15 @@ def measure(depth: NDArray[np.floating[Any]], camera: CameraParameters, line: Li
                 "rock from another place or distance",
             )
     ground = _ground(*_some(camera, pixels, seen, has_depth & ~inside, _GROUND_POINTS))
-    axes, view_ends = _axes(ground, _directions(camera, ends))
+    axes, ground_ends = _axes(ground, _directions(camera, ends))
     directions, depths = _some(camera, pixels, seen, has_depth & (distances <= _WIDEST * span), _ROCK_POINTS)
-    view = LineView(
-        float(np.linalg.norm(view_ends[1] - view_ends[0])),
-        axes @ -view_ends[0],
+    patch = DepthPatch(
+        float(np.linalg.norm(ground_ends[1] - ground_ends[0])),
+        axes @ -ground_ends[0],
         directions @ axes.T,
         1 / depths,
     )
-    size = fit_ellipsoid(view)
+    size = fit_ellipsoid(patch)
     if size is None:
         raise UnmeasurableError(
             Unmeasurable.NO_ROCK,

@@ -7,20 +7,15 @@ import roverkit.vision  # noqa: F401  # first: it explains how to install numpy 
 # isort: split
 
 import argparse
-import json
 import logging
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 
-from roverkit.node.ros_connection import RosConnection
+from roverkit.node.program import connected, json_printer, project_registry
 from roverkit.rocks.camera_parameters import CameraTopicParameters
 from roverkit.rocks.measurement import Line, RockSize, measure
 from roverkit.rocks.rock_rows import RockRows
 from roverkit.rocks.unmeasurable import Unmeasurable, UnmeasurableError
 from roverkit.vision.frames.depth_camera import DepthCamera, NoDepthError
-from roverlink.console import project_folder
-from roverlink.generated_code import load_project
-from roverlink.node_log import publish_log
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
@@ -30,12 +25,10 @@ def measure_rocks(arguments: argparse.Namespace, ros: RosArguments, logger: logg
 
     Raises `SetupError` if the table lacks a row, or if a topic is wrong.
     """
-    rows = RockRows(load_project(project_folder(arguments.project)))
+    rows = RockRows(project_registry(arguments))
     parameters = CameraTopicParameters(arguments, ros, logger)
-    with ExitStack() as stack:
-        connection = RosConnection(ros, arguments.middleware, stack, logger.warning, parameters)
+    with connected(ros, arguments.middleware, logger, parameters) as connection:
         middleware = connection.middleware
-        stack.enter_context(publish_log(logger, middleware, ros))
         camera = DepthCamera(connection, lambda: parameters.meaning, logger.warning)
         publisher = rows.result.publisher(middleware, ros.topic)
         answering = Answering(camera, rows, publisher.publish, logger, as_json=arguments.json)
@@ -60,7 +53,8 @@ class Answering:
         *,
         as_json: bool,
     ) -> None:
-        self._camera, self._rows, self._publish, self._logger, self._json = camera, rows, publish, logger, as_json
+        self._camera, self._rows, self._publish, self._logger = camera, rows, publish, logger
+        self._print = json_printer(as_json)
 
     def take(self, messages: Sequence[bytes]) -> None:
         """Answer serialized requests, on a thread of the middleware."""
@@ -91,10 +85,6 @@ class Answering:
         self._publish([self._rows.answer(None)])
         self._logger.warning("no size of the rock (%s): %s", reason.value, error)
         self._print({"line": line, "reason": reason.value, "message": str(error)})
-
-    def _print(self, entry: dict[str, object]) -> None:
-        if self._json:
-            print(json.dumps(entry), flush=True)
 
 
 def _as_dict(size: RockSize) -> dict[str, object]:

@@ -28,5 +28,5 @@ class RockRows:
         """Return the serialized result with a length and a width in metres; without a size, both fields are NaN."""
         # The message has no field for a failure. 0 is a number, which a page shows as a size and a mean contains. And
         # without an answer, the operator takes the last one for it.
-        values = (math.nan, math.nan) if size is None else [100 * one for one in size]
+        values = (math.nan, math.nan) if size is None else [100 * metres for metres in size]
         return cdr.encode(self.result.message_type(**dict(zip(RESULT.fields, values))))

@@ -13,6 +13,7 @@ from roverlink.console import (
     add_key_file,
     add_project,
     command,
+    parsed_number,
     port,
     seconds,
 )
@@ -107,10 +108,5 @@ def run(arguments: argparse.Namespace) -> int:
 def _speed(text: str) -> float:
     if text == _AS_FAST_AS_POSSIBLE:
         return math.inf
-    try:
-        factor = float(text)
-    except ValueError:
-        factor = math.nan
-    if not 0 < factor < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a factor above 0, or {_AS_FAST_AS_POSSIBLE}")
-    return factor
+    what = f"a factor above 0, or {_AS_FAST_AS_POSSIBLE}"
+    return parsed_number(text, float, lambda factor: 0 < factor < math.inf, what)

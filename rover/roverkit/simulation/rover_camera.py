@@ -18,7 +18,7 @@ from roverkit.vision.images.rendering import Print, marker_print, outline, rende
 from roverkit.vision.markers.detection import Image
 from roverkit.vision.opencv import cv2
 from roverkit.vision.poses.pose import rotation_of
-from roverkit.vision.ros.sighting_messages import FrameNames, camera_info_of
+from roverkit.vision.ros.landmark_messages import FrameNames, camera_info_of
 
 from roverlink.runtime import SetupError
 from roverlink.runtime.interfaces import sensor_msgs
@@ -39,7 +39,7 @@ class RoverCamera:
         boards = [name for name in known.places if not isinstance(name, int)]
         if boards:
             raise SetupError(f"{landmarks}: {boards[0]!r} is a board; the simulated rover sees only single markers")
-        self._places = {number: one.pose for number, one in known.places.items()}
+        self._places = {number: landmark.pose for number, landmark in known.places.items()}
         self._prints = {number: _marker(landmarks, number) for number in self._places}
         self._rng = np.random.default_rng(seed)
         self._background = texture(LENS.size, self._rng)
@@ -50,9 +50,9 @@ class RoverCamera:
         to_camera = place.inverse()
         seen = [(number, to_camera @ pose) for number, pose in self._places.items()]
         # A print hides those that are painted before it, so that the farthest is the first.
-        ordered = sorted(seen, key=lambda one: -float(np.linalg.norm(one[1].translation)))
+        ordered = sorted(seen, key=lambda plane: -float(np.linalg.norm(plane[1].translation)))
         planes = [(self._prints[number], PrintPose(pose.rotation, pose.translation)) for number, pose in ordered]
-        image: Image = render(LENS, self._background, [one for one in planes if self._sees(*one)], self._rng)
+        image: Image = render(LENS, self._background, [plane for plane in planes if self._sees(*plane)], self._rng)
         return image
 
     def messages(self, rover: PlanarPose, stamp: int) -> tuple[sensor_msgs.Image, sensor_msgs.CameraInfo]:

@@ -76,11 +76,11 @@ class ReceivedStream:
         """Return the state for the page and for JSON: times in seconds, rates a second, shares from 0 to 1."""
         now = time.monotonic()
         with self._news:
-            recent = [one for one in self._recent if now - one.at <= _WINDOW_S]
+            recent = [arrival for arrival in self._recent if now - arrival.at <= _WINDOW_S]
             age = None if self._at is None else now - self._at
             size = None if self._image is None else list(self._image.shape[1::-1])
         arrivals = self._receiver.arrivals
-        latencies = sorted(one.latency for one in recent if one.latency is not None)
+        latencies = sorted(arrival.latency for arrival in recent if arrival.latency is not None)
         packets = arrivals.received + arrivals.lost
         return {
             "name": self.name,
@@ -90,8 +90,8 @@ class ReceivedStream:
             "age": None if age is None else round(age, 3),
             "stale": age is None or age > STALE_S,
             "rate": round(len(recent) / _WINDOW_S, 1),
-            "kbit_s": round(sum(one.octets for one in recent) * 8 / 1000 / _WINDOW_S),
-            "intact": round(sum(one.intact for one in recent) / len(recent), 3) if recent else None,
+            "kbit_s": round(sum(arrival.octets for arrival in recent) * 8 / 1000 / _WINDOW_S),
+            "intact": round(sum(arrival.intact for arrival in recent) / len(recent), 3) if recent else None,
             "lost": round(arrivals.lost / packets, 4) if packets else None,
             "lost_packets": arrivals.lost,
             "repaired_packets": arrivals.repaired,

@@ -48,7 +48,7 @@ def receive(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Lo
         ]
         if arguments.page:
             host, number = arguments.page
-            server = stack.enter_context(StreamsServer(host, number, {one.name: one for one in streams}))
+            server = stack.enter_context(StreamsServer(host, number, {stream.name: stream for stream in streams}))
             logger.info("page: %s", server.url)
         for stream in streams:
             stack.enter_context(stream)

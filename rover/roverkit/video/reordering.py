@@ -78,12 +78,12 @@ class Reordering:
             lost = 0
             if self._next not in self._waiting:
                 first = min(self._waiting)
-                if any(now - self._gaps[one].since < WAIT_NS for one in range(self._next, first) if one in self._gaps):
+                if any(now - self._gaps[gap].since < WAIT_NS for gap in range(self._next, first) if gap in self._gaps):
                     return
                 lost = first - self._next
                 self.arrivals.lost += lost
-                for one in range(self._next, first):
-                    self._gaps.pop(one, None)
+                for gap in range(self._next, first):
+                    self._gaps.pop(gap, None)
                 self._next = first
             packet = self._waiting.pop(self._next)
             self._next += 1

@@ -86,12 +86,12 @@ class Missing(NamedTuple):
     def encode(self) -> bytes:
         """Return the bytes of the request."""
         items: list[tuple[int, int]] = []
-        for one in self.sequences:
-            behind = (one - items[-1][0]) & 0xFFFF if items else 0
+        for sequence in self.sequences:
+            behind = (sequence - items[-1][0]) & 0xFFFF if items else 0
             if 1 <= behind <= 16:
                 items[-1] = items[-1][0], items[-1][1] | 1 << (behind - 1)
             else:
-                items.append((one, 0))
+                items.append((sequence, 0))
         body = b"".join(_NACK_ITEM.pack(*item) for item in items)
         return _packed(_FEEDBACK, _NACK, _WORD.pack(self.ssrc) + _WORD.pack(self.source) + body)
 

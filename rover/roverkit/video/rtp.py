@@ -75,7 +75,7 @@ def payloads(nals: Sequence[bytes], largest: int) -> list[bytes]:
         group.clear()
 
     for nal in nals:
-        if 1 + sum(2 + len(one) for one in (*group, nal)) > largest:
+        if 1 + sum(2 + len(unit) for unit in (*group, nal)) > largest:
             close()
         if len(nal) > largest:
             found.extend(_fragments(nal, largest))

@@ -129,7 +129,7 @@ class RtpSender:
             self.key_wanted = True
         elif isinstance(report, Missing) and report.source == self._ssrc:
             with self._lock:
-                again = [self._sent[one] for one in report.sequences if one in self._sent]
+                again = [self._sent[sequence] for sequence in report.sequences if sequence in self._sent]
             self._link.add(self._send_now, again, first=True)
         elif isinstance(report, ReceiverReport) and report.source == self._ssrc:
             self.lost = report.lost

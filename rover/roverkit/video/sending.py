@@ -100,7 +100,7 @@ class _Sending:
             self._qualities = LinkQualities(middleware, self._link_measured, logger.warning)
             self._objects = SeenObjects(middleware, ros.topic, logger.warning)
             self._control = StreamControl(middleware, ros, self._parameters)
-        elif any(set(one.overlay) - {"time"} for one in self._parameters.meaning):
+        elif any(set(settings.overlay) - {"time"} for settings in self._parameters.meaning):
             raise SetupError("the overlays 'objects' and 'link' come from ROS 2; leave --middleware none out")
 
     def open(self, link: PacedLink) -> tuple[SentStream, ...]:

@@ -45,7 +45,7 @@ class Streams:
 
     def __post_init__(self) -> None:
         """Raise `TypeError` if another program has published something else."""
-        if not all(isinstance(one, dict) for one in (self.streams, *self.streams.values())):
+        if not all(isinstance(mapping, dict) for mapping in (self.streams, *self.streams.values())):
             raise TypeError("the streams are no objects")
 
 
@@ -61,7 +61,7 @@ class Request:
 
     def __post_init__(self) -> None:
         """Raise `TypeError` if another program has published something else."""
-        if not isinstance(self.values, dict) or not all(isinstance(one, str) for one in self.values.values()):
+        if not isinstance(self.values, dict) or not all(isinstance(value, str) for value in self.values.values()):
             raise TypeError("the values are no texts")
 
 

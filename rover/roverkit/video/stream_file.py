@@ -77,8 +77,8 @@ class StreamFiles:
         """Return true if the images of the file have another size. Encoders change other parameters, too."""
         if self._container is None:
             return False
-        with _opened(unit) as one:
-            new, old = one.streams.video[0].codec_context, self._stream.codec_context
+        with _opened(unit) as opened:
+            new, old = opened.streams.video[0].codec_context, self._stream.codec_context
             return bool((new.width, new.height) != (old.width, old.height))
 
     def _open(self, unit: ReceivedUnit) -> None:

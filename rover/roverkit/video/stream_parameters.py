@@ -92,7 +92,7 @@ def _read(stream: StreamSettings, values: Mapping[str, Any]) -> StreamSettings:
         size = image_size(given["size"]) if given["size"] else None
     except argparse.ArgumentTypeError as error:
         raise SetupError(f"the parameter '{stream.name}.size' is wrong: {error}") from error
-    overlay = tuple(one.strip() for one in given["overlay"].split(",") if one.strip())
+    overlay = tuple(name.strip() for name in given["overlay"].split(",") if name.strip())
     # The settings of a camera fit another camera, but not a topic or a file.
     fits = given["source"] == stream.source or camera_number(given["source"]) is not None
     camera = stream.camera if fits else CameraSettings()

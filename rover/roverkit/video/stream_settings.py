@@ -68,6 +68,6 @@ class StreamSettings:
                 f"the bitrate is {self.bitrate:g} and the least one {self.min_bitrate:g} kbit/s; both must be from 10 "
                 "to 100000, and the least one must not be larger"
             )
-        for one in self.overlay:
-            if one not in OVERLAYS:
-                raise SetupError(f"unknown overlay {one!r}; {nearest(one, OVERLAYS)}")
+        for overlay in self.overlay:
+            if overlay not in OVERLAYS:
+                raise SetupError(f"unknown overlay {overlay!r}; {nearest(overlay, OVERLAYS)}")

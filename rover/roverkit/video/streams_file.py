@@ -79,22 +79,22 @@ def read_streams(path: Path, host: str = "") -> StreamsFile:
 def _stream(folder: Path, name: object, item: Item, host: str) -> StreamSettings:
     given = item.known_entries(_KEYS)
     values: dict[str, Any] = {"host": host}
-    for key, one in given.items():
+    for key, entry in given.items():
         if key in _TEXTS:
-            values[key] = _text(one)
+            values[key] = _text(entry)
         elif key in _NUMBERS:
-            values[key] = _number(one)
+            values[key] = _number(entry)
         elif key == "source":
-            values[key] = _source(folder, one)
+            values[key] = _source(folder, entry)
         elif key == "port":
-            values[key] = _whole(one)
+            values[key] = _whole(entry)
         elif key == "size":
-            width, height = one.numbers(2)
+            width, height = entry.numbers(2)
             values[key] = int(width), int(height)
         elif key == "overlay":
-            values[key] = _texts(one)
+            values[key] = _texts(entry)
         else:
-            values[key] = _flag(one)
+            values[key] = _flag(entry)
     if "source" not in values:
         raise item.error(f"{item.name} has no source; add 'source: topic:/camera/image_raw', or a number, file or URL")
     try:
@@ -111,31 +111,26 @@ def _source(folder: Path, item: Item) -> str:
 
 
 def _text(item: Item) -> str:
-    if not isinstance(item.value, str):
-        raise item.error(f"{item.name} is {item.shown}; it must be a text (in quotes if it looks like a number)")
-    return item.value
+    item.require(isinstance(item.value, str), "a text (in quotes if it looks like a number)")
+    return str(item.value)
 
 
 def _texts(item: Item) -> tuple[str, ...]:
     items = item.items(f"a part of {item.name}")
-    if items is None:
-        raise item.error(f"{item.name} is {item.shown}; it must be a list, such as [time, objects]")
-    return tuple(_text(one) for one in items)
+    item.require(items is not None, "a list, such as [time, objects]")
+    return tuple(_text(item) for item in items or ())
 
 
 def _number(item: Item) -> float:
-    if not math.isfinite(item.number):
-        raise item.error(f"{item.name} is {item.shown}; it must be a number")
+    item.require(math.isfinite(item.number), "a number")
     return item.number
 
 
 def _whole(item: Item) -> int:
-    if type(item.value) is not int:
-        raise item.error(f"{item.name} is {item.shown}; it must be a whole number")
+    item.require(type(item.value) is int, "a whole number")
     return int(item.value)
 
 
 def _flag(item: Item) -> bool:
-    if not isinstance(item.value, bool):
-        raise item.error(f"{item.name} is {item.shown}; it must be true or false")
-    return item.value
+    item.require(isinstance(item.value, bool), "true or false")
+    return bool(item.value)

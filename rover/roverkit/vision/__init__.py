@@ -14,7 +14,7 @@ from roverkit.vision.camera.parameters_file import read_parameters, write_parame
 from roverkit.vision.field.landmarks import Landmark, Landmarks, read_landmarks
 from roverkit.vision.field.localization import FieldPose, localize
 from roverkit.vision.markers.marker_set import Board, MarkerSet, TargetId
-from roverkit.vision.markers.tracker import Sighting, Tracker
+from roverkit.vision.markers.tracker import LandmarkDetection, Tracker
 from roverkit.vision.poses.pose import Pose
 
 __all__ = [
@@ -25,7 +25,7 @@ __all__ = [
     "Landmarks",
     "MarkerSet",
     "Pose",
-    "Sighting",
+    "LandmarkDetection",
     "TargetId",
     "Tracker",
     "localize",

@@ -65,6 +65,17 @@ class Item:
         """True if the value is a mapping."""
         return isinstance(self.node, yaml.MappingNode)
 
+    def require(self, fits: bool, what: str) -> None:
+        """Raise `SetupError` unless the value fits; the message says that it must be ``what``."""
+        if not fits:
+            raise self.error(f"{self.name} is {self.shown}; it must be {what}")
+
+    def filled_text(self, what: str = "a text") -> str:
+        """Return the value, which must be a text that is not empty. Raises `SetupError` if it is not."""
+        value = self.value
+        self.require(isinstance(value, str) and bool(value), f"{what} (in quotes if it looks like a number)")
+        return str(value)
+
     def entries(self, kind: str = "") -> dict[Any, Item]:
         """Return the values of a mapping by their keys.
 
@@ -107,14 +118,11 @@ class Item:
         Raises `SetupError` if it is not a list of such numbers.
         """
         items = self.items(f"a number of {self.name}")
-        if items is None or len(items) != count:
-            raise self.error(f"{self.name} is {self.shown}; it must be a list of {count} numbers")
+        self.require(items is not None and len(items) == count, f"a list of {count} numbers")
         numbers = []
-        for item in items:
-            number = item.number
-            if not math.isfinite(number):
-                raise item.error(f"{item.name} is {item.shown}; it must be a finite number, such as 0.5 or 1.0e-3")
-            numbers.append(number)
+        for item in items or ():
+            numbers.append(item.number)
+            item.require(math.isfinite(numbers[-1]), "a finite number, such as 0.5 or 1.0e-3")
         return np.array(numbers)
 
 

@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 import yaml
 from roverkit.driving.arcs import PlanarPose
-from roverkit.vision import CameraParameters, Landmark, Landmarks, Pose, Sighting, TargetId
+from roverkit.vision import CameraParameters, Landmark, LandmarkDetection, Landmarks, Pose, TargetId
 from roverkit.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_by_camera, pixels_to_rays
 from roverkit.vision.markers.marker_set import square
 from roverkit.vision.poses.pnp import Corners, side_shifts, solve, square_poses, with_all_errors
 from roverkit.vision.poses.pose import predict, quaternion_of, rotation_of
-from roverkit.vision.ros.sighting_messages import FrameNames, detections_of
+from roverkit.vision.ros.landmark_messages import FrameNames, detections_of
 
 from roverlink.runtime.interfaces import vision_msgs
 
@@ -93,10 +93,10 @@ class SimulatedTracker:
         """Return the message about an image that is taken at a pose of the rover."""
         base = Pose(rotation_of(np.array([0, 0, rover.yaw])), np.array([rover.x, rover.y, 0]))
         camera = (base @ MOUNT).inverse()
-        found = [self._sighting(name, camera @ place, stamp) for name, place in self._places.items()]
+        found = [self._detection(name, camera @ place, stamp) for name, place in self._places.items()]
         return detections_of([one for one in found if one is not None], stamp, FrameNames(FRAME, "aruco_"))
 
-    def _sighting(self, name: TargetId, place: Pose, stamp: int) -> Sighting | None:
+    def _detection(self, name: TargetId, place: Pose, stamp: int) -> LandmarkDetection | None:
         if place.translation[2] <= 0:
             return None
         rays, _ = predict(place, square(self._side))
@@ -127,4 +127,4 @@ class SimulatedTracker:
         seen = Corners(points, rays, seen.covariance, seen.own, np.concatenate([shifts, sides], axis=1))
         seen, solutions = with_all_errors(seen, solutions[:1])
         best = solutions[0]
-        return Sighting(name, stamp, pixels, best.pose, best.covariance, math.inf, 0.0, seen, tuple(solutions))
+        return LandmarkDetection(name, stamp, pixels, best.pose, best.covariance, math.inf, 0.0, seen, tuple(solutions))

@@ -10,7 +10,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from roverkit.driving.approach import LandmarkView, Waypoint
+from roverkit.driving.approach import LandmarkViewpoint, Waypoint
 from roverkit.driving.arcs import Arc, PlanarPose
 from roverkit.driving.board_commands import STOP, DrivingBoard
 from roverkit.driving.drive_control import DriveControl, DriveSettings, Localization
@@ -132,7 +132,7 @@ def test_the_rover_looks_at_the_landmark_from_its_distance(
     start: PlanarPose, x: float, y: float, facing: float | None, distance: float, angle: float
 ) -> None:
     """From each pose, the landmark is straight ahead, as far as asked; an upright one is seen from its front."""
-    view = LandmarkView("7", x, y, facing, distance)
+    view = LandmarkViewpoint("7", x, y, facing, distance)
     stop, viewpoint = view.stop_from(start), next(view.viewpoints(start, [angle]))
     for pose in (stop, viewpoint):
         seen = pose.inverse() @ PlanarPose(x, y)
@@ -149,7 +149,7 @@ def test_without_a_heading_the_rover_stops_as_it_comes(
 ) -> None:
     """At a landmark on the ground, and at a position; at the place where it is, it keeps its own heading."""
     x, y = start.x + away * math.cos(direction), start.y + away * math.sin(direction)
-    assert math.cos(LandmarkView("7", x, y, None, distance).stop_from(start).yaw - direction) == pytest.approx(1)
+    assert math.cos(LandmarkViewpoint("7", x, y, None, distance).stop_from(start).yaw - direction) == pytest.approx(1)
     stop = Waypoint(x, y, yaw).stop_from(start)
     assert (stop.x, stop.y) == (x, y)
     assert math.cos(stop.yaw - (direction if yaw is None else yaw)) == pytest.approx(1)

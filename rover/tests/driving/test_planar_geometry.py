@@ -1,4 +1,4 @@
-"""Geometry of the fusion: motions from odometry, and sightings on the plane, for any poses."""
+"""Geometry of the fusion: motions from odometry, and detections on the plane, for any poses."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from roverkit.driving.arcs import PlanarPose
 from roverkit.fusion.landmark_agreement import agreeing
 from roverkit.fusion.odometry_track import OdometryPoint, OdometryTrack
 from roverkit.fusion.planar_gaussian import PlanarGaussian, adjoint
-from roverkit.fusion.planar_landmarks import planar_sightings
+from roverkit.fusion.planar_landmarks import planar_detections
 from roverkit.fusion.slipping_motion import slipping_motion
 from roverkit.vision import Landmark, Landmarks, Pose
 from roverkit.vision.poses.pose import quaternion_of, rotation_of
@@ -92,7 +92,7 @@ def test_a_sighting_leads_from_the_rover_to_the_surveyed_place(
     header = header_of(1, "camera")
     detection = vision_msgs.Detection3D(header, [result], vision_msgs.BoundingBox3D(), "aruco_7")
     known = Landmarks("map", {7: Landmark(landmark)})
-    (place,) = planar_sightings(vision_msgs.Detection3DArray(header, [detection]), mount, known).values()
+    (place,) = planar_detections(vision_msgs.Detection3DArray(header, [detection]), mount, known).values()
     found = rover @ place.pose
     assert (found.x, found.y) == pytest.approx(position[:2], abs=1e-6)
     assert math.remainder(found.yaw, 2 * math.pi) == pytest.approx(0, abs=1e-6)
@@ -104,7 +104,7 @@ def test_a_sighting_leads_from_the_rover_to_the_surveyed_place(
 def test_the_landmarks_that_agree_are_those_that_nobody_moved(
     frame: PlanarPose, moved: set[int], way: float, direction: float
 ) -> None:
-    """Of six landmarks, up to two stand elsewhere, each in another direction; sightings are in any frame."""
+    """Of six landmarks, up to two stand elsewhere, each in another direction; detections are in any frame."""
     places = {number: PlanarPose(3.0 * number, (number * number) % 5, 0.0) for number in range(6)}
     survey = {number: PlanarGaussian(place, 1e-4 * np.eye(3)) for number, place in places.items()}
     seen = {}

@@ -10,7 +10,7 @@ from needs import NO_OPENCV
 
 pytest.importorskip("cv2", reason=NO_OPENCV)
 
-from roverkit.driving.approach import LandmarkView, Waypoint
+from roverkit.driving.approach import LandmarkViewpoint, Waypoint
 from roverkit.driving.geodesy import Datum
 from roverkit.mission.mission_file import GoalRules, read_mission
 
@@ -64,11 +64,11 @@ goals:
     assert start.rules == gps.rules == common
     assert seven.rules == GoalRules(retries=0, stops=False, search=common.search)
     assert gate.rules == GoalRules(retries=5, look=1.5, timeout=20, back_up=0, search=common.search)
-    assert isinstance(seven.place, LandmarkView)
+    assert isinstance(seven.place, LandmarkViewpoint)
     assert (seven.place.landmark, seven.place.x, seven.place.y, seven.place.distance) == ("7", 6, 2, 1.5)
     assert seven.place.facing is not None
     assert abs(seven.place.facing) == pytest.approx(math.pi)
-    assert isinstance(gate.place, LandmarkView)
+    assert isinstance(gate.place, LandmarkViewpoint)
     assert (gate.place.facing, gate.place.distance) == (None, 1.0)
     assert isinstance(gps.place, Waypoint)
     east, north = Datum(50.0, 20.0).planar(50.0005, 20.0005)

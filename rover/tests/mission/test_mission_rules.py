@@ -11,7 +11,7 @@ from needs import NO_OPENCV
 
 pytest.importorskip("cv2", reason=NO_OPENCV)
 
-from roverkit.driving.approach import LandmarkView, Waypoint
+from roverkit.driving.approach import LandmarkViewpoint, Waypoint
 from roverkit.driving.arcs import PlanarPose
 from roverkit.mission.mission_file import Goal, GoalRules, Mission
 from roverkit.mission.mission_rules import MissionRun, MissionStoppedError, Outcome, Report, State
@@ -23,7 +23,7 @@ _rules = st.builds(
     back_up=st.sampled_from([0.0, 0.5]),
     search=st.lists(st.floats(-1, 1), max_size=2).map(tuple),
 )
-_places = st.one_of(st.builds(Waypoint, st.just(1.0), st.just(2.0)), st.just(LandmarkView("7", 5, 5, 0.0, 1.0)))
+_places = st.one_of(st.builds(Waypoint, st.just(1.0), st.just(2.0)), st.just(LandmarkViewpoint("7", 5, 5, 0.0, 1.0)))
 _goals = st.lists(st.builds(Goal, st.just("goal"), _places, st.just(0.0), _rules), min_size=1, max_size=4)
 
 
@@ -87,7 +87,7 @@ def test_a_mission_ends_and_says_how(
     for number, goal in enumerate(goals, 1):
         drives = [one for one in reports if one.goal == number and one.message.startswith("driving")]
         assert len(drives) <= (goal.rules.retries + 1) * 2
-        seen_last = isinstance(goal.place, LandmarkView) and ends.get(number) is State.REACHED
+        seen_last = isinstance(goal.place, LandmarkViewpoint) and ends.get(number) is State.REACHED
         assert not seen_last or ("sees", True) in rover.called
 
 

@@ -261,7 +261,7 @@ def test_a_velocity_is_sent_at_once_only_if_it_differs(drive: _Drive) -> None:
 def test_the_end_of_the_program_stops_the_rover(drive: _Drive) -> None:
     """Then nothing is sent any more, and the last state says so."""
     drive.drive(_twist(0.3), 3)
-    drive.driving.end()
+    drive.driving.close()
     assert drive.sent[-1] == DrivingBoardMotorMessage()
     assert drive.states[-1] == "manual: this program ends"
     count = len(drive.sent)

@@ -32,8 +32,8 @@ from roverkit.objects.location import Location  # noqa: E402
 from roverkit.objects.selecting import Selector  # noqa: E402
 from roverkit.vision import Pose  # noqa: E402
 from roverkit.vision.poses.pose import rotation_of  # noqa: E402
+from roverkit.vision.ros.landmark_messages import transform_of  # noqa: E402
 from roverkit.vision.ros.object_messages import detections_3d_of  # noqa: E402
-from roverkit.vision.ros.sighting_messages import transform_of  # noqa: E402
 
 _OPTICAL = "camera_optical"
 _MOUNT = Pose(

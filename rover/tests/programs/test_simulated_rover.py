@@ -197,9 +197,9 @@ def test_the_tracker_finds_the_camera_in_the_images(tmp_path: Path) -> None:
     assert camera_of(info, rectified=False).matrix.tolist() == parameters().matrix.tolist()
     tracker = Tracker(parameters(), MarkerSet(side=SIDE))
     for rover, visible in ((PlanarPose(0.5, 0.1, 0.2), {7, 8}), (PlanarPose(-1.0, -0.5, 0.1), {7, 8, 9})):
-        sightings = tracker.track(camera.image(rover), 0)
-        assert {one.id for one in sightings} == visible
-        place = localize(sightings, known)
+        detections = tracker.track(camera.image(rover), 0)
+        assert {one.id for one in detections} == visible
+        place = localize(detections, known)
         assert place is not None
         x, y, z = place.pose.translation
         assert math.hypot(x - rover.x, y - rover.y) < 0.03

@@ -1,4 +1,4 @@
-"""Sightings without images: corners where they should be, and noise."""
+"""Detections without images: corners where they should be, and noise."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from roverkit.vision import Pose, Sighting, TargetId
+from roverkit.vision import LandmarkDetection, Pose, TargetId
 from roverkit.vision.markers.marker_set import square
 from roverkit.vision.poses.pnp import Corners, solve, square_poses
 from roverkit.vision.poses.pose import predict, rotation_of
@@ -15,16 +15,18 @@ FACING = np.diag([1.0, -1.0, -1.0])
 NOISE = 2e-5  # In the plane z = 1: a fiftieth of a pixel at a focal length of 1000
 
 
-def sighting(
+def detection(
     number: int, to_camera: Pose, rng: np.random.Generator, side: float = 0.15, *, shared: bool = False
-) -> Sighting:
+) -> LandmarkDetection:
     """What a marker at a pose looks like."""
     points = square(side)
     rays, _ = predict(to_camera, points)
     seen = Corners(points, rays + rng.normal(0, NOISE, rays.shape), np.eye(8) * NOISE**2)
     (solutions,) = solve([seen], square_poses(points[None], seen.rays[None]))
     best = solutions[0]
-    return Sighting(number, 0, seen.rays, best.pose, best.covariance, math.inf, 0.0, seen, tuple(solutions), shared)
+    return LandmarkDetection(
+        number, 0, seen.rays, best.pose, best.covariance, math.inf, 0.0, seen, tuple(solutions), shared
+    )
 
 
 def wall() -> dict[TargetId, Pose]:
@@ -44,6 +46,6 @@ def camera_on_field(rng: np.random.Generator) -> Pose:
     return Pose(rotation_of(rng.normal(0, 0.08, 3)) @ ahead, rng.uniform((-0.3, -0.5, 0.3), (0.8, 0.5, 0.7)))
 
 
-def view(camera: Pose, places: Mapping[TargetId, Pose], rng: np.random.Generator) -> list[Sighting]:
+def view(camera: Pose, places: Mapping[TargetId, Pose], rng: np.random.Generator) -> list[LandmarkDetection]:
     """All markers, seen from a camera."""
-    return [sighting(int(number), camera.inverse() @ place, rng) for number, place in places.items()]
+    return [detection(int(number), camera.inverse() @ place, rng) for number, place in places.items()]

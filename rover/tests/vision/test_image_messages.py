@@ -55,7 +55,7 @@ def test_every_encoding_gives_its_picture(
     """Colours come as BGR and greys as they are, with 8 bits, whatever stands behind each row."""
     read = _read(image(pixels, encoding, stamp=7_000_000_008, padding=padding))
     assert (read.stamp, read.frame_id, read.encoding) == (7_000_000_008, FRAME, encoding)
-    assert np.array_equal(read.picture(), expected)
+    assert np.array_equal(read.image(), expected)
 
 
 @pytest.mark.parametrize("pattern", ["rggb", "bggr", "gbrg", "grbg"])
@@ -64,7 +64,7 @@ def test_a_bayer_pattern_gives_the_colour(pattern: str) -> None:
     tile = np.array([_BGR["bgr".index(letter)] for letter in pattern], np.uint8).reshape(2, 2)
     mosaic = np.tile(tile, (4, 4))
     for pixels, bits in ((mosaic, 8), (_wide(mosaic), 16)):
-        assert (_read(image(pixels, f"bayer_{pattern}{bits}")).picture()[2:-2, 2:-2] == _BGR).all()
+        assert (_read(image(pixels, f"bayer_{pattern}{bits}")).image()[2:-2, 2:-2] == _BGR).all()
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_yuv_gives_the_colour(encodings: tuple[str, str], order: tuple[int, ...]
     # y0 u y1 v: white and black; then red twice
     pairs = np.array([[235, 128, 16, 128], [81, 90, 81, 240]], np.uint8)[:, order]
     for encoding in encodings:
-        picture = _read(image(pairs.reshape(1, 4, 2), encoding)).picture()
+        picture = _read(image(pairs.reshape(1, 4, 2), encoding)).image()
         assert np.abs(picture[0].astype(int) - [[255] * 3, [0] * 3, [0, 0, 255], [0, 0, 255]]).max() <= 2
 
 
@@ -97,7 +97,7 @@ def test_a_picture_is_no_depth() -> None:
     with pytest.raises(ConversionError, match="the encoding mono8 shows no depths; name the topic of a depth image"):
         _read(image(_GREYS, "mono8")).depth()
     with pytest.raises(ConversionError, match=r"16UC1 shows depths; name the topic of a colour or grey image"):
-        _read(image(_wide(_GREYS), "16UC1")).picture()
+        _read(image(_wide(_GREYS), "16UC1")).image()
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_a_png_is_read(format: str, pixels: NDArray[Any]) -> None:
     """Colours and greys come as they were, with either spelling of the format."""
     read = _read(_compressed(".png", pixels, format))
     assert (read.stamp, read.frame_id) == (9, FRAME)
-    assert np.array_equal(read.picture(), pixels)
+    assert np.array_equal(read.image(), pixels)
 
 
 def test_a_jpeg_is_read_if_it_is_whole() -> None:
@@ -151,7 +151,7 @@ def test_a_jpeg_is_read_if_it_is_whole() -> None:
     message = _compressed(".jpg", smooth, "jpeg")
     whole = message.data
     message.data = whole + bytes(100)
-    assert np.abs(_read(message).picture().astype(int) - smooth).mean() < 5
+    assert np.abs(_read(message).image().astype(int) - smooth).mean() < 5
     message.data = whole[:-100]
     with pytest.raises(ConversionError, match="the JPEG image is truncated"):
         _read(message)

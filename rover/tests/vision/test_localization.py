@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from roverkit.vision import Landmark, Landmarks, Pose, TargetId, localize
-from roverkit.vision.field.localization import Shot, localize_rover
+from roverkit.vision.field.localization import CameraDetections, localize_rover
 from roverkit.vision.poses.pose import rotation_of
 
 from rover.tests.vision.seen import camera_on_field, view, wall
@@ -55,8 +55,8 @@ def test_strangers_are_ignored() -> None:
     seen = view(camera, places, rng)
     known = landmarks({number: place for number, place in places.items() if number != 3})
     doubtful = replace(seen[2], shared=True)
-    for sightings, landmark in ((seen, known), ([doubtful, doubtful, *seen[:2], seen[3]], landmarks(places))):
-        found = localize(sightings, landmark)
+    for detections, landmark in ((seen, known), ([doubtful, doubtful, *seen[:2], seen[3]], landmarks(places))):
+        found = localize(detections, landmark)
         assert found
         assert (set(found.used), found.rejected) == ({1, 2, 4}, ())
     assert localize([seen[2]], known) is None
@@ -74,8 +74,10 @@ def test_the_rover_is_where_its_camera_and_its_mount_say() -> None:
     """The pose is that of the camera through the mount; a turn of the camera moves the rover by the lever between."""
     rng = np.random.default_rng(4)
     camera = camera_on_field(rng)
-    sightings = view(camera, wall(), rng)
-    one, joint = localize(sightings, landmarks(wall())), localize_rover([Shot(sightings, FRONT)], landmarks(wall()))
+    detections = view(camera, wall(), rng)
+    one, joint = localize(detections, landmarks(wall())), localize_rover(
+        [CameraDetections(detections, FRONT)], landmarks(wall())
+    )
     assert one
     assert joint
     through = one.pose @ FRONT.inverse()
@@ -95,8 +97,8 @@ def test_two_cameras_give_one_pose_with_an_honest_covariance() -> None:
     for _ in range(40):
         rover = camera_on_field(rng) @ FRONT.inverse()
         off = {n: place.moved(rng.normal(0, 0.004, 6)) for n, place in wall().items()}
-        front = Shot(view(rover @ FRONT, {n: off[n] for n in (2, 3)}, rng), FRONT)
-        left = Shot(view(rover @ LEFT, {n: off[n] for n in (1, 4)}, rng), LEFT)
+        front = CameraDetections(view(rover @ FRONT, {n: off[n] for n in (2, 3)}, rng), FRONT)
+        left = CameraDetections(view(rover @ LEFT, {n: off[n] for n in (1, 4)}, rng), LEFT)
         found, alone = localize_rover([front, left], known), localize_rover([front], known)
         assert found
         assert alone

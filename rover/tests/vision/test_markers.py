@@ -45,10 +45,10 @@ def test_a_square_is_where_its_projection_is(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", ["scan", "scan_quickly", "look"])
+@pytest.mark.parametrize("way", ["scan", "scan_quickly", "scan_region"])
 def test_corners_count_from_the_centres_of_the_frame_s_pixels(film: Sequence[Scene], way: str) -> None:
     """No way to look shifts the corners, whatever OpenCV's version: a lost half pixel would be seen here."""
-    where = [Region(3, 5, 639, 478)] if way == "look" else []
+    where = [Region(3, 5, 639, 478)] if way == "scan_region" else []
     offsets = [
         (one.corners - scene.corners).mean(axis=0)
         for scene in film

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from roverkit.vision import CameraParameters, FieldPose, Pose, Sighting
+from roverkit.vision import CameraParameters, FieldPose, LandmarkDetection, Pose
 from roverkit.vision.poses.pose import quaternion_of, rotation_of
-from roverkit.vision.ros import sighting_messages
-from roverkit.vision.ros.sighting_messages import FrameNames
+from roverkit.vision.ros import landmark_messages
+from roverkit.vision.ros.landmark_messages import FrameNames
 
-from rover.tests.vision.seen import FACING, sighting
+from rover.tests.vision.seen import FACING, detection
 from roverlink.generator.emit.targets.python.runtime_interfaces import store
 from roverlink.runtime import interfaces
 from roverlink.runtime.core import cdr
@@ -43,9 +43,11 @@ def _read(message: Message) -> Any:
     return STORE.deserialize_cdr(cdr.encode(message), message.__msgtype__)
 
 
-def _seen(rotation: Any = FACING, number: int = 7) -> Sighting:
-    one = sighting(number, Pose(rotation, np.array([0.1, -0.2, 1.5])), np.random.default_rng(1))
-    return Sighting(**{name: getattr(one, name) for name in Sighting.__slots__ if name != "stamp"}, stamp=_STAMP)
+def _seen(rotation: Any = FACING, number: int = 7) -> LandmarkDetection:
+    one = detection(number, Pose(rotation, np.array([0.1, -0.2, 1.5])), np.random.default_rng(1))
+    return LandmarkDetection(
+        **{name: getattr(one, name) for name in LandmarkDetection.__slots__ if name != "stamp"}, stamp=_STAMP
+    )
 
 
 def _ours(kind: Any) -> Any:
@@ -77,7 +79,7 @@ def test_a_transform_takes_the_markers_points_to_the_camera() -> None:
     """Frames and stamp are said; the quaternion, as tf2 applies it, is the rotation."""
     rotation = rotation_of(np.array([0.3, -0.8, 0.2])) @ FACING
     one = _seen(rotation)
-    (transform,) = _read(sighting_messages.transforms_of([one], _NAMES)).transforms
+    (transform,) = _read(landmark_messages.transforms_of([one], _NAMES)).transforms
     assert (transform.header.frame_id, transform.child_frame_id) == ("eye", "mark_7")
     assert transform.header.stamp.sec * 10**9 + transform.header.stamp.nanosec == _STAMP
     t, q = transform.transform.translation, transform.transform.rotation
@@ -105,11 +107,11 @@ def test_quaternions_of_all_turns(angle: float, axis: tuple[float, float, float]
 def test_a_pose_has_its_covariance_row_by_row() -> None:
     """In the order x y z rotX rotY rotZ of ROS 2; that of the camera is in the frame of the field."""
     one = _seen()
-    message = _read(sighting_messages.marker_pose_of(one, _NAMES))
+    message = _read(landmark_messages.marker_pose_of(one, _NAMES))
     assert message.header.frame_id == "eye"
     assert np.reshape(message.pose.covariance, (6, 6)).tolist() == one.covariance.tolist()
     place = FieldPose("mars_yard", Pose(np.eye(3), np.array([1.0, 2.0, 3.0])), np.diag(np.arange(6.0)), (7,), ())
-    message = _read(sighting_messages.field_pose_of(place, _STAMP))
+    message = _read(landmark_messages.field_pose_of(place, _STAMP))
     position = message.pose.pose.position
     assert (message.header.frame_id, message.header.stamp.nanosec) == ("mars_yard", 123_456_789)
     assert [position.x, position.y, position.z, message.pose.covariance[7 * 5]] == [1, 2, 3, 5]
@@ -118,7 +120,7 @@ def test_a_pose_has_its_covariance_row_by_row() -> None:
 def test_a_detection_has_both_poses_and_a_box() -> None:
     """The pose that was decided for comes first; scores are what the frame alone says, and sum to 1."""
     one = _seen(rotation_of(np.array([0.5, 0, 0])) @ FACING)
-    message = _read(sighting_messages.detections_of([one], _STAMP, _NAMES))
+    message = _read(landmark_messages.detections_of([one], _STAMP, _NAMES))
     (detection,) = message.detections
     chosen, other = detection.results
     assert (detection.id, chosen.hypothesis.class_id) == ("mark_7", "7")
@@ -136,7 +138,7 @@ def test_the_camera_info_is_of_images_that_nobody_rectified() -> None:
     distortion, model = (0.1, 0.2, 0.3, 0.4), "equidistant"
     matrix = np.array([[900.0, 0, 640], [0, 910, 360], [0, 0, 1]])
     camera = CameraParameters(matrix, np.array(distortion), (1280, 720), fisheye=True)
-    info = _read(sighting_messages.camera_info_of(camera, (1280, 720), _STAMP, _NAMES))
+    info = _read(landmark_messages.camera_info_of(camera, (1280, 720), _STAMP, _NAMES))
     assert (info.width, info.height, info.distortion_model, info.header.frame_id) == (1280, 720, model, "eye")
     assert info.d.tolist() == list(distortion)
     assert info.k.tolist() == matrix.ravel().tolist()

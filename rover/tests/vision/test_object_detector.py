@@ -18,7 +18,7 @@ onnx = pytest.importorskip("onnx", reason=NO_ONNX)
 pytest.importorskip("onnxruntime", reason=NO_ONNX)
 
 from onnx import TensorProto  # noqa: E402  # they need onnx
-from roverkit.objects.detected_objects import Box, Detection  # noqa: E402
+from roverkit.objects.detected_objects import Box, ObjectDetection  # noqa: E402
 from roverkit.objects.detector import ObjectDetector  # noqa: E402
 from roverkit.objects.layouts import LAYOUTS  # noqa: E402
 from roverkit.objects.preprocessing import Fit, Preprocessing  # noqa: E402
@@ -206,7 +206,7 @@ def test_half_precision_is_supported_but_not_used_for_the_boxes(tmp_path: Path) 
     table[0, :, 0] = [600.5, 300.25, 2.25, 2.25, 0, 0.75, 0]
     path = write(tmp_path / "m.onnx", {"output0": table}, (640, 640), kind=TensorProto.FLOAT16)
     found = ObjectDetector(path, names=_NAMES).detect(np.zeros((640, 640, 3), np.uint8))
-    assert found == [Detection(Box(599.375, 299.125, 2.25, 2.25), "socket", 0.75)]
+    assert found == [ObjectDetection(Box(599.375, 299.125, 2.25, 2.25), "socket", 0.75)]
 
 
 _PIXELS, _INPUTS = st.integers(1, 2000), st.sampled_from([(640, 640), (416, 416), (320, 256), (96, 64)])

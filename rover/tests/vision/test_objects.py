@@ -15,7 +15,7 @@ pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 pytest.importorskip("scipy", reason=NO_SCIPY)
 
-from roverkit.objects.detected_objects import Box, Detection, TrackedObject  # noqa: E402
+from roverkit.objects.detected_objects import Box, ObjectDetection, TrackedObject  # noqa: E402
 from roverkit.objects.location import Location, locate  # noqa: E402
 from roverkit.objects.metrics import average_precisions  # noqa: E402
 from roverkit.objects.object_tracker import CERTAIN, ObjectTracker  # noqa: E402
@@ -101,16 +101,16 @@ _A, _B, _C = Box(0, 0, 10, 10), Box(20, 0, 10, 10), Box(40, 0, 10, 10)
 )
 def test_precision_is_interpolated_at_101_recalls(seen: list, truth: list, expected: dict[str, float]) -> None:
     """Of each class that the images show, by the scores of the detections."""
-    found = average_precisions([([Detection(*one) for one in seen], truth)])
+    found = average_precisions([([ObjectDetection(*one) for one in seen], truth)])
     assert found == {name: pytest.approx(one) for name, one in expected.items()}
 
 
 _PERIOD_NS = 33_333_333
-Frame = Sequence[tuple[int, Detection]]  # Detections of one frame, each with the true number of its object
+Frame = Sequence[tuple[int, ObjectDetection]]  # Detections of one frame, each with the true number of its object
 
 
-def _seen(x: float, y: float, name: str = "rock", confidence: float = 0.8) -> Detection:
-    return Detection(Box(x, y, 60.0, 60.0), name, confidence)
+def _seen(x: float, y: float, name: str = "rock", confidence: float = 0.8) -> ObjectDetection:
+    return ObjectDetection(Box(x, y, 60.0, 60.0), name, confidence)
 
 
 def _ids(frames: Iterable[Frame]) -> dict[int, set[int]]:
@@ -165,7 +165,7 @@ class _Tracked:
     def __init__(self) -> None:
         self._tracker, self.number = ObjectTracker(), 0
 
-    def show(self, frames: int, *detections: Detection) -> list[TrackedObject]:
+    def show(self, frames: int, *detections: ObjectDetection) -> list[TrackedObject]:
         for _ in range(frames):
             shown = self._tracker.track(detections, self.number * _PERIOD_NS)
             self.number += 1

@@ -34,7 +34,7 @@ class _Desk:
         self.free.wait(PATIENCE_S)
         return {"version": after + 1}
 
-    def picture(self, after: int) -> tuple[int, bytes] | None:
+    def image(self, after: int) -> tuple[int, bytes] | None:
         return (5, bytes(50_000_000)) if after < 5 else None
 
     def thumbnail(self, view: int) -> bytes | None:

@@ -11,9 +11,9 @@ import pytest
 from polling import wait_until
 from roverkit.aruco.tracker_declaration import POSITION
 from roverkit.vision import Landmark, Landmarks, Pose
-from roverkit.vision.field.localization import FieldPose, Shot
+from roverkit.vision.field.field_tracker import LandmarkResult
+from roverkit.vision.field.localization import CameraDetections, FieldPose
 from roverkit.vision.field.rover import SLOP_NS, RoverLocalizer, RoverPose
-from roverkit.vision.field.view import View
 from roverkit.vision.frames import Frame
 from roverkit.vision.poses.pose import quaternion_of, rotation_of
 from roverkit.vision.poses.transform_tree import TransformTree
@@ -28,7 +28,7 @@ from generated.registry import REGISTRY
 from rover.bench.vision.contestants import camera_of
 from rover.bench.vision.scenes import lens
 from rover.tests.vision.ros_images import header
-from rover.tests.vision.seen import FACING, camera_on_field, sighting, view, wall
+from rover.tests.vision.seen import FACING, camera_on_field, detection, view, wall
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
@@ -52,12 +52,12 @@ class _Field:
 
     def see(self, camera: str, at_ms: int, *ids: int) -> RoverPose | None:
         """A camera sees some landmarks."""
-        sightings = view(self.rover @ _MOUNT, {number: wall()[number] for number in ids}, self._rng)
-        return self.localizer.add(camera, at_ms * _MS, Shot(sightings, _MOUNT))
+        detections = view(self.rover @ _MOUNT, {number: wall()[number] for number in ids}, self._rng)
+        return self.localizer.add(camera, at_ms * _MS, CameraDetections(detections, _MOUNT))
 
 
 def _found(rover: RoverPose | None) -> tuple[int, set[object]] | None:
-    return None if rover is None else (rover.stamp // _MS, set(rover.place.used))
+    return None if rover is None else (rover.stamp // _MS, set(rover.field_pose.used))
 
 
 def test_frames_of_one_time_give_one_pose() -> None:
@@ -163,12 +163,12 @@ def test_markers_that_share_a_number_are_in_the_detections_alone(node: MemoryMid
     rng = np.random.default_rng(0)
     places = [(7, -0.5, True), (7, 0.5, True), (9, 0.0, False)]
     seen = tuple(
-        sighting(number, Pose(FACING, np.array([x, 0, 2.0])), rng, shared=shared) for number, x, shared in places
+        detection(number, Pose(FACING, np.array([x, 0, 2.0])), rng, shared=shared) for number, x, shared in places
     )
     transforms, detections = _heard(node, "/tf", tf2_msgs.TFMessage), _heard(node, "/aruco/detections", _DETECTIONS)
     poses = [_heard(node, f"/aruco/aruco_{number}/pose", geometry_msgs.PoseWithCovarianceStamped) for number in (7, 9)]
     publishing = Publishing(node, camera_of(lens()), "aruco_", _topic)
-    publishing.publish(View(Frame(np.zeros((480, 640), np.uint8), 5, 0, "eye"), seen))
+    publishing.publish(LandmarkResult(Frame(np.zeros((480, 640), np.uint8), 5, 0, "eye"), seen))
     assert list(map(len, poses)) == [0, 1]
     assert [one.child_frame_id for one in transforms[0].transforms] == ["aruco_9"]
     found = [

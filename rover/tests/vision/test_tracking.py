@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 import pytest
-from roverkit.vision import Board, MarkerSet, Sighting, Tracker
+from roverkit.vision import Board, LandmarkDetection, MarkerSet, Tracker
 from roverkit.vision.images.rendering import Grey, Print, marker_print, render, texture
 from roverkit.vision.images.rendering import Pose as TruePose
 from roverkit.vision.markers.marker_set import square
@@ -35,9 +35,9 @@ def tracker(markers: MarkerSet | None = None, **options: int) -> Tracker:
     return Tracker(camera_of(LENS), markers or MarkerSet(side=SIDE), **options)
 
 
-def off_by(sighting: Sighting, truth: TruePose) -> float:
+def off_by(detection: LandmarkDetection, truth: TruePose) -> float:
     """The error of the translation in parts of the distance."""
-    return miss_of(Estimate(0, sighting.pose.rotation, sighting.pose.translation), truth).translation
+    return miss_of(Estimate(0, detection.pose.rotation, detection.pose.translation), truth).translation
 
 
 @pytest.mark.slow
@@ -46,10 +46,10 @@ def test_every_marker_is_seen_in_every_frame(film: Sequence[DriveFrame], scan_ev
     """However it was found - scan, quick scan or region - its pose is the same to a thousandth of the distance."""
     following = tracker(scan_every=scan_every, thorough_every=3)
     for shot in film:
-        sightings = following.track(shot.frame, shot.stamp)
-        assert {one.id for one in sightings} == set(shot.poses)
-        assert max(off_by(one, shot.poses[one.id]) for one in sightings) < 0.002
-        assert all(one.stamp == shot.stamp for one in sightings)
+        detections = following.track(shot.frame, shot.stamp)
+        assert {one.id for one in detections} == set(shot.poses)
+        assert max(off_by(one, shot.poses[one.id]) for one in detections) < 0.002
+        assert all(one.stamp == shot.stamp for one in detections)
 
 
 @pytest.mark.slow

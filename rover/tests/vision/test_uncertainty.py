@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from roverkit.vision import CameraParameters, MarkerSet, Sighting, Tracker, read_parameters, write_parameters
+from roverkit.vision import CameraParameters, LandmarkDetection, MarkerSet, Tracker, read_parameters, write_parameters
 from roverkit.vision.camera import uncertainty
 from roverkit.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_by_camera, pixels_to_rays
 from roverkit.vision.field.landmarks import Landmark, Landmarks
@@ -25,7 +25,7 @@ NOTHING = Uncertainty(side_sigma=0, corner_floor=0)
 
 
 @cache
-def seen(exact: bool = True, **changed: float) -> tuple[Sighting, ...]:
+def seen(exact: bool = True, **changed: float) -> tuple[LandmarkDetection, ...]:
     """Markers in the second frame of a camera that moves, with a certainty that is perfect unless it is changed."""
     camera = replace(CAMERA, covariance=np.zeros((4, 4))) if exact else CAMERA
     tracker = Tracker(camera, MarkerSet(side=SIDE), uncertainty=replace(NOTHING, **changed))
@@ -90,25 +90,25 @@ def test_landmarks_do_not_average_shared_errors_away() -> None:
     """The camera's error stays however many landmarks are seen; errors of the single landmarks become smaller."""
     rng = np.random.default_rng(3)
     known = Landmarks("field", {number: Landmark(place, 1e-6, 1e-6) for number, place in wall().items()})
-    sightings = view(camera_on_field(rng), wall(), rng)
+    detections = view(camera_on_field(rng), wall(), rng)
 
-    def sigma(sightings: list[Sighting]) -> float:
-        found = localize(sightings, known)
+    def sigma(detections: list[LandmarkDetection]) -> float:
+        found = localize(detections, known)
         assert found
-        assert len(found.used) == len(sightings)
+        assert len(found.used) == len(detections)
         return float(np.sqrt(found.covariance[0, 0]))
 
     covariance = np.zeros((4, 4))
     covariance[:2, :2] = 3.0**2  # fx and fy are wrong together
     doubtful = CameraParameters(np.diag([1000.0, 1000, 1]), np.zeros(5), covariance=covariance)
     shared, own = [], []
-    for one in sightings:
+    for one in detections:
         pixels = pixels_by_camera(doubtful, camera_roots(doubtful), one.seen.rays)
         shifts = pixels_to_rays(doubtful, one.seen.rays, pixels)
         shared.append(replace(one, seen=replace(one.seen, shared=shifts)))
         own.append(replace(one, seen=replace(one.seen, own=shifts @ shifts.T)))
     assert sigma(shared) > 1.5 * sigma(own)
-    assert sigma(shared) > 5 * sigma(sightings)
+    assert sigma(shared) > 5 * sigma(detections)
 
 
 def test_the_parameter_file_tells_the_accuracy_of_the_camera(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from roverkit.aruco.board_options import APRILGRID, CHARUCO, CHESSBOARD, add_board, board_of, metres
-from roverlink.console import OK, Subparsers, command, counted
+from roverlink.console import OK, Subparsers, command, counted, parsed_number
 from roverlink.runtime.atomic_files import write_whole
 from roverlink.runtime.core.errors import SetupError
 
@@ -104,10 +104,5 @@ def _numbers(text: str) -> list[int]:
 
 
 def _dpi(text: str) -> float:
-    try:
-        found = float(text)
-    except ValueError:
-        found = 0.0
-    if not 30 <= found <= 4800:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a resolution from 30 to 4800 pixels per inch")
-    return found
+    what = "a resolution from 30 to 4800 pixels per inch"
+    return parsed_number(text, float, lambda number: 30 <= number <= 4800, what)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from roverkit.aruco.target_options import add_targets
 from roverkit.aruco.tracker_declaration import NODE
+from roverkit.node.program import node_arguments
 from roverkit.vision.frames.camera_source import PARAMETERS, add_playing, add_source
-from roverlink.console import Subparsers, add_outputs, add_project, command, count, middleware_of, node_logger
-from roverlink.runtime.ros_arguments import ros_args
+from roverlink.console import Subparsers, add_outputs, add_project, command, count, middleware_of, parsed_number
 
 
 def add(commands: Subparsers) -> None:
@@ -130,8 +130,7 @@ def _add_uncertainty(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Track markers until the source of frames ends or a signal comes; the exit code is 0 in both cases."""
-    ros = ros_args.parse(arguments.ros_args, NODE.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, NODE.name)
     arguments.middleware = middleware_of(arguments)
     from roverkit.aruco.tracking import track  # only here, so that the help needs no OpenCV
 
@@ -139,11 +138,5 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _at_least_zero(text: str) -> float:
-    """Parse a finite number that is at least 0."""
-    try:
-        found = float(text)
-    except ValueError:
-        found = math.nan
-    if not 0 <= found < math.inf:  # false for NaN too
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number of at least 0, such as 0.005")
-    return found
+    what = "a finite number of at least 0, such as 0.005"
+    return parsed_number(text, float, lambda number: 0 <= number < math.inf, what)

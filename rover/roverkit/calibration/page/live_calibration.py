@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from roverkit.calibration.collection import Collection, Offer
-from roverkit.calibration.page.latest_value import LatestValue
 from roverkit.calibration.page.page_state import Taken, advice, collected
 from roverkit.calibration.solution import Calibration, PoorViewsError
 from roverkit.calibration.views import View
 from roverkit.vision.camera.camera_model import Floats
+from roverkit.vision.frames.newest import Newest
 from roverkit.vision.markers.detection import Image, to_colour
 from roverkit.vision.opencv import cv2
 from roverlink.runtime.core.errors import RoverlinkError, SetupError
@@ -63,8 +63,8 @@ class LiveCalibration:
         self._asked = threading.Event()
         self.finished = threading.Event()
         """Set when the calibration has been saved."""
-        self._pictures: LatestValue[tuple[Image, Floats]] = LatestValue()
-        self._states: LatestValue[dict[str, Any]] = LatestValue()
+        self._images: Newest[tuple[Image, Floats]] = Newest()
+        self._states: Newest[dict[str, Any]] = Newest()
         self._publish_state()
 
     # --- frames -----------------------------------------------------------------------------------------------------
@@ -87,7 +87,7 @@ class LiveCalibration:
                 self._note = f"View {self._number} is taken: {offer.reason}"
                 self._number += 1
             self._publish_state()
-        self._pictures.put((image, offer.view.corners))
+        self._images.put((image, offer.view.corners))
         return offer
 
     def ended(self) -> None:
@@ -106,17 +106,17 @@ class LiveCalibration:
         version, state = self._states.get(after, _TIMEOUT_S) or self._states.now()
         return {"version": version, **state}
 
-    def picture(self, after: int) -> tuple[int, bytes] | None:
+    def image(self, after: int) -> tuple[int, bytes] | None:
         """Return number and JPEG of the newest image, with its corners marked.
 
         Waits some seconds for a number greater than `after`; returns None if no such image comes.
         """
-        newest = self._pictures.get(after, _TIMEOUT_S)
+        newest = self._images.get(after, _TIMEOUT_S)
         return newest and (newest[0], _jpeg(*newest[1], _SHOWN))
 
     def thumbnail(self, view: int) -> bytes | None:
         """Return the thumbnail of the view with this number on the page, as JPEG; None if there is no such view."""
-        return next((one.thumbnail for one in self._taken if one.number == view), None)
+        return next((taken.thumbnail for taken in self._taken if taken.number == view), None)
 
     def report(self) -> str | None:
         """Return the report of the last calibration as HTML; None before the first calibration."""
@@ -145,11 +145,11 @@ class LiveCalibration:
     # --- with the lock held -----------------------------------------------------------------------------------------
 
     def _drop(self, number: int | None) -> None:
-        found = [one for one in self._taken if one.number == number]
+        found = [taken for taken in self._taken if taken.number == number]
         if not found:
             raise SetupError(f"view {number} does not exist; it may have been dropped already")
         self._collection.discard(found[0].view)
-        self._taken = tuple(one for one in self._taken if one is not found[0])
+        self._taken = tuple(taken for taken in self._taken if taken is not found[0])
 
     def _start(self) -> None:
         self._calibrating, self._refused = True, ()

@@ -28,7 +28,9 @@ def collected(collection: Collection, taken: Sequence[Taken], calibration: Calib
     return {
         "coverage": _coverage(collection),
         "goals": list(_goals(collection)),
-        "views": [_view(one, fitted_views.get(id(one.view)), calibrated=calibration is not None) for one in taken],
+        "views": [
+            _view(shown, fitted_views.get(id(shown.view)), calibrated=calibration is not None) for shown in taken
+        ],
         "result": calibration and _result(calibration, taken),
     }
 
@@ -82,11 +84,11 @@ def _view(taken: Taken, fitted: Fitted | None, *, calibrated: bool) -> dict[str,
 
 
 def _result(calibration: Calibration, taken: Sequence[Taken]) -> dict[str, Any]:
-    numbers = [[one.name, one.value, f"± {one.interval}"] for one in parameters(calibration)]
+    numbers = [[parameter.name, parameter.value, f"± {parameter.interval}"] for parameter in parameters(calibration)]
     kept = sum(not fitted.dropped for fitted in calibration.views)
     judgement = calibration.judgement
     remarks = [f"Judgement: {judgement.verdict.value}.", *(f"{doubt.text}." for doubt in judgement.doubts)]
     remarks += [f"RMS {calibration.rms:.3f} px over {kept} views; ± is the 95 % interval."]
-    if {id(one.view) for one in taken} != {id(fitted.view) for fitted in calibration.views}:
+    if {id(shown.view) for shown in taken} != {id(fitted.view) for fitted in calibration.views}:
         remarks.append("The views have changed since the calibration: calibrate again.")
     return {"numbers": numbers, "remarks": remarks}

@@ -37,7 +37,7 @@ class PageBackend(Protocol):
         calls this for each request of the state.
         """
 
-    def picture(self, after: int) -> tuple[int, bytes] | None:
+    def image(self, after: int) -> tuple[int, bytes] | None:
         """Return number and JPEG of the newest image; wait some seconds for a number greater than `after`.
 
         Returns None if no such image comes.
@@ -87,7 +87,7 @@ class _Handler(PageHandler):
         if path == "/state":
             return Answer(HTTPStatus.OK, "application/json", json.dumps(self.page.state(int(after))).encode())
         if path == "/picture":
-            return self._picture(int(after))
+            return self._image(int(after))
         if path == "/report" and (text := self.page.report()) is not None:
             return Answer(HTTPStatus.OK, "text/html", text.encode(), {"Content-Security-Policy": _REPORT_POLICY})
         match = _VIEW.fullmatch(path)
@@ -95,8 +95,8 @@ class _Handler(PageHandler):
             return Answer(HTTPStatus.OK, "image/jpeg", jpeg)
         return not_found()
 
-    def _picture(self, after: int) -> Answer:
-        newest = self.page.picture(after)
+    def _image(self, after: int) -> Answer:
+        newest = self.page.image(after)
         if newest is None:
             return Answer(HTTPStatus.NO_CONTENT)
         number, jpeg = newest

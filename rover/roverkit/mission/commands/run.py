@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 
 from roverkit.mission.mission_declaration import NODE
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, node_logger, seconds
-from roverlink.runtime.ros_arguments import ros_args
+from roverkit.node.program import node_arguments
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, seconds
 
 
 def add(commands: Subparsers) -> None:
@@ -46,8 +46,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Drive to all goals; the exit code is 1 if one of them is not reached."""
-    ros = ros_args.parse(arguments.ros_args, NODE.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, NODE.name)
     from roverkit.mission.mission_running import run_mission  # only here, so that the help needs no OpenCV
 
     return OK if run_mission(arguments, ros, logger) else FINDINGS

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
+from roverkit.node.program import node_arguments
 from roverkit.objects.object_declarations import SELECTOR
-from roverlink.console import OK, Subparsers, add_middleware, add_project, command, node_logger, seconds
-from roverlink.runtime.ros_arguments import ros_args
+from roverlink.console import OK, Subparsers, add_middleware, add_project, command, seconds
 
 
 def add(commands: Subparsers) -> None:
@@ -50,8 +50,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Publish positions until a signal comes; the exit code is then 0."""
-    ros = ros_args.parse(arguments.ros_args, SELECTOR.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, SELECTOR.name)
     from roverkit.objects.selecting import select_objects  # only here, so that the help needs no OpenCV
 
     select_objects(arguments, ros, logger)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 
+from roverkit.node.program import node_arguments
 from roverkit.objects.commands.model_options import add_model
 from roverkit.objects.object_declarations import TRACKER
 from roverkit.vision.frames.camera_source import add_playing, add_source
-from roverlink.console import Subparsers, add_outputs, add_project, command, middleware_of, node_logger
-from roverlink.runtime.ros_arguments import ros_args
+from roverlink.console import Subparsers, add_outputs, add_project, command, middleware_of, parsed_number
 
 
 def add(commands: Subparsers) -> None:
@@ -53,8 +53,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Track objects until the source of frames ends or a signal comes; the exit code is 0 in both cases."""
-    ros = ros_args.parse(arguments.ros_args, TRACKER.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, TRACKER.name)
     arguments.middleware = middleware_of(arguments)
     from roverkit.objects.object_tracking import track  # only here, so that the help needs no OpenCV
 
@@ -62,11 +61,4 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _share(text: str) -> float:
-    """Parse a number from 0 to 1."""
-    try:
-        found = float(text)
-    except ValueError:
-        found = -1.0
-    if not 0 <= found <= 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to 1, such as 0.4")
-    return found
+    return parsed_number(text, float, lambda number: 0 <= number <= 1, "a number from 0 to 1, such as 0.4")

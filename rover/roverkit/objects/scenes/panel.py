@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from roverkit.objects.scenes.camera_view import CAMERA, FAR, Canvas, Look
 from roverkit.objects.scenes.panel_parts import PARTS, SIDE, draw_part
+from roverkit.objects.scenes.rendered_camera import CAMERA, FAR, Canvas, ImagingConditions
 from roverkit.objects.scenes.world import World, smooth
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.opencv import cv2
@@ -70,7 +70,9 @@ class Panel(World):
         drawing, mask = draw_part(name, rng)
         scale = rng.uniform(0.85, 1.15)
         turn = cv2.getRotationMatrix2D((SIDE / 2, SIDE / 2), float(rng.normal(0, 4)), scale)
-        drawing, mask = (cv2.warpAffine(one, turn, (SIDE, SIDE), flags=cv2.INTER_NEAREST) for one in (drawing, mask))
+        drawing, mask = (
+            cv2.warpAffine(image, turn, (SIDE, SIDE), flags=cv2.INTER_NEAREST) for image in (drawing, mask)
+        )
         half = SIDE // 2
         area = np.s_[y - half : y + half, x - half : x + half]
         grown = cv2.dilate(mask, np.ones((17, 17), np.uint8))
@@ -81,12 +83,12 @@ class Panel(World):
         self._drawing[area][inside] = drawing[inside]
         self._numbers[area][inside] = len(self._parts)
 
-    def _draw(self, canvas: Canvas, look: Look) -> None:  # noqa: ARG002  # as for rocks
+    def _draw(self, canvas: Canvas, conditions: ImagingConditions) -> None:  # noqa: ARG002  # as for rocks
         depth = canvas.meet(np.array([self._AHEAD, 0, 0]), np.array([1.0, 0, 0]))
         places = canvas.pose.translation + depth[..., None] * canvas.rays
         width, height = _PANEL
         across, down = width / 2 - 1000 * places[..., 1], height + 1000 * (self._LOW - places[..., 2])
-        x, y = (np.nan_to_num(one, nan=-1e6).astype(np.float32) for one in (across, down))
+        x, y = (np.nan_to_num(values, nan=-1e6).astype(np.float32) for values in (across, down))
         # Millimetres in a pixel: the drawing is made as coarse, as the area of a pixel would.
         coarse = float(np.nanmedian(depth)) / CAMERA.focal[0] * 1000
         drawing = cv2.GaussianBlur(self._drawing, (0, 0), 0.45 * coarse) if coarse > 1 else self._drawing

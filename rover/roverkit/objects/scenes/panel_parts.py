@@ -50,7 +50,7 @@ def _vivid(rng: np.random.Generator, hues: tuple[int, ...]) -> Colour:
 
 
 def _darker(colour: Colour, part: float) -> Colour:
-    blue, green, red = (int(part * one) for one in colour)
+    blue, green, red = (int(part * value) for value in colour)
     return blue, green, red
 
 
@@ -69,7 +69,7 @@ def _plate(canvas: Image, width: float, height: float, colour: Colour) -> None:
 def _bar(canvas: Image, length: float, width: float, angle: float, colour: Colour, start: float = -1.0) -> None:
     """Draw a bar through the middle; `start` and 1 are its ends in half lengths."""
     way = np.array([np.cos(angle), np.sin(angle)]) * length / 2
-    first, last = (np.rint(_MIDDLE + one * way).astype(int).tolist() for one in (start, 1.0))
+    first, last = (np.rint(_MIDDLE + end * way).astype(int).tolist() for end in (start, 1.0))
     cv2.line(canvas, first, last, colour, round(width), cv2.LINE_8)
 
 

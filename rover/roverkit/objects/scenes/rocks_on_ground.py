@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roverkit.objects.scenes.camera_view import CAMERA, HEIGHT, WIDTH, Canvas, Look
+from roverkit.objects.scenes.rendered_camera import CAMERA, HEIGHT, WIDTH, Canvas, ImagingConditions
 from roverkit.objects.scenes.world import World, smooth
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.opencv import cv2
@@ -39,22 +39,24 @@ class RocksOnGround(World):
         for _ in range(rng.integers(1, 9)):
             place = np.array([rng.uniform(0.9, 4.5), rng.uniform(-1.4, 1.4)])
             radius = rng.uniform(0.05, 0.25)
-            if all(np.linalg.norm(place - one.place) > 0.7 * (radius + one.radius) for one in self._rocks):
+            if all(np.linalg.norm(place - rock.place) > 0.7 * (radius + rock.radius) for rock in self._rocks):
                 self._rocks.append(_rock(rng, place, radius, self.ground))
 
-    def _draw(self, canvas: Canvas, look: Look) -> None:
-        order = sorted(range(len(self._rocks)), key=lambda one: -self._seen(canvas, self._rocks[one])[2])
+    def _draw(self, canvas: Canvas, conditions: ImagingConditions) -> None:
+        order = sorted(range(len(self._rocks)), key=lambda index: -self._seen(canvas, self._rocks[index])[2])
         for index in order:
-            _shade_ground(canvas, self._rocks[index], look)
+            _shade_ground(canvas, self._rocks[index], conditions)
         for index in order:
-            _draw_rock(canvas, self._rocks[index], self._seen(canvas, self._rocks[index]), index + 1, look)
+            _draw_rock(canvas, self._rocks[index], self._seen(canvas, self._rocks[index]), index + 1, conditions)
 
     @staticmethod
     def _seen(canvas: Canvas, rock: _Rock) -> Floats:
         return canvas.seen(np.append(rock.place, 0.8 * rock.radius * rock.flat))
 
     def _objects(self) -> list[tuple[str, Floats]]:
-        return [("rock", np.append(one.place - (one.radius, 0), 0.8 * one.radius * one.flat)) for one in self._rocks]
+        return [
+            ("rock", np.append(rock.place - (rock.radius, 0), 0.8 * rock.radius * rock.flat)) for rock in self._rocks
+        ]
 
     def way(self, rng: np.random.Generator) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
         """Return the places of the camera, and the points at which it looks, at the begin and the end of a drive."""
@@ -81,27 +83,27 @@ def _rock(rng: np.random.Generator, place: Floats, radius: float, ground: Floats
     return _Rock(place, radius, rng.uniform(0.5, 0.95), colour, distance, relief)
 
 
-def _shade_ground(canvas: Canvas, rock: _Rock, look: Look) -> None:
+def _shade_ground(canvas: Canvas, rock: _Rock, conditions: ImagingConditions) -> None:
     """Darken the ground at the side of a rock that is turned away from the light."""
     places = canvas.pose.translation[:2] + canvas.depth[..., None] * canvas.rays[..., :2]
-    middle = rock.place - 0.5 * rock.radius * look.light
+    middle = rock.place - 0.5 * rock.radius * conditions.light
     away = np.linalg.norm(places - middle, axis=-1) / rock.radius
     dark = 0.55 * np.clip(1.6 - away, 0, 1)
     canvas.image *= 1 - np.nan_to_num(dark).astype(np.float32)[..., None]
 
 
-def _draw_rock(canvas: Canvas, rock: _Rock, middle: Floats, number: int, look: Look) -> None:
+def _draw_rock(canvas: Canvas, rock: _Rock, middle: Floats, number: int, conditions: ImagingConditions) -> None:
     """Draw a rock at its middle (3,) in the optical frame."""
     if middle[2] < 0.2:
         return
     width = max(4, round(2 * 1.15 * rock.radius * CAMERA.focal[0] / middle[2]))
     height = max(4, round(width * rock.flat))
     size = width, height
-    distance, relief = (cv2.resize(one, size, interpolation=cv2.INTER_AREA) for one in (rock.outline, rock.relief))
+    distance, relief = (cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (rock.outline, rock.relief))
     slope_y, slope_x = np.gradient(relief * width / 2.3)
     length = np.sqrt(slope_x**2 + slope_y**2 + 1)
     # The light comes from the side of `light`, and from above.
-    lit = (0.75 * look.light[1] * slope_x + 0.9 * slope_y + 0.7) / length
+    lit = (0.75 * conditions.light[1] * slope_x + 0.9 * slope_y + 0.7) / length
     shade = 0.35 + 0.75 * np.clip(lit, 0, 1.2)
     left, top = np.rint(CAMERA.project(middle) - (width / 2, height / 2)).astype(int).tolist()
     x1, y1, x2, y2 = max(left, 0), max(top, 0), min(left + width, WIDTH), min(top + height, HEIGHT)

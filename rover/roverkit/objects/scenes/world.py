@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roverkit.objects.detected_objects import Box
-from roverkit.objects.scenes.camera_view import FAR, Canvas, Look
+from roverkit.objects.scenes.rendered_camera import FAR, Canvas, ImagingConditions
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.markers.detection import Image
 from roverkit.vision.opencv import cv2
@@ -91,7 +91,7 @@ class World(ABC):
         canvas.depth[:] = depth
 
     @abstractmethod
-    def _draw(self, canvas: Canvas, look: Look) -> None:
+    def _draw(self, canvas: Canvas, conditions: ImagingConditions) -> None:
         """Draw the objects, the far ones first."""
 
     @abstractmethod
@@ -107,11 +107,11 @@ class World(ABC):
     def way(self, rng: np.random.Generator) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
         """Return the places of the camera, and the points at which it looks, at the begin and the end of a drive."""
 
-    def seen_from(self, pose: Pose, rng: np.random.Generator, look: Look) -> RenderedScene:
+    def seen_from(self, pose: Pose, rng: np.random.Generator, conditions: ImagingConditions) -> RenderedScene:
         """Return the scene as a camera sees it."""
         canvas = Canvas(pose)
         self._draw_ground(canvas)
-        self._draw(canvas, look)
+        self._draw(canvas, conditions)
         found = []
         for number, (name, front) in enumerate(self._objects(), 1):
             rows, columns = np.nonzero(canvas.numbers == number)
@@ -121,4 +121,4 @@ class World(ABC):
             if min(right - left, bottom - top) >= _SMALLEST:
                 box = Box(float(left), float(top), float(right - left), float(bottom - top))
                 found.append(SceneObject(number, name, box, canvas.seen(front)))
-        return RenderedScene(look.apply(canvas.image, rng), canvas.depth, tuple(found), pose)
+        return RenderedScene(conditions.apply(canvas.image, rng), canvas.depth, tuple(found), pose)

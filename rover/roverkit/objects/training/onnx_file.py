@@ -70,7 +70,7 @@ def check_replaceable(path: Path) -> None:
     if not path.exists():
         return
     try:
-        props = {one.key: one.value for one in onnx.load(path, load_external_data=False).metadata_props}
+        props = {entry.key: entry.value for entry in onnx.load(path, load_external_data=False).metadata_props}
     except Exception:  # noqa: BLE001  # the parser's errors have no common class; it is no model then
         props = {}
     if props.get("author") != AUTHOR:

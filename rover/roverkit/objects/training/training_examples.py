@@ -55,11 +55,11 @@ def batches(
     # The next images are read while the network learns.
     with ThreadPoolExecutor(1) as pool:
         groups = [range(start, start + BATCH) for start in range(0, len(order) - BATCH + 1, BATCH)]
-        waiting = [pool.submit(lambda group: [example(one) for one in group], group) for group in groups[:2]]
+        waiting = [pool.submit(lambda group: [example(labelled) for labelled in group], group) for group in groups[:2]]
         for number in range(len(groups)):
             found = waiting.pop(0).result()
             if number + 2 < len(groups):
-                waiting.append(pool.submit(lambda group: [example(one) for one in group], groups[number + 2]))
+                waiting.append(pool.submit(lambda group: [example(labelled) for labelled in group], groups[number + 2]))
             yield batch(found, size, classes)
 
 

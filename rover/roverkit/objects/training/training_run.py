@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import mean
 
 from roverkit.objects.chosen_detector import open_detector
-from roverkit.objects.detected_objects import Box, Detection
+from roverkit.objects.detected_objects import Box, ObjectDetection
 from roverkit.objects.detector import ObjectDetector
 from roverkit.objects.metrics import average_precisions
 from roverkit.objects.scenes import CLASSES, scenes
@@ -35,7 +35,7 @@ def render(folder: Path, images: int, seed: int) -> None:
     def rendered() -> Iterator[tuple[str, Image, list[Label]]]:
         with progress(str(folder)) as report:
             for number, scene in enumerate(scenes(seed, images), 1):
-                labels = [(CLASSES.index(one.class_name), one.box) for one in scene.objects]
+                labels = [(CLASSES.index(truth.class_name), truth.box) for truth in scene.objects]
                 yield "val" if number % _VAL_EVERY == 0 else "train", scene.image, labels
                 report(number, images)
 
@@ -51,8 +51,8 @@ def train(arguments: argparse.Namespace) -> None:
         width, height = arguments.size
         raise SetupError(f"--size is {width}x{height}; width and height must be multiples of {MULTIPLE}")
     data = read_folder(arguments.folder)
-    for one in (*data.train, *data.val):  # a mistake in a label is told before the training, and not in the middle
-        one.check()
+    for labelled in (*data.train, *data.val):  # a mistake in a label is told before the training, and not in the middle
+        labelled.check()
     from roverkit.objects.training.learning import learn  # only here: `measure` needs no jax
     from roverkit.objects.training.onnx_file import check_replaceable, write_model
 
@@ -82,10 +82,10 @@ def measure(arguments: argparse.Namespace) -> None:
 def _measured(detector: ObjectDetector, images: Sequence[LabelledImage], names: Sequence[str]) -> Mapping[str, float]:
     """Return the average precision of each class that the images show."""
 
-    def results() -> Iterator[tuple[list[Detection], list[tuple[str, Box]]]]:
+    def results() -> Iterator[tuple[list[ObjectDetection], list[tuple[str, Box]]]]:
         with progress(f"measuring {detector.name}") as report:
-            for number, one in enumerate(images, 1):
-                image, labels = one.read()
+            for number, labelled in enumerate(images, 1):
+                image, labels = labelled.read()
                 yield detector.detect(image), [(names[index], box) for index, box in labels]
                 report(number, len(images))
 

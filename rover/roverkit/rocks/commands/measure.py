@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
+from roverkit.node.program import node_arguments
 from roverkit.rocks.rocks_declaration import NODE
-from roverlink.console import OK, Subparsers, add_middleware, add_project, command, node_logger
-from roverlink.runtime.ros_arguments import ros_args
+from roverlink.console import OK, Subparsers, add_middleware, add_project, command
 
 
 def add(commands: Subparsers) -> None:
@@ -46,8 +46,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Answer requests until a signal comes; the exit code is then 0."""
-    ros = ros_args.parse(arguments.ros_args, NODE.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, NODE.name)
     from roverkit.rocks.measuring import measure_rocks  # only here, so that the help needs no OpenCV
 
     measure_rocks(arguments, ros, logger)

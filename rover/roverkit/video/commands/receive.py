@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from roverkit.node.program import node_arguments
 from roverkit.video.video_declarations import RECEIVER
 from roverlink.console import (
     MIDDLEWARES_HELP,
@@ -13,12 +14,10 @@ from roverlink.console import (
     Subparsers,
     command,
     listen_address,
-    node_logger,
     port,
 )
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import NAMES
-from roverlink.runtime.ros_arguments import ros_args
 
 _PORTS = (4500, 4501, 4502)
 _ALL = "0.0.0.0"  # noqa: S104  # the rover is another computer
@@ -70,8 +69,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Receive until a signal comes; the exit code is 0 then."""
-    ros = ros_args.parse(arguments.ros_args, RECEIVER.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, RECEIVER.name)
     arguments.ports = _different(arguments.ports or [(str(number), number) for number in _PORTS])
     from roverkit.video.receiving import receive  # only here, so that the help needs no OpenCV
 

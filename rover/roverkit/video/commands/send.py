@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 
+from roverkit.node.program import node_arguments
 from roverkit.video.video_declarations import SENDER
 from roverkit.vision.frames.camera_source import image_size
-from roverlink.console import MIDDLEWARES_HELP, NO_MIDDLEWARE, Subparsers, command, node_logger, port, rate
+from roverlink.console import MIDDLEWARES_HELP, NO_MIDDLEWARE, Subparsers, command, port, rate
 from roverlink.runtime.middleware import NAMES
-from roverlink.runtime.ros_arguments import ros_args
 
 
 def add(commands: Subparsers) -> None:
@@ -32,29 +32,29 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--host", help="name or address of the receiver (default: that of the file; for one source, this computer)"
     )
-    one = parser.add_argument_group("options for one source (for several, they are keys in the file)").add_argument
-    one("--port", type=port, help="UDP port of the receiver (default: 4500)")
-    one(
+    add = parser.add_argument_group("options for one source (for several, they are keys in the file)").add_argument
+    add("--port", type=port, help="UDP port of the receiver (default: 4500)")
+    add(
         "--size",
         type=image_size,
         metavar="WxH",
         help="size of the sent images, such as 640x480 (default: the source's)",
     )
-    one("--rate", type=rate, metavar="HZ", help="most images a second (default: 30)")
-    one("--bitrate", type=float, metavar="KBIT/S", help="most kbit/s (default: 1000)")
-    one(
+    add("--rate", type=rate, metavar="HZ", help="most images a second (default: 30)")
+    add("--bitrate", type=float, metavar="KBIT/S", help="most kbit/s (default: 1000)")
+    add(
         "--overlay",
         type=_names,
         metavar="WHAT",
         help="draw into the images: time, objects (of `roverlink objects track`), link; several with commas",
     )
-    one(
+    add(
         "--pipeline",
         metavar="TEXT",
         help="let GStreamer encode and send, with a pipeline, in which $host, $port, $bitrate, $rate, $width and "
         "$height are replaced, or with the one named legacy (the rover's earlier script)",
     )
-    one(
+    add(
         "--link-rate",
         type=float,
         metavar="KBIT/S",
@@ -72,8 +72,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Send until the sources end or a signal comes; the exit code is 0 in both cases."""
-    ros = ros_args.parse(arguments.ros_args, SENDER.name)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    ros, logger = node_arguments(arguments, SENDER.name)
     arguments.middleware = None if arguments.middleware == NO_MIDDLEWARE else arguments.middleware
     from roverkit.video.sending import send  # only here, so that the help needs no OpenCV
 
@@ -81,4 +80,4 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _names(text: str) -> tuple[str, ...]:
-    return tuple(one.strip() for one in text.split(",") if one.strip())
+    return tuple(part.strip() for part in text.split(",") if part.strip())

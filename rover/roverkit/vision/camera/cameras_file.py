@@ -85,8 +85,8 @@ def _camera(folder: Path, name: object, item: Item) -> CameraEntry:
     given = item.known_entries(_KEYS)
     if "source" not in given:
         raise item.error(f"{item.name} has no source; add 'source: topic:/camera/image_raw', or a number, file or URL")
-    parameters = folder / _text(given["parameters"]) if "parameters" in given else None
-    frame, info = (_text(given[key]) if key in given else "" for key in ("frame", "camera_info"))
+    parameters = folder / given["parameters"].filled_text() if "parameters" in given else None
+    frame, info = (given[key].filled_text() if key in given else "" for key in ("frame", "camera_info"))
     if info and parameters:
         raise given["camera_info"].error(f"{item.name} has 'parameters' and 'camera_info'; remove one of them")
     mount = _mount(given["mount"]) if "mount" in given else None
@@ -105,16 +105,15 @@ def _camera(folder: Path, name: object, item: Item) -> CameraEntry:
 def _settings(item: Item, given: Mapping[str, Item]) -> CameraSettings:
     values: dict[str, Any] = {}
     for key in (key for key in _SETTINGS if key in given):
-        one = given[key]
+        entry = given[key]
         if key == "format":
-            values[key] = _text(one)
+            values[key] = entry.filled_text()
         elif key == "size":
-            width, height = one.numbers(2)
+            width, height = entry.numbers(2)
             values[key] = (int(width), int(height))
-        elif math.isfinite(one.number):
-            values[key] = one.number
         else:
-            raise one.error(f"{one.name} is {one.shown}; it must be a number")
+            entry.require(math.isfinite(entry.number), "a number")
+            values[key] = entry.number
     try:
         return CameraSettings(**values)
     except SetupError as error:
@@ -122,22 +121,14 @@ def _settings(item: Item, given: Mapping[str, Item]) -> CameraSettings:
 
 
 def _readout_time(item: Item) -> float:
-    if not 0 <= item.number < math.inf:
-        raise item.error(f"{item.name} is {item.shown}; it must be a number of seconds, at least 0")
+    item.require(0 <= item.number < math.inf, "a number of seconds, at least 0")
     return item.number
 
 
 def _source(folder: Path, item: Item) -> str:
-    text = str(item.value) if isinstance(item.value, int) and not isinstance(item.value, bool) else _text(item)
+    text = str(item.value) if isinstance(item.value, int) and not isinstance(item.value, bool) else item.filled_text()
     beside = folder / text
     return str(beside) if beside.exists() and not text.isdecimal() else text
-
-
-def _text(item: Item) -> str:
-    text = item.value
-    if not isinstance(text, str) or not text:
-        raise item.error(f"{item.name} is {item.shown}; it must be a text (in quotes if it looks like a number)")
-    return text
 
 
 def _mount(item: Item) -> Pose:

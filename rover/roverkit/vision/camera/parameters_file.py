@@ -225,6 +225,5 @@ def _number(item: Item) -> float:
         number = float(item.text or "")
     except ValueError:
         number = math.nan
-    if not abs(number) <= LARGEST:  # true for NaN too
-        raise item.error(f"{item.name} is {item.shown}; it must be a finite number, at most {LARGEST:g}")
+    item.require(abs(number) <= LARGEST, f"a finite number, at most {LARGEST:g}")  # false for NaN too
     return number

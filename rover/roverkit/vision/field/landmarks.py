@@ -98,9 +98,6 @@ def _survey(item: Item | None, default: tuple[float, float]) -> tuple[float, flo
 
 
 def _sigma(item: Item) -> float:
-    sigma = item.number
-    if not 0 <= sigma < math.inf:  # true for NaN too
-        raise item.error(
-            f"{item.name} is {item.shown}; it must be a standard deviation: metres for position, degrees for rotation"
-        )
-    return sigma
+    what = "a standard deviation: metres for position, degrees for rotation"
+    item.require(0 <= item.number < math.inf, what)  # false for NaN too
+    return item.number

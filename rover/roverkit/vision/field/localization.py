@@ -16,7 +16,7 @@ import numpy as np
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.field.landmarks import Landmark, Landmarks
 from roverkit.vision.markers.marker_set import TargetId
-from roverkit.vision.markers.tracker import Sighting
+from roverkit.vision.markers.tracker import LandmarkDetection
 from roverkit.vision.poses.chi_squared import chi2_limit
 from roverkit.vision.poses.pose import IDENTITY, Pose, predict
 
@@ -53,43 +53,43 @@ class FieldPose:
         return len(self.used) > len(self.rejected)
 
 
-class Shot(NamedTuple):
-    """Landmarks that one camera of a rover has seen in a frame."""
+class CameraDetections(NamedTuple):
+    """Landmarks in a frame of one camera of a rover."""
 
-    sightings: Sequence[Sighting]
+    detections: Sequence[LandmarkDetection]
     mount: Pose = IDENTITY
     """Transform from the camera's optical frame to the rover's frame, in metres."""
 
 
-def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose | None:
+def localize(detections: Sequence[LandmarkDetection], landmarks: Landmarks) -> FieldPose | None:
     """Return the camera's pose on the field; None if no landmark with a known pose is visible.
 
-    `sightings` are the markers and boards found in one frame; the pose is computed from all that are in `landmarks`. A
+    `detections` are the markers and boards found in one frame; the pose is computed from all that are in `landmarks`. A
     marker whose number others share is no landmark.
     """
-    return localize_rover([Shot(sightings)], landmarks)
+    return localize_rover([CameraDetections(detections)], landmarks)
 
 
-def localize_rover(shots: Sequence[Shot], landmarks: Landmarks) -> FieldPose | None:
+def localize_rover(seen: Sequence[CameraDetections], landmarks: Landmarks) -> FieldPose | None:
     """Return the pose on the field of a rover with several cameras; None if no known landmark is visible.
 
-    `shots` are what the cameras have seen at nearly the same time. A marker whose number others share is no landmark,
+    `seen` is what the cameras have seen at nearly the same time. A marker whose number others share is no landmark,
     even for the cameras that see only one of them.
 
     If only two landmarks are visible and contradict each other, it is unknown which one is wrong. Then the more
     accurate one is used, and `FieldPose.agreed` is false.
     """
-    shared = {one.id for shot in shots for one in shot.sightings if one.shared}
+    shared = {detection.id for camera in seen for detection in camera.detections if detection.shared}
     known = [
-        _known(one, landmarks.places[one.id], camera, shot.mount)
-        for camera, shot in enumerate(shots)
-        for one in shot.sightings
-        if one.id in landmarks.places and one.id not in shared
+        _known(detection, landmarks.places[detection.id], index, camera.mount)
+        for index, camera in enumerate(seen)
+        for detection in camera.detections
+        if detection.id in landmarks.places and detection.id not in shared
     ]
     starts = [
-        one.mount @ solution.pose @ landmarks.places[one.sighting.id].pose.inverse()
-        for one in known
-        for solution in one.sighting.solutions
+        observation.mount @ solution.pose @ landmarks.places[observation.detection.id].pose.inverse()
+        for observation in known
+        for solution in observation.detection.solutions
     ]
     # Best start first: usually it explains all landmarks, and the loop ends after it.
     starts.sort(key=lambda start: _cost(known, start, _SLACK[0]))
@@ -107,16 +107,16 @@ def localize_rover(shots: Sequence[Shot], landmarks: Landmarks) -> FieldPose | N
         frame=landmarks.frame,
         pose=pose.inverse(),
         covariance=_of_inverse(pose, _covariance(used, pose)),
-        used=tuple(one.sighting.id for one in used),
-        rejected=tuple(one.sighting.id for one in known if one not in used),
+        used=tuple(observation.detection.id for observation in used),
+        rejected=tuple(observation.detection.id for observation in known if observation not in used),
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Known:
-    """Sighting of a landmark whose pose on the field is known."""
+    """Detection of a landmark whose pose on the field is known."""
 
-    sighting: Sighting
+    detection: LandmarkDetection
     points: Floats
     """Corners (N, 3) on the field in metres."""
     own: Floats
@@ -131,32 +131,32 @@ class _Known:
     """Transform from the camera's optical frame to the rover's frame."""
 
 
-def _known(sighting: Sighting, landmark: Landmark, camera: int, mount: Pose) -> _Known:
-    """Return a sighting of a known landmark; combine the uncertainties of the image and of the landmark's survey.
+def _known(detection: LandmarkDetection, landmark: Landmark, camera: int, mount: Pose) -> _Known:
+    """Return a detection of a known landmark; combine the uncertainties of the image and of the landmark's survey.
 
     The standard deviations of the survey are equal along all axes. So they can be applied in the camera's frame.
     """
-    seen = sighting.seen
-    _, derivative = predict(sighting.pose, seen.points)
+    seen = detection.seen
+    _, derivative = predict(detection.pose, seen.points)
     by_landmark = derivative.reshape(-1, 6) * np.repeat([landmark.position_sigma, landmark.rotation_sigma], 3)
     # With L L^T the covariance, L^-1 times the residuals has the identity as its covariance: their sum of squares is
     # chi squared.
     own = seen.own_covariance + by_landmark @ by_landmark.T
     whitening = np.linalg.inv(np.linalg.cholesky(own + seen.shifts @ seen.shifts.T))
     points = landmark.pose.apply(seen.points)
-    return _Known(sighting, points, own, whitening, chi2_limit(2 * len(points)), camera, mount)
+    return _Known(detection, points, own, whitening, chi2_limit(2 * len(points)), camera, mount)
 
 
 def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Known]] | None:
-    """Refine a start pose (field to rover) with the sightings of landmarks that fit it.
+    """Refine a start pose (field to rover) with the detections of landmarks that fit it.
 
-    Returns the cost, the refined pose, and the sightings that fit; None if the pose cannot be refined.
+    Returns the cost, the refined pose, and the detections that fit; None if the pose cannot be refined.
     """
     used: list[_Known] = []
     for slack in _SLACK:
-        used = [one for one in known if _chi2(one, pose) < slack * one.limit]
+        used = [observation for observation in known if _chi2(observation, pose) < slack * observation.limit]
         if not used:  # a compromise between landmarks that contradict each other, which fits none of them
-            used = [min(known, key=lambda one: _chi2(one, pose) / one.limit)]
+            used = [min(known, key=lambda observation: _chi2(observation, pose) / observation.limit)]
         refined = _refine(used, pose)
         if refined is None:
             return None
@@ -165,33 +165,35 @@ def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Know
 
 
 def _cost(known: Sequence[_Known], pose: Pose, slack: float = 1.0) -> float:
-    """Return the sum of chi squared over all sightings; a sighting that does not fit counts only as `slack` * limit."""
-    return sum(min(_chi2(one, pose), slack * one.limit) for one in known)
+    """Return the sum of chi squared over all detections; one that does not fit counts only as `slack` * limit."""
+    return sum(min(_chi2(observation, pose), slack * observation.limit) for observation in known)
 
 
-def _chi2(one: _Known, pose: Pose) -> float:
-    residuals, _ = _terms(one, pose)
+def _chi2(observation: _Known, pose: Pose) -> float:
+    residuals, _ = _terms(observation, pose)
     chi2 = float(residuals @ residuals)
     return chi2 if np.isfinite(chi2) else np.inf
 
 
-def _terms(one: _Known, pose: Pose) -> tuple[Floats, Floats]:
+def _terms(observation: _Known, pose: Pose) -> tuple[Floats, Floats]:
     """Return the residuals (2N,) of a landmark's corners, and the derivative (2N, 6) of the predicted corners.
 
     Both are in standard deviations. The derivative is with respect to the pose (field to rover).
     """
-    to_camera = one.mount.inverse()
-    rays, by_camera = predict(to_camera @ pose, one.points)
+    to_camera = observation.mount.inverse()
+    rays, by_camera = predict(to_camera @ pose, observation.points)
     # The camera moves and turns as the rover does, seen in its own axes.
     by_rover = by_camera.reshape(-1, 2, 3) @ to_camera.rotation
-    return one.whitening @ (one.sighting.seen.rays - rays).ravel(), one.whitening @ by_rover.reshape(-1, 6)
+    return observation.whitening @ (
+        observation.detection.seen.rays - rays
+    ).ravel(), observation.whitening @ by_rover.reshape(-1, 6)
 
 
 def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
     """Return the normal equations at a pose (matrix (6, 6) and right side (6,)), and the sum of chi squared."""
     normal, right, chi2 = np.zeros((6, 6)), np.zeros(6), 0.0
-    for one in used:
-        residuals, derivative = _terms(one, pose)
+    for observation in used:
+        residuals, derivative = _terms(observation, pose)
         normal += derivative.T @ derivative
         right += derivative.T @ residuals
         chi2 += float(residuals @ residuals)
@@ -207,10 +209,10 @@ def _covariance(used: Sequence[_Known], pose: Pose) -> Floats:
     inverse = np.linalg.inv(_normal(used, pose)[0])
     covariance = np.zeros((6, 6))
     shared: dict[int, Floats] = {}
-    for one in used:
-        gain = inverse @ _terms(one, pose)[1].T @ one.whitening
-        covariance += gain @ one.own @ gain.T
-        shared[one.camera] = shared.get(one.camera, 0) + gain @ one.sighting.seen.shifts
+    for observation in used:
+        gain = inverse @ _terms(observation, pose)[1].T @ observation.whitening
+        covariance += gain @ observation.own @ gain.T
+        shared[observation.camera] = shared.get(observation.camera, 0) + gain @ observation.detection.seen.shifts
     whole: Floats = covariance + sum(moved @ moved.T for moved in shared.values())
     return whole
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from roverkit.vision.field.landmarks import Landmarks
-from roverkit.vision.field.localization import FieldPose, Shot, localize_rover
+from roverkit.vision.field.localization import CameraDetections, FieldPose, localize_rover
 
 SLOP_NS = 50_000_000
 """Largest difference in nanoseconds of the stamps of frames that belong together: one frame at 20 Hz."""
@@ -21,7 +21,7 @@ class RoverPose:
 
     stamp: int
     """Time of the newest frame in nanoseconds."""
-    place: FieldPose
+    field_pose: FieldPose
     """Transform from the rover's frame to that of the field."""
 
 
@@ -34,18 +34,18 @@ class RoverLocalizer:
     def __init__(self, cameras: int, landmarks: Landmarks) -> None:
         """Locate a rover with this number of cameras."""
         self._cameras, self.landmarks = cameras, landmarks
-        self._waiting: dict[str, tuple[int, Shot]] = {}
+        self._waiting: dict[str, tuple[int, CameraDetections]] = {}
 
-    def add(self, camera: str, stamp: int, shot: Shot | None) -> RoverPose | None:
+    def add(self, camera: str, stamp: int, seen: CameraDetections | None) -> RoverPose | None:
         """Add what a camera has seen in a frame, and return the rover's pose if that completes it.
 
-        `stamp` is the time of the frame in nanoseconds. `shot` is None if the mount of the camera is unknown.
+        `stamp` is the time of the frame in nanoseconds. `seen` is None if the mount of the camera is unknown.
         """
         found = None
         if camera in self._waiting or any(abs(stamp - other) > SLOP_NS for other, _ in self._waiting.values()):
             found = self._located()
-        if shot is not None:
-            self._waiting[camera] = (stamp, shot)
+        if seen is not None:
+            self._waiting[camera] = (stamp, seen)
         return self._located() if len(self._waiting) == self._cameras else found
 
     def _located(self) -> RoverPose | None:
@@ -53,5 +53,6 @@ class RoverLocalizer:
         waiting, self._waiting = self._waiting, {}
         if not waiting:
             return None
-        place = localize_rover([shot for _, shot in waiting.values()], self.landmarks)
-        return RoverPose(max(stamp for stamp, _ in waiting.values()), place) if place else None
+        stamps, seen = zip(*waiting.values())
+        field_pose = localize_rover(seen, self.landmarks)
+        return RoverPose(max(stamps), field_pose) if field_pose else None

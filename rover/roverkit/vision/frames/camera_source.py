@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from roverkit.node.ros_connection import full_topic
 from roverlink.console import count, print_note, rate
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from roverkit.node.ros_connection import RosConnection
     from roverkit.vision.camera.camera_settings import CameraSettings
     from roverkit.vision.frames import FrameSource
+
+T = TypeVar("T")
 
 PARAMETERS = Path("charuco_camera_params.yml")
 """Default file of a camera's parameters."""
@@ -105,6 +107,20 @@ def open_source(
     return frames.open_source(
         text, settings, size=size, rate=rate or frames.RATE, say=say, clock=ros.clock, open_topic=open_topic
     )
+
+
+def with_progress(frames: Iterator[T], sources: Sequence[FrameSource], arguments: argparse.Namespace) -> Iterator[T]:
+    """Yield the frames of these sources; show the progress if they end and the terminal does not show JSON."""
+    totals = [source.total for source in sources if source.total is not None]
+    if arguments.loop or len(totals) < len(sources) or (arguments.json and sys.stdout.isatty()):
+        yield from frames
+        return
+    from roverlink.progress import progress
+
+    with progress(", ".join(source.name for source in sources)) as report:
+        for done, frame in enumerate(frames, 1):
+            yield frame
+            report(done, sum(totals))
 
 
 def _asked(say: Callable[[str], None]) -> str:

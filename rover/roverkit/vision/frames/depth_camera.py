@@ -111,12 +111,12 @@ class DepthCamera:
         Raises `NoDepthError` if there is none, or none that can be used.
         """
         topics, now = self._topics(), time.monotonic()
-        fresh = [one for one in tuple(self._received) if one.topics is topics and now - one.at <= STALLED_S]
+        fresh = [kept for kept in tuple(self._received) if kept.topics is topics and now - kept.at <= STALLED_S]
         if not fresh:
             raise NoDepthError(
                 f"for {STALLED_S:g} s, no depth came on {topics.depth} with camera parameters on {topics.info}"
             )
-        chosen = fresh[-1] if stamp is None else min(fresh, key=lambda one: abs(one.stamp - stamp))
+        chosen = fresh[-1] if stamp is None else min(fresh, key=lambda received: abs(received.stamp - stamp))
         try:
             return _read(chosen.messages, is_rectified(topics.colour))
         except (ConversionError, SetupError) as error:
@@ -125,7 +125,7 @@ class DepthCamera:
 
 def _read(arrived: Sequence[Arrived], rectified: bool) -> DepthImage:
     """Return the depth image of a set of messages. Raises `ConversionError` or `SetupError` if it cannot be used."""
-    depth, info = (one.read() for one in arrived)
+    depth, info = (message.read() for message in arrived)
     if not isinstance(depth, ImageMessage) or not isinstance(info, CameraInfo):
         raise ConversionError("the first topic must have images, and the second one camera parameters")
     return DepthImage(depth.depth(), camera_of(info, rectified), depth.stamp)

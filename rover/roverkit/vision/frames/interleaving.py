@@ -19,7 +19,7 @@ def in_order(streams: Sequence[Iterator[Frame]]) -> Iterator[tuple[int, Frame]]:
             yield frame.stamp, index, frame
 
     # Stamp and index are never equal for two frames, so that frames are not compared.
-    for _, index, frame in heapq.merge(*map(stamped, range(len(streams))), key=lambda one: one[:2]):
+    for _, index, frame in heapq.merge(*map(stamped, range(len(streams))), key=lambda entry: entry[:2]):
         yield index, frame
 
 
@@ -79,7 +79,7 @@ class _Slots:
                     raise self._failure
                 if not self._frames:
                     return
-                index = min(self._frames, key=lambda one: self._frames[one].stamp)
+                index = min(self._frames, key=lambda stream: self._frames[stream].stamp)
                 frame = self._frames.pop(index)
             yield index, frame
 

@@ -14,6 +14,7 @@ from typing import Any
 
 from roverkit.vision.camera.camera_settings import CameraSettings
 from roverkit.vision.frames.frame import Frame, rate_of
+from roverkit.vision.frames.newest import Newest
 from roverkit.vision.opencv import cv2
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
@@ -49,8 +50,8 @@ class LiveSource:
         """
         self.name = name
         self._connect, self._say, self._latency_ns, self._clock = connect, say, latency_ns, clock
-        self._news = threading.Condition()
-        self._newest: Frame | None = None
+        self._newest: Newest[Frame] = Newest()
+        self._taken = 0  # number of the newest frame that was yielded
         self._closed = threading.Event()
         self._number = 0
         self._capture = connect()
@@ -65,12 +66,8 @@ class LiveSource:
 
     def __iter__(self) -> Iterator[Frame]:
         """Yield the newest frame, then wait for a newer one, and so on. No frame is yielded twice."""
-        while True:
-            with self._news:
-                self._news.wait_for(lambda: self._newest is not None or self._closed.is_set())
-                frame, self._newest = self._newest, None
-            if frame is None or self._closed.is_set():
-                return
+        while (found := self._newest.get(self._taken)) and not self._newest.closed:
+            self._taken, frame = found
             yield frame
 
     def __enter__(self) -> LiveSource:
@@ -80,8 +77,7 @@ class LiveSource:
         # Nothing interrupts a thread in grab(), and its capture must not be released meanwhile. So it is a daemon
         # thread, and the wait for it is limited.
         self._closed.set()
-        with self._news:
-            self._news.notify_all()
+        self._newest.close()
         self._thread.join(_CLOSING_S)  # a thread blocked on a stream ends after the stream's timeout
 
     def _read(self) -> None:
@@ -103,10 +99,8 @@ class LiveSource:
         # Some cameras deliver grey images; the rest of the program expects BGR.
         if image.ndim == 2:
             image = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
-        with self._news:
-            self._newest = Frame(image, stamp, self._number)
-            self._number += 1
-            self._news.notify_all()
+        self._newest.put(Frame(image, stamp, self._number))
+        self._number += 1
         return True
 
     def _reopen(self, waited: float) -> None:

@@ -37,7 +37,7 @@ class ImageFiles(_Recorded):
         `say` is called with a message about each image that cannot be read. Raises `SetupError` if the folder has no
         images.
         """
-        found = [path] if path.is_file() else [one for one in path.iterdir() if one.suffix.lower() in IMAGES]
+        found = [path] if path.is_file() else [file for file in path.iterdir() if file.suffix.lower() in IMAGES]
         if not found:
             raise SetupError(f"{path} contains no images (known: {' '.join(sorted(IMAGES))})")
         self.paths = sorted(found, key=_natural)

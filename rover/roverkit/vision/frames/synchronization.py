@@ -62,7 +62,7 @@ class _Waiting(Generic[T]):
 
     def nearest(self, stamp: int) -> int | None:
         place = bisect_left(self.stamps, stamp)
-        return min(self.stamps[max(place - 1, 0) : place + 1], key=lambda one: abs(one - stamp), default=None)
+        return min(self.stamps[max(place - 1, 0) : place + 1], key=lambda other: abs(other - stamp), default=None)
 
 
 class Synchronizer(Generic[T]):
@@ -106,12 +106,15 @@ class Synchronizer(Generic[T]):
             if not all(other.is_past(stamp) for other in others):
                 return
             near = [other.nearest(stamp) for other in others]
-            partners = [one for one in near if one is not None and abs(one - stamp) <= self._slop]
+            partners = [partner for partner in near if partner is not None and abs(partner - stamp) <= self._slop]
             if len(partners) == len(others):
-                if not all(leading.is_past(one) for one in partners):
+                if not all(leading.is_past(partner) for partner in partners):
                     return
-                if all(leading.nearest(one) == stamp and other.is_unused(one) for one, other in zip(partners, others)):
-                    yield tuple(waiting.use(one) for waiting, one in zip(self._topics, (stamp, *partners)))
+                if all(
+                    leading.nearest(partner) == stamp and other.is_unused(partner)
+                    for partner, other in zip(partners, others)
+                ):
+                    yield tuple(waiting.use(partner) for waiting, partner in zip(self._topics, (stamp, *partners)))
             self._decide(stamp)
 
     def _decide(self, stamp: int) -> None:

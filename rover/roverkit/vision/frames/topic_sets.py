@@ -14,9 +14,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import Generic, NamedTuple, TypeVar
+from typing import NamedTuple
 
 from roverkit.vision.frames.live import STALLED_S, Say
+from roverkit.vision.frames.newest import Newest
 from roverkit.vision.frames.synchronization import Synchronizer
 from roverkit.vision.ros.image_messages import IMAGES, ImageMessage, read_image
 from roverlink.runtime.core import cdr
@@ -37,8 +38,6 @@ DEPTH = 5
 LOOK_S = 0.1
 """Time in seconds after which a source looks for publishers again while nothing comes."""
 _RECOVERED_S = 1.0
-
-S = TypeVar("S")
 
 
 class Arrived(NamedTuple):
@@ -128,42 +127,9 @@ class _Topic:
             self._say(f"waiting: nothing publishes on {self._name} yet{self._similar()}")
 
     def _similar(self) -> str:
-        types = {one.__msgtype__ for one in self._types}
+        types = {type_.__msgtype__ for type_ in self._types}
         topics = [topic for topic, type_name in self._middleware.topics().items() if type_name in types]
         return f"; {nearest(self._name, sorted(topics))}" if topics else ""
-
-
-class Newest(Generic[S]):
-    """Place for the newest of something, which one thread puts and another one takes."""
-
-    def __init__(self) -> None:
-        self._news = threading.Condition()
-        self._newest: S | None = None
-        self._closed = False
-
-    @property
-    def closed(self) -> bool:
-        """True after `close`."""
-        return self._closed
-
-    def put(self, newest: S) -> None:
-        """Replace what nobody has taken yet."""
-        with self._news:
-            self._newest = newest
-            self._news.notify_all()
-
-    def take(self, seconds: float) -> S | None:
-        """Take the newest one; wait for it at most this time."""
-        with self._news:
-            self._news.wait_for(lambda: self._newest is not None or self._closed, seconds)
-            newest, self._newest = self._newest, None
-            return newest
-
-    def close(self) -> None:
-        """End the waiting of the other thread."""
-        with self._news:
-            self._closed = True
-            self._news.notify_all()
 
 
 class TopicSets:
@@ -178,24 +144,22 @@ class TopicSets:
         topics: Sequence[str],
         say: Say,
         slop_ns: int = 0,
-        queue: int = 10,
         types: Sequence[type[Message]] = (*IMAGES, CameraInfo),
         clock: Clock = SYSTEM_CLOCK,
     ) -> None:
         """Begin to receive; the topics are fully qualified, and the first one leads (module `synchronization`).
 
-        `say` is called with messages for the user. `slop_ns` is the largest distance of the stamps in a set, `queue`
-        the number of messages of a topic that wait for those of the others. One of `types` must be the type of each
-        topic. `clock` gives the times of arrival.
+        `say` is called with messages for the user. `slop_ns` is the largest distance of the stamps in a set. One of
+        `types` must be the type of each topic. `clock` gives the times of arrival.
         """
-        self._newest: Newest[tuple[int, tuple[Arrived, ...]]] = Newest()
+        self._newest: Newest[tuple[Arrived, ...]] = Newest()
         self._topics = [
             _Topic(middleware, name, types, partial(self._add, index), say, clock) for index, name in enumerate(topics)
         ]
         self._bad = BadMessages(", ".join(topics), say)
         self._lock = threading.Lock()  # a middleware may call back on several threads
-        self._synchronizer = Synchronizer[Arrived](len(topics), slop_ns, queue)
-        self._count = 0
+        self._synchronizer = Synchronizer[Arrived](len(topics), slop_ns)
+        self._taken = 0  # number of the newest set that was returned
         self._watch()
 
     def take(self, seconds: float) -> tuple[int, tuple[Arrived, ...]] | None:
@@ -204,11 +168,14 @@ class TopicSets:
         Waits for it at most this time; then, or if the source is closed, returns None. Raises `MiddlewareError` if a
         topic has messages of another type.
         """
-        found = self._newest.take(seconds)
+        found = self._newest.get(self._taken, seconds)
         if self._newest.closed:
             return None
         self._watch()
-        return found
+        if found is None:
+            return None
+        self._taken, arrived = found
+        return self._taken - 1, arrived
 
     def arrivals(self) -> Iterator[tuple[int, tuple[Arrived, ...]]]:
         """Yield the newest set that is not yielded yet, serialized, with its number from 0; wait for it."""
@@ -224,7 +191,7 @@ class TopicSets:
         """
         for _, arrived in self.arrivals():
             try:
-                messages = tuple(one.read() for one in arrived)
+                messages = tuple(message.read() for message in arrived)
             except ConversionError as error:
                 self._bad.add(error)
                 continue
@@ -246,19 +213,18 @@ class TopicSets:
     def _add(self, index: int, arrived: list[Arrived]) -> None:
         """Add the messages of a topic, on a thread of the middleware."""
         with self._lock:
-            for one in arrived:
-                for complete in self._complete(index, one):
-                    self._newest.put((self._count, complete))
-                    self._count += 1
+            for message in arrived:
+                for complete in self._complete(index, message):
+                    self._newest.put(complete)
 
-    def _complete(self, index: int, one: Arrived) -> list[tuple[Arrived, ...]]:
+    def _complete(self, index: int, message: Arrived) -> list[tuple[Arrived, ...]]:
         # A single topic needs no stamps; they may be all zero.
         if len(self._topics) == 1:
-            return [(one,)]
+            return [(message,)]
         try:
             # Every message that a topic here can have begins with a header, and the decoder ignores the rest.
-            stamp = stamp_of(cdr.decode(Header, one.data))
+            stamp = stamp_of(cdr.decode(Header, message.data))
         except ConversionError as error:
             self._bad.add(error)
             return []
-        return self._synchronizer.add(index, stamp, one)
+        return self._synchronizer.add(index, stamp, message)

@@ -46,7 +46,7 @@ class TopicSource:
     def __iter__(self) -> Iterator[Frame]:
         """Yield the newest frame, then wait for a newer one, and so on. No frame is yielded twice.
 
-        Images that are damaged, are no pictures or have an unwanted size are ignored. Raises `MiddlewareError` if the
+        Images that are damaged, are depths or have an unwanted size are ignored. Raises `MiddlewareError` if the
         topic has messages of another type.
         """
         for number, (arrived,) in self._sets.arrivals():
@@ -82,15 +82,15 @@ class TopicSource:
         self._sets.__exit__()
 
     def _frame(self, number: int, arrived: Arrived) -> Frame:
-        image = read_image(arrived.message_type, arrived.data)
-        picture = image.picture()
+        message = read_image(arrived.message_type, arrived.data)
+        image = message.image()
         if self._size is None:
-            self._size = size_of(picture)
-        elif size_of(picture) != self._size and not self._any_size:
+            self._size = size_of(image)
+        elif size_of(image) != self._size and not self._any_size:
             # The camera's parameters are those of the first size.
-            sizes = "{}x{} to {}x{}".format(*self._size, *size_of(picture))
+            sizes = "{}x{} to {}x{}".format(*self._size, *size_of(image))
             raise ConversionError(f"the image size has changed from {sizes} pixels; start the program again")
-        if not image.stamp and self._stamped:
+        if not message.stamp and self._stamped:
             self._stamped = False
             self._say(f"{self.name}: the images have no stamps; using the times of their arrival")
-        return Frame(picture, image.stamp or arrived.at, number, image.frame_id)
+        return Frame(image, message.stamp or arrived.at, number, message.frame_id)

@@ -9,7 +9,7 @@ import numpy as np
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.field.localization import FieldPose
 from roverkit.vision.markers.detection import Image, to_colour
-from roverkit.vision.markers.tracker import Sighting
+from roverkit.vision.markers.tracker import LandmarkDetection
 from roverkit.vision.opencv import cv2
 
 Colour = tuple[int, int, int]
@@ -26,23 +26,27 @@ _LINE = 720  # image height in pixels for which lines are one pixel wide
 _FONT = 0
 
 
-def draw(image: Image, camera: CameraParameters, sightings: Sequence[Sighting], place: FieldPose | None) -> Image:
+def draw(
+    image: Image, camera: CameraParameters, detections: Sequence[LandmarkDetection], pose: FieldPose | None
+) -> Image:
     """Return a copy (H, W, 3) of an image with the outline, axes, name and distance of each landmark drawn into it.
 
-    If `place` is given, the camera's position on the field is written into the image too.
+    If `pose` is given, the camera's position on the field is written into the image too.
     """
     drawn = to_colour(image)
-    rejected = place.rejected if place else ()
-    for one in sightings:
-        _outline(drawn, one, REJECTED if one.shared or one.id in rejected else SEEN)
-        _axes(drawn, camera, one)
-        low = one.corners.min(axis=0)
+    rejected = pose.rejected if pose else ()
+    for detection in detections:
+        _outline(drawn, detection, REJECTED if detection.shared or detection.id in rejected else SEEN)
+        _axes(drawn, camera, detection)
+        low = detection.corners.min(axis=0)
         write_label(
-            drawn, f"{one.id}: {np.linalg.norm(one.pose.translation):.2f} m", (low[0], low[1] - 4 * line_width(drawn))
+            drawn,
+            f"{detection.id}: {np.linalg.norm(detection.pose.translation):.2f} m",
+            (low[0], low[1] - 4 * line_width(drawn)),
         )
-    if place:
-        x, y, z = place.pose.translation
-        text = f"{place.frame}: x {x:.2f}  y {y:.2f}  z {z:.2f} m, by {len(place.used)}"
+    if pose:
+        x, y, z = pose.pose.translation
+        text = f"{pose.frame}: x {x:.2f}  y {y:.2f}  z {z:.2f} m, by {len(pose.used)}"
         write_label(drawn, text, (6 * line_width(drawn), drawn.shape[0] - 8 * line_width(drawn)))
     return drawn
 
@@ -59,16 +63,16 @@ def line_width(image: Image) -> int:
     return max(1, round(height / _LINE))
 
 
-def _outline(image: Image, one: Sighting, colour: Colour) -> None:
-    for corners in one.corners.reshape(-1, 4, 2):
+def _outline(image: Image, detection: LandmarkDetection, colour: Colour) -> None:
+    for corners in detection.corners.reshape(-1, 4, 2):
         cv2.polylines(image, [_fixed(corners)], True, colour, line_width(image) + 1, cv2.LINE_AA, _SHIFT)
         cv2.circle(image, _fixed(corners[0]).tolist(), 3 << _SHIFT, colour, -1, cv2.LINE_AA, _SHIFT)
 
 
-def _axes(image: Image, camera: CameraParameters, one: Sighting) -> None:
+def _axes(image: Image, camera: CameraParameters, detection: LandmarkDetection) -> None:
     """Draw the axes of a landmark's frame at its origin; their length is half the side of a marker."""
-    length = float(np.linalg.norm(one.seen.points[1] - one.seen.points[0])) / 2
-    ends = camera.project(one.pose.apply(np.vstack([np.zeros(3), length * np.eye(3)])))
+    length = float(np.linalg.norm(detection.seen.points[1] - detection.seen.points[0])) / 2
+    ends = camera.project(detection.pose.apply(np.vstack([np.zeros(3), length * np.eye(3)])))
     if not np.isfinite(ends).all():
         return
     start, *tips = _fixed(ends).tolist()

@@ -24,11 +24,13 @@ class Film:
     repeated. If two images belong to the same frame of the video, one is left out.
     """
 
-    def __init__(self, path: Path, rate: float) -> None:
-        """Check the path; `rate` is the number of images a second.
+    def __init__(self, path: Path, rate: float, source: str = "") -> None:
+        """Check the path; `rate` is the number of images a second, `source` names the source of the images.
 
-        Raises `SetupError` if the file cannot be written.
+        Raises `SetupError` if the file cannot be written, or if it is the source.
         """
+        if path.exists() and Path(source).exists() and path.samefile(source):
+            raise SetupError(f"{path} is the source of the images; give --save another name")
         if path.suffix.lower() not in CODECS:
             raise SetupError(f"{path}: unknown video format; the name must end with {' or '.join(CODECS)}")
         if not path.resolve().parent.is_dir():

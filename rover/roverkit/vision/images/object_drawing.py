@@ -28,13 +28,13 @@ def draw_objects(image: Image, objects: Sequence[TrackedObject], locations: Mapp
     `locations` has the positions that are known, by the numbers of the objects.
     """
     drawn = to_colour(image)
-    for one in objects:
-        box, colour = one.box, _COLOURS[one.id % len(_COLOURS)]
+    for tracked in objects:
+        box, colour = tracked.box, _COLOURS[tracked.id % len(_COLOURS)]
         corners = [(round(box.x), round(box.y)), (round(box.x + box.width), round(box.y + box.height))]
         cv2.rectangle(drawn, *corners, colour, line_width(drawn) + 1, cv2.LINE_AA)
-    for one in objects:  # after all boxes, which would cross them
-        location = locations.get(one.id)
+    for tracked in objects:  # after all boxes, which would cross them
+        location = locations.get(tracked.id)
         distance = f" {location.point[2]:.1f} m" if location else ""
-        place = one.box.x, one.box.y - 4 * line_width(drawn)
-        write_label(drawn, f"{one.id} {one.class_name}{distance}", place)
+        place = tracked.box.x, tracked.box.y - 4 * line_width(drawn)
+        write_label(drawn, f"{tracked.id} {tracked.class_name}{distance}", place)
     return drawn

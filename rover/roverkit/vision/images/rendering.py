@@ -118,28 +118,26 @@ class Pose:
     translation: Floats
 
 
-def marker_print(
-    dictionary: int, number: int, side: float, *, quiet: int = 1, texels: int = 24, black: int = 25, white: int = 225
-) -> Print:
-    """Return the print of a marker whose outer edges are `side` metres apart, with a white border of `quiet` modules.
+def marker_print(dictionary: int, number: int, side: float, *, texels: int = 24) -> Print:
+    """Return the print of a marker whose outer edges are `side` metres apart, with a white border of one module.
 
-    A module is one black or white cell of a marker. `black` and `white` are grey values. `texels` is the number of
-    pixels of the print's image along a side of a module. The renderer sends several rays through each camera pixel;
-    `texels` should be about the number of rays along a side of the module (see `texels_for`).
+    A module is one black or white cell of a marker. `texels` is the number of pixels of the print's image along a side
+    of a module. The renderer sends several rays through each camera pixel; `texels` should be about the number of rays
+    along a side of the module (see `texels_for`).
     """
     bits = cv2.aruco.getPredefinedDictionary(dictionary)
     modules = bits.markerSize + 2
-    pattern = np.pad(np.asarray(bits.generateImageMarker(number, modules)), quiet, constant_values=255)
-    grey = np.where(pattern > 127, white, black).astype(np.uint8)
+    pattern = np.pad(np.asarray(bits.generateImageMarker(number, modules)), 1, constant_values=255)
+    grey = np.where(pattern > 127, 225, 25).astype(np.uint8)
     return Print(np.kron(grey, np.ones((texels, texels), np.uint8)), side / modules / texels)
 
 
-def texels_for(side_px: float, modules: int = 7) -> int:
+def texels_for(side_px: float) -> int:
     """Return the texels (pixels of the print's image) per module for a marker that is seen `side_px` pixels wide.
 
-    The number is somewhat less than the number of rays per module.
+    The marker has 7 modules along a side. The number is somewhat less than the number of rays per module.
     """
-    return max(4, round(0.75 * RAYS * side_px / modules))
+    return max(4, round(0.75 * RAYS * side_px / 7))
 
 
 def texture(size: tuple[int, int], rng: np.random.Generator) -> Floats:

@@ -67,7 +67,5 @@ def _corners(marker: Item, side: Item | None) -> Floats:
 
 
 def _metres(side: Item) -> float:
-    metres = side.number
-    if not 0 < metres < math.inf:  # true for NaN too
-        raise side.error(f"{side.name} is {side.shown}; it must be a length in metres above 0")
-    return metres
+    side.require(0 < side.number < math.inf, "a length in metres above 0")  # false for NaN too
+    return side.number

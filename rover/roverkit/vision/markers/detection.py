@@ -26,7 +26,7 @@ _STEP = 64
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Detection:
+class MarkerDetection:
     """Detected marker: its number, and its corners (4, 2) in pixels, in OpenCV's order."""
 
     number: int
@@ -103,11 +103,11 @@ class Detector:
         self._detectors: dict[tuple[_Search, int], Any] = {}
         self._scans = 0
 
-    def scan(self, image: Image) -> list[Detection]:
+    def scan(self, image: Image) -> list[MarkerDetection]:
         """Return the markers in a whole grey image (H, W)."""
         return self._detect(image, _THOROUGH)
 
-    def scan_quickly(self, image: Image) -> list[Detection]:
+    def scan_quickly(self, image: Image) -> list[MarkerDetection]:
         """Return the sharp markers in a whole grey image, in a fifth of the time; a marker may be returned twice.
 
         Every third scan finds markers that are blurred, partly covered or of little contrast, too.
@@ -116,14 +116,14 @@ class Detector:
         found = self._detect(image, _SHARP)
         return found if self._scans % _BLURRED_EVERY else found + self._detect(image, _BLURRED)
 
-    def look(self, image: Image, region: Region) -> list[Detection]:
+    def scan_region(self, image: Image, region: Region) -> list[MarkerDetection]:
         """Return the markers in a part of a grey image (H, W); their corners are in pixels of the whole image."""
         part = np.ascontiguousarray(image[region.top : region.bottom, region.left : region.right])
         offset = (region.left, region.top)
         found = self._detect(part, _REGION) or self._detect(part, _THOROUGH)
-        return [Detection(one.number, one.corners + offset) for one in found]
+        return [MarkerDetection(marker.number, marker.corners + offset) for marker in found]
 
-    def _detect(self, image: Image, search: _Search) -> list[Detection]:
+    def _detect(self, image: Image, search: _Search) -> list[MarkerDetection]:
         height, width = image.shape
         if min(height, width) < 2 * _SMALLEST_SIDE:
             return []
@@ -131,7 +131,7 @@ class Detector:
         corners, numbers, _ = self._detector(search, max(height, width)).detectMarkers(image)
         found = [] if numbers is None else np.reshape(numbers, -1).tolist()
         return [
-            Detection(number, np.reshape(corner, (4, 2)).astype(float))
+            MarkerDetection(number, np.reshape(corner, (4, 2)).astype(float))
             for number, corner in zip(found, corners)
             if number in self._markers
         ]

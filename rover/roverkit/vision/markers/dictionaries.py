@@ -27,8 +27,8 @@ def _numbers(grey: Image, camera: CameraParameters, markers: MarkerSet, others: 
     known = others.bits.bytesList.tolist()
     markers.bits.maxCorrectionBits = 0  # with correction, small dictionaries match many other squares
     found = Detector(markers).scan(grey)
-    fitted = fit_markers(grey, camera, [Guess(markers.pattern(one.number), one.corners) for one in found])
-    numbers = {one.number for one, fit in zip(found, fitted) if fit}
+    fitted = fit_markers(grey, camera, [Guess(markers.pattern(marker.number), marker.corners) for marker in found])
+    numbers = {marker.number for marker, fit in zip(found, fitted) if fit}
     return sorted(number for number in numbers if markers.bits.bytesList[number].tolist() not in known)
 
 

@@ -27,7 +27,7 @@ LIFTED = np.vstack([SQUARE, np.ones(4)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Views:
+class MarkerBatch:
     """K markers to fit, as arrays of M points on edges; the rows of markers with fewer points are padded."""
 
     differences: Floats
@@ -53,7 +53,7 @@ class Pixels:
     grey: Floats
     """Grey values (K, N); 0 for padding."""
     points: Floats
-    """Scaled rays (K, 2, N) of the pixels, as `Views` defines them."""
+    """Scaled rays (K, 2, N) of the pixels, as `MarkerBatch` defines them."""
     by_pixel: Floats
     """Derivative (K, 2, 2, N) of `points` with respect to the coordinates of the pixels."""
     real: Floats
@@ -64,7 +64,7 @@ class Pixels:
         return Pixels(*(part[..., ::stride] for part in (self.grey, self.points, self.by_pixel, self.real)))
 
 
-def make_views(patterns: Sequence[Pattern], rays: Floats) -> Views:
+def make_batch(patterns: Sequence[Pattern], rays: Floats) -> MarkerBatch:
     """Return K markers as arrays, given their patterns and the rays (K, 4, 2) of their approximate corners."""
     most = max(pattern.across_u.size for pattern in patterns)
     places = np.zeros((len(patterns), 2, most))
@@ -73,7 +73,7 @@ def make_views(patterns: Sequence[Pattern], rays: Floats) -> Views:
         count = pattern.across_u.size
         places[k, :, :count], across_u[k, :count], real[k, :count] = pattern.places, pattern.across_u, True
     centre = rays.mean(axis=1)
-    return Views(
+    return MarkerBatch(
         differences=np.stack([pattern.differences for pattern in patterns]),
         places=places,
         across_u=across_u,
@@ -128,25 +128,25 @@ def _turned(matrices: Floats, vectors: Floats) -> Floats:
     return matrices[:, :, :1] * vectors[:, None, 0] + matrices[:, :, 1:] * vectors[:, None, 1]
 
 
-def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, views: Views, homography: Floats) -> Pixels:
+def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, batch: MarkerBatch, homography: Floats) -> Pixels:
     """Select the pixels along the edges of each marker's pattern.
 
     `homography` (K, 3, 3) maps `SQUARE` to the scaled rays at which each marker is expected. Only points on the edges
     are undistorted, because undistorting each pixel would be slow. The ray of a pixel follows from the nearest point on
     an edge and the derivative of the undistortion at this point.
     """
-    points, by_square = apply(homography, views.places / views.half - 1)
-    rays = points * views.scale[:, None, None] + views.centre[:, :, None]
+    points, by_square = apply(homography, batch.places / batch.half - 1)
+    rays = points * batch.scale[:, None, None] + batch.centre[:, :, None]
     seen, slope = camera.distort_with_derivative(rays.transpose(0, 2, 1))
-    seen, by_pixel = seen.transpose(0, 2, 1), _inverse(np.moveaxis(slope, 1, -1)) / views.scale[:, None, None, None]
-    modules_by_pixel = product(_inverse(by_square) * views.half, by_pixel)
+    seen, by_pixel = seen.transpose(0, 2, 1), _inverse(np.moveaxis(slope, 1, -1)) / batch.scale[:, None, None, None]
+    modules_by_pixel = product(_inverse(by_square) * batch.half, by_pixel)
     modules_a_pixel = np.sqrt((modules_by_pixel**2).sum(axis=2))
     normal = modules_by_pixel / modules_a_pixel[:, :, None]
-    normal = np.where(views.across_u[:, None], normal[:, 0], normal[:, 1])
+    normal = np.where(batch.across_u[:, None], normal[:, 0], normal[:, 1])
     places = np.rint(seen[:, :, None] + np.array(ACROSS)[:, None] * normal[:, :, None])  # (K, 2, offsets, M)
     moved = places - seen[:, :, None]
-    outside = np.abs(views.places[:, :, None] + _turned(modules_by_pixel, moved) - views.half) - views.half
-    usable = (outside <= np.maximum(0, 1 - CLEAR * modules_a_pixel)[:, :, None]).all(axis=1) & views.real[:, None]
+    outside = np.abs(batch.places[:, :, None] + _turned(modules_by_pixel, moved) - batch.half) - batch.half
+    usable = (outside <= np.maximum(0, 1 - CLEAR * modules_a_pixel)[:, :, None]).all(axis=1) & batch.real[:, None]
     height, width = image.shape
     usable &= (places >= 0).all(axis=1) & (places[:, 0] < width) & (places[:, 1] < height)
     index = np.where(usable, places[:, 1] * width + places[:, 0], 0).astype(np.intp)

@@ -29,15 +29,15 @@ from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.markers.edge_samples import (
     LIFTED,
     SQUARE,
+    MarkerBatch,
     Pixels,
-    Views,
     apply,
     choose_pixels,
     homographies,
-    make_views,
+    make_batch,
     product,
 )
-from roverkit.vision.markers.pattern import Pattern, look
+from roverkit.vision.markers.pattern import Pattern, predict_grey
 from roverkit.vision.poses.chi_squared import chi2_limit
 
 # Why not OpenCV's refinements: SUBPIX looks for saddles, and the outer corners of a marker are none, which biases the
@@ -164,8 +164,8 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
     rays = camera.undistort(np.stack([guess.corners for guess in guesses]))
     visible = np.isfinite(rays).all(axis=(1, 2))
     rays[~visible] = SQUARE.T  # any valid numbers
-    views = make_views([guess.pattern for guess in guesses], rays)
-    scaled = (rays - views.centre[:, None]) / views.scale[:, None, None]
+    batch = make_batch([guess.pattern for guess in guesses], rays)
+    scaled = (rays - batch.centre[:, None]) / batch.scale[:, None, None]
     blurs = np.clip([guess.blur for guess in guesses], *BLURS)
     state = _State(
         homographies(scaled.transpose(0, 2, 1)),
@@ -173,39 +173,39 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
         np.zeros((len(guesses), 2, guesses[0].pattern.modules - 1)),
     )
     with np.errstate(all="ignore"):  # a wrong guess may diverge; it is rejected below
-        pixels = choose_pixels(image, camera, views, state.homography)
+        pixels = choose_pixels(image, camera, batch, state.homography)
         coarse = pixels.every(COARSE)
-        pixel = views.scale * float(np.max(camera.focal))  # pixels per unit of the scaled rays
+        pixel = batch.scale * float(np.max(camera.focal))  # pixels per unit of the scaled rays
         for _ in range(COARSE_STEPS):
-            before, (state, _unused) = state, _step(views, state, coarse)
+            before, (state, _unused) = state, _step(batch, state, coarse)
             if not (_shift(before, state) * pixel > NEAR)[visible].any():
                 break
         for _ in range(FINE_STEPS):
-            before, (state, outcome) = state, _step(views, state, pixels)
+            before, (state, outcome) = state, _step(batch, state, pixels)
             shift = _shift(before, state) * pixel
             if not (shift > SETTLED)[visible].any():
                 break
         visible &= (pixels.real.sum(axis=1) >= _FEWEST) & (shift < UNSETTLED)
-        rigidity = _rigidity(_step(views, state, pixels, np.full(len(guesses), _RIGID))[1])
+        rigidity = _rigidity(_step(batch, state, pixels, np.full(len(guesses), _RIGID))[1])
         if (rigidity < _RIGID)[visible].any():
             for _ in range(LINE_STEPS):
-                before, (state, outcome) = state, _step(views, state, pixels, rigidity)
+                before, (state, outcome) = state, _step(batch, state, pixels, rigidity)
                 if not (_shift(before, state) * pixel > SETTLED)[visible].any():
                     break
         variance, explained = outcome.variance(), outcome.explained(pixels)
     return [
-        _fit(views, state, outcome, k, float(variance[k]), float(explained[k])) if visible[k] else None
+        _fit(batch, state, outcome, k, float(variance[k]), float(explained[k])) if visible[k] else None
         for k in range(len(guesses))
     ]
 
 
-def _step(views: Views, state: _State, pixels: Pixels, rigidity: Floats | None = None) -> tuple[_State, _Outcome]:
+def _step(batch: MarkerBatch, state: _State, pixels: Pixels, rigidity: Floats | None = None) -> tuple[_State, _Outcome]:
     """Make one Gauss-Newton step for all markers, in which outliers have no weight; return the new state.
 
     With `rigidity` (K,), the inner lines between modules are free. It is the precision with which they are known to be
     where they should be, relative to that of a pixel.
     """
-    design, square = _design(views, state, pixels, with_lines=rigidity is not None)
+    design, square = _design(batch, state, pixels, with_lines=rigidity is not None)
     light = design[:, _GEOMETRY:_UNKNOWNS]
     level = _solve(light @ light.transpose(0, 2, 1), light @ pixels.grey[:, :, None])
     residuals = pixels.grey - (level[:, None] @ light)[:, 0]
@@ -289,7 +289,7 @@ def _weights(residuals: Floats, real: Floats) -> Floats:
     return np.where(np.abs(residuals) < limit[:, None], real, 0.0)
 
 
-def _design(views: Views, state: _State, pixels: Pixels, *, with_lines: bool) -> tuple[Floats, Floats]:
+def _design(batch: MarkerBatch, state: _State, pixels: Pixels, *, with_lines: bool) -> tuple[Floats, Floats]:
     """Return the derivatives (K, U, N) of the model, and the positions (K, 2, N) of the pixels in the marker's square.
 
     The derivatives are with respect to 8 elements of the homography, 3 of the blur, 7 coefficients of the light, and
@@ -297,29 +297,29 @@ def _design(views: Views, state: _State, pixels: Pixels, *, with_lines: bool) ->
     homography moves while the pixel stays, the pixel sees the pattern move in the opposite direction.
     """
     square, by_point = apply(np.linalg.inv(state.homography), pixels.points)
-    by_pixel = product(by_point, pixels.by_pixel) * views.half
-    places = square * views.half + views.half
-    seen = look(views.differences, places, by_pixel, state.blur, state.lines, with_lines=with_lines)
+    by_pixel = product(by_point, pixels.by_pixel) * batch.half
+    places = square * batch.half + batch.half
+    predicted = predict_grey(batch.differences, places, by_pixel, state.blur, state.lines, with_lines=with_lines)
     w = (state.homography[:, 2:, :2] @ square)[:, 0] + 1
-    by_place = seen.by_u[:, None] * by_point[:, 0] + seen.by_v[:, None] * by_point[:, 1]
-    by_place *= (-views.half * pixels.real / w)[:, None]
-    design = np.empty((len(square), _UNKNOWNS + seen.by_lines.shape[1], square.shape[2]))
+    by_place = predicted.by_u[:, None] * by_point[:, 0] + predicted.by_v[:, None] * by_point[:, 1]
+    by_place *= (-batch.half * pixels.real / w)[:, None]
+    design = np.empty((len(square), _UNKNOWNS + predicted.by_lines.shape[1], square.shape[2]))
     design[:, 0:2] = by_place[:, :1] * square
     design[:, 2] = by_place[:, 0]
     design[:, 3:5] = by_place[:, 1:] * square
     design[:, 5] = by_place[:, 1]
     design[:, 6:8] = -(by_place * pixels.points).sum(axis=1)[:, None] * square
-    design[:, 8:11] = seen.by_blur * pixels.real[:, None]
+    design[:, 8:11] = predicted.by_blur * pixels.real[:, None]
     design[:, 11] = pixels.real
     design[:, 12:14] = square * pixels.real[:, None]
-    design[:, 14] = seen.grey * pixels.real
+    design[:, 14] = predicted.grey * pixels.real
     design[:, 15:17] = design[:, 14, None] * square
-    design[:, 17] = seen.by_growth * pixels.real
-    design[:, _UNKNOWNS:] = seen.by_lines * pixels.real[:, None]
+    design[:, 17] = predicted.by_growth * pixels.real
+    design[:, _UNKNOWNS:] = predicted.by_lines * pixels.real[:, None]
     return design, square
 
 
-def _fit(views: Views, state: _State, outcome: _Outcome, k: int, variance: float, explained: float) -> Fit | None:
+def _fit(batch: MarkerBatch, state: _State, outcome: _Outcome, k: int, variance: float, explained: float) -> Fit | None:
     """Return the result of the fit for marker `k`; None if its covariance is not finite."""
     try:
         covariance = variance * np.linalg.inv(outcome.normal[k])[:8, :8]
@@ -328,9 +328,9 @@ def _fit(views: Views, state: _State, outcome: _Outcome, k: int, variance: float
     corners, by_homography = _corners(state.homography[k])
     if not np.isfinite(covariance).all() or not np.isfinite(corners).all():
         return None
-    scale = float(views.scale[k])
+    scale = float(batch.scale[k])
     return Fit(
-        rays=corners * scale + views.centre[k],
+        rays=corners * scale + batch.centre[k],
         covariance=by_homography @ covariance @ by_homography.T * scale**2,
         noise=math.sqrt(variance),
         contrast=float(outcome.contrast[k]),

@@ -43,16 +43,18 @@ class Flips:
         kept = math.exp(-max(stamp - self._stamp, 0) / 1e9 / FORGETTING_S)
         before = [(pose, misfit * kept) for pose, misfit in self._inherited(solutions)]
         # Relative to the best solution, so that noise common to both cancels.
-        misfits = [old + min(one.chi2 - solutions[0].chi2, LARGEST) for one, (_, old) in zip(solutions, before)]
+        misfits = [
+            old + min(solution.chi2 - solutions[0].chi2, LARGEST) for solution, (_, old) in zip(solutions, before)
+        ]
         least = min(misfits)
-        self._followed = [(one.pose, misfit - least) for one, misfit in zip(solutions, misfits)]
+        self._followed = [(solution.pose, misfit - least) for solution, misfit in zip(solutions, misfits)]
         self._stamp = stamp
         return misfits.index(least)
 
     def _inherited(self, solutions: Sequence[Solution]) -> list[tuple[Pose, float]]:
         """Return, for each solution, the pose of the last frame that it continues, and the misfit of that pose."""
         if not self._followed:
-            return [(one.pose, 0.0) for one in solutions]
+            return [(solution.pose, 0.0) for solution in solutions]
         # One solution became two: the new one starts with a penalty, so that it has to fit
         # better for some frames before it wins.
         if len(self._followed) == 1 or len(solutions) == 1:

@@ -1,17 +1,29 @@
 """Model of a marker's pattern as a camera sees it: the grey values near all edges, blurred.
 
-A module is one black or white cell of the marker. The corners of the modules form a lattice. With (u, v) in modules
-from the upper left outer corner, the grey value is 1 + sum over the lattice points (i, j) of D[j, i] * P((u - i) / su,
-(v - j) / sv). D are the mixed differences of black (0) and white (1) modules. P is the bivariate normal distribution
-function. su and sv are the blur measured across the lines of u and v. P is computed with Mehler's series in the
-correlation, which is 0 if the lines of the lattice meet at right angles.
+A module is one black or white cell of the marker. The corners of the modules form a lattice: line i along u and line j
+along v cross at the lattice point (i, j). D[j, i] is the mixed difference of black (0) and white (1) modules there.
+With (u, v) in modules from the upper left outer corner, the grey value is
 
-Several markers are processed together, because numpy is slow on small arrays: K markers with N pixels each.
+    grey(u, v) = 1 + sum over i, j of D[j, i] * P(a_i, b_j; r)      a_i = (u - i) / su      b_j = (v - j) / sv
+
+su and sv are the standard deviations of the blur, measured across the lines of u and of v, and r is its correlation: 0
+if the lines meet at right angles. P is the bivariate normal distribution function, computed by Mehler's series up to
+the second power of r:
+
+    P(a, b; r) = step(a) step(b) + r bell(a) bell(b) + r^2 / 2 curve(a) curve(b)
+
+`step` is the normal distribution function, `bell` its derivative, the density, and curve(x) = x bell(x). So all that is
+needed are sums of D[j, i] f(a_i) g(b_j), where f and g are among these three functions. The derivatives with respect
+to u, v and the lines are those for r = 0: a Gauss-Newton step needs no exact ones.
+
+Several markers are processed together, because numpy is slow on small arrays: K markers with N pixels each. L is the
+number of lines of the lattice along u, and along v.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,7 +67,7 @@ class Pattern:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Look:
+class PredictedGrey:
     """Grey values (K, N) that the model of a marker predicts for pixels (0 black, 1 white), and their derivatives."""
 
     grey: Floats
@@ -68,7 +80,31 @@ class Look:
     by_growth: Floats
     """Derivative (K, N) with respect to a growth of all white areas in pixels: the slope across the edges."""
     by_lines: Floats
-    """Derivative (K, 2 * (n - 2), N) with respect to `lines`; has no rows if they were not requested."""
+    """Derivative (K, 2 * (L - 2), N) with respect to `lines`; has no rows if they were not requested."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Blur:
+    """Blur at each pixel, along the axes u and v of the marker (the second axis of the arrays)."""
+
+    variance: Floats
+    """Variances (K, 2, N) su^2 and sv^2, in modules squared."""
+    sigma: Floats
+    """Standard deviations (K, 2, N) su and sv, in modules."""
+    correlation: Floats
+    """Correlation (K, N) of the blur along u and along v."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _LineValues:
+    """Values of a function f at the distances a_i and b_j of the pixels from the lines of the lattice."""
+
+    along_u: Singles
+    """f(a_i), shape (K, L, N) with the index i."""
+    along_v: Singles
+    """f(b_j), shape (K, L, N) with the index j."""
+    summed: Singles
+    """Sum of D[j, i] f(a_i) over i, shape (K, L, N) with the index j."""
 
 
 def make_pattern(white: NDArray[np.bool_]) -> Pattern:
@@ -86,7 +122,7 @@ def make_pattern(white: NDArray[np.bool_]) -> Pattern:
     return Pattern(len(white), differences, np.concatenate(places, axis=1).astype(float), np.concatenate(across_u))
 
 
-def look(
+def predict_grey(
     differences: Floats,
     places: Floats,
     by_pixel: Floats,
@@ -94,74 +130,96 @@ def look(
     lines: Floats | None = None,
     *,
     with_lines: bool = False,
-) -> Look:
+) -> PredictedGrey:
     """Compute the grey values of the model of K markers at the points `places`, and their derivatives.
 
     `places` (K, 2, N) are u and v in modules (cells of the marker). `by_pixel` (K, 2, 2, N) is their derivative with
-    respect to the pixel coordinates. `differences` (K, n, n) are those of the patterns. `blur` (K, 2, 2) is the
-    covariance of the blur in pixels squared. `lines` (K, 2, n - 2) are the offsets of the inner lines of the lattice
+    respect to the pixel coordinates. `differences` (K, L, L) are those of the patterns. `blur` (K, 2, 2) is the
+    covariance of the blur in pixels squared. `lines` (K, 2, L - 2) are the offsets of the inner lines of the lattice
     along u and v, in modules; None means none. The values per line of the lattice have single precision, which is
     faster and exact to some hundredths of a grey level.
     """
-    blurred = np.einsum("kij,kajn->kain", blur, by_pixel)
+    local = _blur_along_axes(by_pixel, blur)
+    sigma_u, sigma_v, r = local.sigma[:, 0], local.sigma[:, 1], local.correlation
+    step, bell, curve = _line_values(differences.astype(np.float32), _distances(differences, places, local, lines))
+    first, second = _sum(bell, bell), _sum(curve, curve)  # terms of r and of r^2 / 2
+    by_u, by_v = _sum(bell, step) / sigma_u, _sum(step, bell) / sigma_v
+    by_r = first + r * second
+    # With respect to ln su and ln sv: a_i or b_j becomes smaller, and so does r = covariance / (su sv).
+    by_log_sigmas = -_sum(curve, step) - r * by_r, -_sum(step, curve) - r * by_r
+    (ux, uy), (vx, vy) = np.moveaxis(by_pixel, (1, 2), (0, 1))
+    return PredictedGrey(
+        grey=1 + _sum(step, step) + r * (first + r / 2 * second),
+        by_u=by_u,
+        by_v=by_v,
+        by_blur=_by_blur(by_pixel, local, by_log_sigmas, by_r),
+        by_growth=np.hypot(by_u * ux + by_v * vx, by_u * uy + by_v * vy),
+        by_lines=_by_lines(differences, local, step, bell) if with_lines else np.empty((len(places), 0, r.shape[1])),
+    )
+
+
+def _blur_along_axes(by_pixel: Floats, blur: Floats) -> _Blur:
+    """Return the blur along u and v.
+
+    With the gradients gu and gv (2,) of u and v and the covariance C of the blur, su^2 is gu C gu, sv^2 is gv C gv, and
+    the correlation is gu C gv / (su sv).
+    """
+    blurred = np.einsum("kij,kajn->kain", blur, by_pixel)  # C gu and C gv
     variance = (by_pixel * blurred).sum(axis=2)
-    spread = np.sqrt(variance)
-    both = spread[:, 0] * spread[:, 1]
-    correlation = (by_pixel[:, 0] * blurred[:, 1]).sum(axis=1) / both
+    sigma = np.sqrt(variance)
+    covariance = (by_pixel[:, 0] * blurred[:, 1]).sum(axis=1)
+    return _Blur(variance, sigma, covariance / (sigma[:, 0] * sigma[:, 1]))
+
+
+def _distances(differences: Floats, places: Floats, blur: _Blur, lines: Floats | None) -> Singles:
+    """Return the distances (K, 2, L, N) a_i and b_j of the pixels from the lines, limited to `_REACH`."""
     lattice = np.arange(differences.shape[1], dtype=np.float32)[None, None]
     if lines is not None:
         lattice = lattice + np.pad(lines, ((0, 0), (0, 0), (1, 1))).astype(np.float32)
-    narrow = (1 / spread).astype(np.float32)
-    offsets = (places.astype(np.float32)[:, :, None] - lattice[..., None]) * narrow[:, :, None]
-    np.clip(offsets, -_REACH, _REACH, out=offsets)  # (K, 2, lattice, N)
-    index = (offsets * np.float32(_RESOLUTION) + np.float32(_REACH * _RESOLUTION + 0.5)).astype(np.intp)
-    step, bell = _STEP.take(index), _BELL.take(index)
-    curve = offsets * bell  # minus the bell's derivative
-    differences = differences.astype(np.float32)
-    of_step, of_bell, of_curve = (differences @ part[:, 0] for part in (step, bell, curve))
-    crossing, bending = _sum(of_bell, bell), _sum(of_curve, curve)
-    by_u, by_v = _sum(of_bell, step) / spread[:, 0], _sum(of_step, bell) / spread[:, 1]
-    by_correlation = crossing + correlation * bending
-    # The derivatives with respect to the logarithms of the spreads along u and v, which also change the correlation.
-    by_spreads = (
-        -_sum(of_curve, step) - correlation * by_correlation,
-        -_sum(of_step, curve) - correlation * by_correlation,
-    )
-    (ux, uy), (vx, vy) = np.moveaxis(by_pixel, (1, 2), (0, 1))
-    of_u, of_v, of_both = (
-        by_spreads[0] / (2 * variance[:, 0]),
-        by_spreads[1] / (2 * variance[:, 1]),
-        by_correlation / both,
-    )
-    by_lines: Floats = np.empty((len(places), 0, places.shape[2]))
-    if with_lines:
-        across = np.swapaxes(differences, 1, 2) @ step[:, 1]
-        by_lines = -np.concatenate(
-            [
-                (across * bell[:, 0] * narrow[:, :1])[:, 1:-1],
-                (of_step * bell[:, 1] * narrow[:, 1:])[:, 1:-1],
-            ],
-            axis=1,
-            dtype=np.float64,
-        )
-    return Look(
-        grey=1 + _sum(of_step, step) + correlation * (crossing + correlation / 2 * bending),
-        by_u=by_u,
-        by_v=by_v,
-        by_blur=np.stack(
-            [
-                of_u * ux * ux + of_v * vx * vx + of_both * ux * vx,
-                2 * (of_u * ux * uy + of_v * vx * vy) + of_both * (ux * vy + uy * vx),
-                of_u * uy * uy + of_v * vy * vy + of_both * uy * vy,
-            ],
-            axis=1,
-        ),
-        by_growth=np.hypot(by_u * ux + by_v * vx, by_u * uy + by_v * vy),
-        by_lines=by_lines,
-    )
+    narrow = (1 / blur.sigma).astype(np.float32)
+    distances = (places.astype(np.float32)[:, :, None] - lattice[..., None]) * narrow[:, :, None]
+    return np.clip(distances, -_REACH, _REACH, out=distances)
 
 
-def _sum(of_u: Singles, both: Singles) -> Floats:
-    """Return the sum (K, N), over the lines of the lattice, of `of_u` (K, lines, N) times the v part of `both`."""
-    total: Floats = np.einsum("kin,kin->kn", of_u, both[:, 1]).astype(np.float64)
+def _line_values(differences: Singles, distances: Singles) -> Iterator[_LineValues]:
+    """Yield the values of `step`, `bell` and `curve` at the distances (K, 2, L, N) from the lines."""
+    index = (distances * np.float32(_RESOLUTION) + np.float32(_REACH * _RESOLUTION + 0.5)).astype(np.intp)
+    bell = _BELL.take(index)
+    for values in (_STEP.take(index), bell, distances * bell):
+        yield _LineValues(values[:, 0], values[:, 1], differences @ values[:, 0])
+
+
+def _sum(f: _LineValues, g: _LineValues) -> Floats:
+    """Return the sum (K, N) of D[j, i] f(a_i) g(b_j) over all lattice points (i, j)."""
+    total: Floats = np.einsum("kin,kin->kn", f.summed, g.along_v).astype(np.float64)
     return total
+
+
+def _by_blur(by_pixel: Floats, blur: _Blur, by_log_sigmas: tuple[Floats, Floats], by_r: Floats) -> Floats:
+    """Return the derivative (K, 3, N) of the grey values with respect to the elements xx, xy and yy of the blur.
+
+    By the chain rule, from the derivatives with respect to ln su, ln sv and r. With the gradients (ux, uy) of u and
+    (vx, vy) of v, the element xx changes su^2 by ux^2, sv^2 by vx^2, and the covariance of both by ux vx; and so on.
+    """
+    (ux, uy), (vx, vy) = np.moveaxis(by_pixel, (1, 2), (0, 1))
+    by_variance_u, by_variance_v = (by_log_sigmas[axis] / (2 * blur.variance[:, axis]) for axis in (0, 1))
+    by_covariance = by_r / (blur.sigma[:, 0] * blur.sigma[:, 1])
+    return np.stack(
+        [
+            by_variance_u * ux * ux + by_variance_v * vx * vx + by_covariance * ux * vx,
+            2 * (by_variance_u * ux * uy + by_variance_v * vx * vy) + by_covariance * (ux * vy + uy * vx),
+            by_variance_u * uy * uy + by_variance_v * vy * vy + by_covariance * uy * vy,
+        ],
+        axis=1,
+    )
+
+
+def _by_lines(differences: Floats, blur: _Blur, step: _LineValues, bell: _LineValues) -> Floats:
+    """Return the derivative (K, 2 * (L - 2), N) of the grey values with respect to the offsets of the inner lines.
+
+    For line i along u, it is the sum of -D[j, i] bell(a_i) step(b_j) / su over j; for line j along v likewise over i.
+    """
+    narrow = (1 / blur.sigma).astype(np.float32)
+    across = np.swapaxes(differences.astype(np.float32), 1, 2) @ step.along_v  # sums over j, with the index i
+    by_u, by_v = across * bell.along_u * narrow[:, :1], step.summed * bell.along_v * narrow[:, 1:]
+    return -np.concatenate([by_u[:, 1:-1], by_v[:, 1:-1]], axis=1, dtype=np.float64)

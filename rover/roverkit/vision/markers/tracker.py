@@ -16,7 +16,7 @@ import numpy as np
 
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_by_camera, pixels_to_rays
-from roverkit.vision.markers.detection import Detection, Detector, Image, Region, to_grey
+from roverkit.vision.markers.detection import Detector, Image, MarkerDetection, Region, to_grey
 from roverkit.vision.markers.edges import Fit, Guess
 from roverkit.vision.markers.flips import Flips
 from roverkit.vision.markers.marker_fits import Fitted, extent, fit_markers
@@ -55,7 +55,7 @@ _LEAST_MARGIN = 10  # pixels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sighting:
+class LandmarkDetection:
     """Landmark (marker or board) that was found in an image, with its pose.
 
     The pose is in the camera's optical frame: x right, y down, z forward.
@@ -163,7 +163,7 @@ class Tracker:
         self._stamp = 0
         self._before: Image | None = None
 
-    def track(self, image: Image, stamp: int) -> tuple[Sighting, ...]:
+    def track(self, image: Image, stamp: int) -> tuple[LandmarkDetection, ...]:
         """Return the landmarks in an image, grey (H, W) or BGR (H, W, 3), that was taken at `stamp`, in nanoseconds.
 
         Raises `SetupError` if the image does not have the size of the images of the camera's calibration.
@@ -211,18 +211,18 @@ class Tracker:
         lost = [track for track in self._tracks if track not in seen]
         scanned = due or len(lost) > _REGIONS
         found = self._scan(grey) if due else self._detector.scan_quickly(grey) if scanned else []
-        numbers = [one.number for one in _distinct(found, seen)]
+        numbers = [detection.number for detection in _distinct(found, seen)]
         for track in lost:
             if track.number in numbers:
                 numbers.remove(track.number)
             else:
-                found += self._detector.look(grey, _region(track.predicted(stamp), grey.shape))
+                found += self._detector.scan_region(grey, _region(track.predicted(stamp), grey.shape))
         if not scanned and len(_distinct(found, seen)) < len(lost):
             found += self._detector.scan_quickly(grey)
         seen += self._fit_found(grey, _distinct(found, seen), stamp)
         return seen
 
-    def _scan(self, grey: Image) -> list[Detection]:
+    def _scan(self, grey: Image) -> list[MarkerDetection]:
         thorough = self._scans % self._thorough_every == 0
         self._scans += 1
         return self._detector.scan(grey) if thorough else self._detector.scan_quickly(grey)
@@ -232,9 +232,9 @@ class Tracker:
         places = self._predicted(grey, stamp)
         guesses = [Guess(self._markers.pattern(track.number), place, track.blur) for track, place in places]
         seen: list[_Track] = []
-        for (track, place), one in zip(places, fit_markers(grey, self._camera, guesses)):
-            if one and np.abs(one.corners - place).max() <= NEAR * one.shrunk:
-                track.moved(one, stamp)
+        for (track, place), fitted in zip(places, fit_markers(grey, self._camera, guesses)):
+            if fitted and np.abs(fitted.corners - place).max() <= NEAR * fitted.shrunk:
+                track.moved(fitted, stamp)
                 seen.append(track)
         return seen
 
@@ -260,20 +260,20 @@ class Tracker:
                 steady.append((track, place))
         return steady
 
-    def _fit_found(self, grey: Image, found: Sequence[Detection], stamp: int) -> list[_Track]:
+    def _fit_found(self, grey: Image, found: Sequence[MarkerDetection], stamp: int) -> list[_Track]:
         """Fit detected markers, and return their tracks: those of lost markers with the same numbers, or new ones."""
-        guesses = [Guess(self._markers.pattern(one.number), one.corners) for one in found]
+        guesses = [Guess(self._markers.pattern(detection.number), detection.corners) for detection in found]
         seen = []
-        for detection, one in zip(found, fit_markers(grey, self._camera, guesses)):
-            if one is None:
+        for detection, fitted in zip(found, fit_markers(grey, self._camera, guesses)):
+            if fitted is None:
                 continue
             lost = [track for track in self._tracks if track.number == detection.number and track.stamp != stamp]
-            track = min(lost, key=lambda track: _distance(track.corners, one.corners), default=None)
+            track = min(lost, key=lambda track: _distance(track.corners, fitted.corners), default=None)
             if track is None:
-                track = _Track(detection.number, one.fit, one.corners, stamp, one.blur)
+                track = _Track(detection.number, fitted.fit, fitted.corners, stamp, fitted.blur)
                 self._tracks.append(track)
             else:
-                track.moved(one, stamp)
+                track.moved(fitted, stamp)
             seen.append(track)
         return seen
 
@@ -312,7 +312,10 @@ class Tracker:
         pixels = [floor, pixels_by_camera(self._camera, self._roots, rays), motion[..., None]]
         shifts = pixels_to_rays(self._camera, rays, np.concatenate(pixels, axis=2)) * given.covariance_scale
         of_tracks = iter(shifts.reshape(len(tracks), 4, 2, -1))
-        return [self._corners(one, np.concatenate([next(of_tracks) for _ in one.tracks])) for one in landmarks]
+        return [
+            self._corners(landmark, np.concatenate([next(of_tracks) for _ in landmark.tracks]))
+            for landmark in landmarks
+        ]
 
     def _corners(self, landmark: _Landmark, shifts: Floats) -> Corners:
         """Return a landmark's corners; `shifts` (N, 2, S) of its rays are due to all errors, the first two its own."""
@@ -329,7 +332,7 @@ class Tracker:
             shared=shifts[..., 2:].reshape(2 * count, -1),
         )
 
-    def _sight(self, landmark: _Landmark, seen: Corners, solutions: Sequence[Solution]) -> Sighting:
+    def _sight(self, landmark: _Landmark, seen: Corners, solutions: Sequence[Solution]) -> LandmarkDetection:
         stamp, given = landmark.tracks[0].stamp, self._uncertainty
         sides = side_shifts(solutions[0].pose, seen.points) * given.side_sigma * given.covariance_scale
         seen = replace(seen, shared=np.concatenate([seen.shifts, sides], axis=1))
@@ -337,7 +340,7 @@ class Tracker:
         chosen = landmark.flips.decide(solutions, stamp)
         best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
         other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
-        return Sighting(
+        return LandmarkDetection(
             id=landmark.id,
             stamp=stamp,
             corners=np.concatenate([track.corners for track in landmark.tracks]),
@@ -351,21 +354,21 @@ class Tracker:
         )
 
 
-def _distinct(found: Iterable[Detection], seen: Iterable[_Track]) -> list[Detection]:
+def _distinct(found: Iterable[MarkerDetection], seen: Iterable[_Track]) -> list[MarkerDetection]:
     """Return the detections of markers that are not seen yet; of several detections of a marker, the largest one."""
-    distinct: list[Detection | _Track] = list(seen)
+    distinct: list[MarkerDetection | _Track] = list(seen)
     known = len(distinct)
-    for one in sorted(found, key=lambda one: -extent(one.corners)):
-        if not any(_is_same(one, other) for other in distinct):
-            distinct.append(one)
-    return [one for one in distinct[known:] if isinstance(one, Detection)]
+    for detection in sorted(found, key=lambda detection: -extent(detection.corners)):
+        if not any(_is_same(detection, other) for other in distinct):
+            distinct.append(detection)
+    return [detection for detection in distinct[known:] if isinstance(detection, MarkerDetection)]
 
 
-def _is_same(one: Detection | _Track, other: Detection | _Track) -> bool:
+def _is_same(marker: MarkerDetection | _Track, other: MarkerDetection | _Track) -> bool:
     """Return true if these are the same marker, and not two markers with the same number."""
-    if one.number != other.number:
+    if marker.number != other.number:
         return False
-    return _distance(one.corners, other.corners) < max(extent(one.corners), extent(other.corners)) / 2
+    return _distance(marker.corners, other.corners) < max(extent(marker.corners), extent(other.corners)) / 2
 
 
 def _distance(corners: Floats, others: Floats) -> float:

@@ -159,7 +159,7 @@ def _whitening(corners: Corners) -> Floats | None:
 def _different(solutions: list[Solution]) -> list[Solution]:
     """Return the solutions, best first, without those whose pose equals the pose of a better one."""
     kept: list[Solution] = []
-    for solution in sorted(solutions, key=lambda one: one.chi2):
+    for solution in sorted(solutions, key=lambda solution: solution.chi2):
         if all(solution.pose.angle_to(other.pose) > _SAME for other in kept):
             kept.append(solution)
     return kept
@@ -209,7 +209,7 @@ class _Places:
     def where(self, chosen: NDArray[np.bool_], other: _Places) -> _Places:
         """Return new poses: those of this object where `chosen` is true, and those of `other` elsewhere."""
         pairs = ((getattr(self, part.name), getattr(other, part.name)) for part in fields(self))
-        return _Places(*(np.where(chosen.reshape(-1, *[1] * (one.ndim - 1)), one, two) for one, two in pairs))
+        return _Places(*(np.where(chosen.reshape(-1, *[1] * (own.ndim - 1)), own, theirs) for own, theirs in pairs))
 
 
 def _solutions(starts: Sequence[_Start]) -> list[Solution | None]:
@@ -281,7 +281,10 @@ def with_all_errors(corners: Corners, solutions: Sequence[Solution]) -> tuple[Co
     """
     factor = _excess(_chi2(corners, solutions[0].pose), corners)
     noise = _excess(solutions[0].chi2, corners)
-    known = [replace(one, covariance=factor * _covariance(corners, one), chi2=one.chi2 / noise) for one in solutions]
+    known = [
+        replace(solution, covariance=factor * _covariance(corners, solution), chi2=solution.chi2 / noise)
+        for solution in solutions
+    ]
     larger = replace(
         corners,
         covariance=corners.covariance * factor,

@@ -38,9 +38,9 @@ def to_pdf(sheets: Sequence[Sheet]) -> bytes:
 
 def _content(sheet: Sheet) -> Iterator[str]:
     yield "0 g"
-    for one in sheet.rectangles:
-        bottom = sheet.height - one.top - one.height
-        yield f"{_number(one.left)} {_number(bottom)} {_number(one.width)} {_number(one.height)} re"
+    for rectangle in sheet.rectangles:
+        bottom = sheet.height - rectangle.top - rectangle.height
+        yield f"{_number(rectangle.left)} {_number(bottom)} {_number(rectangle.width)} {_number(rectangle.height)} re"
     yield "f"  # fill all shapes at once: viewers show seams between shapes that are filled separately
     for label in sheet.labels:
         size, place = _number(label.height / _CAPITALS), f"{_number(label.left)} {_number(sheet.height - label.base)}"

@@ -25,10 +25,10 @@ def to_png(sheet: Sheet, dpi: float) -> bytes:
     if max(width, height) > _LARGEST:
         raise SetupError(f"the image would have {width}x{height} pixels; write a PDF, or use fewer than {dpi:g} DPI")
     image = np.full((height, width), 255, np.uint8)
-    for one in sheet.rectangles:
+    for rectangle in sheet.rectangles:
         # Round the edges, not the widths, so that neighbours share an edge without gaps.
-        left, right = round(one.left * scale), round((one.left + one.width) * scale)
-        top, bottom = round(one.top * scale), round((one.top + one.height) * scale)
+        left, right = round(rectangle.left * scale), round((rectangle.left + rectangle.width) * scale)
+        top, bottom = round(rectangle.top * scale), round((rectangle.top + rectangle.height) * scale)
         image[top:bottom, left:right] = 0
     for label in sheet.labels:
         size = cv2.getFontScaleFromHeight(cv2.FONT_HERSHEY_SIMPLEX, max(1, round(label.height * scale)))

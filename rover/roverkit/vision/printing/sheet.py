@@ -48,4 +48,4 @@ class Sheet:
 
 def moved(rectangles: Iterable[Rectangle], right: float, down: float) -> list[Rectangle]:
     """Return the rectangles, shifted to the right and down by these distances in metres."""
-    return [one.moved(right, down) for one in rectangles]
+    return [rectangle.moved(right, down) for rectangle in rectangles]

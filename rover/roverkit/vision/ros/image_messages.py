@@ -31,7 +31,7 @@ _QUALITY = 80  # of JPEG
 class _Encoding(NamedTuple):
     """Layout of the pixels: type of a channel, number of channels, and OpenCV's conversion to BGR (None: not needed).
 
-    A depth image has no conversion to a picture.
+    A depth has no conversion.
     """
 
     type: str
@@ -91,7 +91,7 @@ class ImageMessage:
     pixels: NDArray[Any]
     """Read-only array (H, W) or (H, W, channels). A depth is in millimetres (``16UC1``) or metres (``32FC1``)."""
 
-    def picture(self) -> Image:
+    def image(self) -> Image:
         """Return the image with 8 bits a channel: grey (H, W), or BGR (H, W, 3).
 
         Images of the encodings ``mono8`` and ``bgr8`` are not copied. Raises `ConversionError` for a depth image.
@@ -109,7 +109,7 @@ class ImageMessage:
     def depth(self) -> NDArray[np.float32]:
         """Return the depth (H, W) in metres; NaN or 0 where it is missing.
 
-        Depths of the encoding ``32FC1`` are not copied. Raises `ConversionError` for a picture.
+        Depths of the encoding ``32FC1`` are not copied. Raises `ConversionError` for any other image.
         """
         if not _ENCODINGS[self.encoding].is_depth:
             raise ConversionError(

@@ -24,12 +24,12 @@ def detections_2d_of(objects: Sequence[TrackedObject], stamp: int, frame: str) -
     """Return a message with the boxes of objects in pixels; `stamp` is in nanoseconds since 1970."""
     header = header_of(stamp, frame)
     detections = []
-    for one in objects:
-        box = one.box
+    for tracked in objects:
+        box = tracked.box
         centre = vision_msgs.Point2D(box.x + box.width / 2, box.y + box.height / 2)
         bounds = vision_msgs.BoundingBox2D(vision_msgs.Pose2D(centre), box.width, box.height)
-        hypothesis = vision_msgs.ObjectHypothesisWithPose(_hypothesis(one))
-        detections.append(vision_msgs.Detection2D(header, [hypothesis], bounds, str(one.id)))
+        hypothesis = vision_msgs.ObjectHypothesisWithPose(_hypothesis(tracked))
+        detections.append(vision_msgs.Detection2D(header, [hypothesis], bounds, str(tracked.id)))
     return vision_msgs.Detection2DArray(header, detections)
 
 
@@ -39,12 +39,12 @@ def objects_of(message: vision_msgs.Detection2DArray) -> list[TrackedObject]:
     Detections of other programs, whose id is not a number, or which have no result, are left out.
     """
     found = []
-    for one in message.detections:
-        if one.id.isdecimal() and one.results:
-            centre, width, height = one.bbox.center.position, one.bbox.size_x, one.bbox.size_y
-            best = one.results[0].hypothesis
+    for detection in message.detections:
+        if detection.id.isdecimal() and detection.results:
+            centre, width, height = detection.bbox.center.position, detection.bbox.size_x, detection.bbox.size_y
+            best = detection.results[0].hypothesis
             box = Box(centre.x - width / 2, centre.y - height / 2, width, height)
-            found.append(TrackedObject(int(one.id), box, best.class_id, best.score))
+            found.append(TrackedObject(int(detection.id), box, best.class_id, best.score))
     return found
 
 
@@ -57,12 +57,12 @@ def detections_3d_of(
     """
     header = header_of(stamp, frame)
     detections = []
-    for one in objects:
-        if location := locations.get(one.id):
+    for tracked in objects:
+        if location := locations.get(tracked.id):
             pose = pose_of(location)
-            result = vision_msgs.ObjectHypothesisWithPose(_hypothesis(one), pose)
+            result = vision_msgs.ObjectHypothesisWithPose(_hypothesis(tracked), pose)
             detections.append(
-                vision_msgs.Detection3D(header, [result], vision_msgs.BoundingBox3D(pose.pose), str(one.id))
+                vision_msgs.Detection3D(header, [result], vision_msgs.BoundingBox3D(pose.pose), str(tracked.id))
             )
     return vision_msgs.Detection3DArray(header, detections)
 
@@ -73,12 +73,12 @@ def locations_of(message: vision_msgs.Detection3DArray) -> dict[int, Location]:
     Detections of other programs, whose id is not a number, or which have no result, are left out.
     """
     found = {}
-    for one in message.detections:
-        if one.id.isdecimal() and one.results:
-            pose = one.results[0].pose
+    for detection in message.detections:
+        if detection.id.isdecimal() and detection.results:
+            pose = detection.results[0].pose
             point = pose.pose.position
             covariance = np.reshape(pose.covariance, (6, 6))[:3, :3]
-            found[int(one.id)] = Location(np.array([point.x, point.y, point.z]), covariance)
+            found[int(detection.id)] = Location(np.array([point.x, point.y, point.z]), covariance)
     return found
 
 
@@ -92,5 +92,5 @@ def pose_of(location: Location) -> geometry_msgs.PoseWithCovariance:
     )
 
 
-def _hypothesis(one: TrackedObject) -> vision_msgs.ObjectHypothesis:
-    return vision_msgs.ObjectHypothesis(one.class_name, one.confidence)
+def _hypothesis(tracked: TrackedObject) -> vision_msgs.ObjectHypothesis:
+    return vision_msgs.ObjectHypothesis(tracked.class_name, tracked.confidence)

@@ -20,12 +20,12 @@ from roverkit.aruco.tracker_declaration import (
     TRANSFORMS,
 )
 from roverkit.vision.camera.camera_model import CameraParameters
-from roverkit.vision.field.view import View
+from roverkit.vision.field.field_tracker import LandmarkResult
 from roverkit.vision.images.drawing import draw
-from roverkit.vision.ros import sighting_messages
+from roverkit.vision.ros import landmark_messages
 from roverkit.vision.ros.image_messages import compressed_of
+from roverkit.vision.ros.landmark_messages import FrameNames
 from roverkit.vision.ros.outputs import Output, Outputs
-from roverkit.vision.ros.sighting_messages import FrameNames
 from roverlink.runtime.middleware import Middleware
 
 
@@ -54,23 +54,23 @@ class Publishing:
         self._camera_pose = outputs.open(CAMERA_POSE)
         self._poses: dict[str, Output] = {}
 
-    def publish(self, view: View) -> None:
+    def publish(self, result: LandmarkResult) -> None:
         """Publish the results of a frame on all topics. If the frame has no landmarks, nothing is published on /tf."""
-        stamp, sightings = view.frame.stamp, view.sightings
-        names = FrameNames(view.frame.frame_id, self._marker_frame)
+        stamp, detections = result.frame.stamp, result.detections
+        names = FrameNames(result.frame.frame_id, self._marker_frame)
         # With two frames of the same name, a listener to /tf would see one marker that jumps.
-        if unique := [one for one in sightings if not one.shared]:
-            self._transforms.put(lambda: sighting_messages.transforms_of(unique, names))
-        for one in unique:
-            self._pose_of(names.of(one.id)).put(partial(sighting_messages.marker_pose_of, one, names))
-        self._detections.put(lambda: sighting_messages.detections_of(sightings, stamp, names))
-        self._camera_info.put(lambda: sighting_messages.camera_info_of(self._camera, view.frame.size, stamp, names))
-        self._image.put(lambda: compressed_of(self._drawn(view), stamp, names.camera))
-        if (place := view.place) and place.agreed:
-            self._camera_pose.put(lambda: sighting_messages.field_pose_of(place, stamp))
+        if unique := [detection for detection in detections if not detection.shared]:
+            self._transforms.put(lambda: landmark_messages.transforms_of(unique, names))
+        for detection in unique:
+            self._pose_of(names.of(detection.id)).put(partial(landmark_messages.marker_pose_of, detection, names))
+        self._detections.put(lambda: landmark_messages.detections_of(detections, stamp, names))
+        self._camera_info.put(lambda: landmark_messages.camera_info_of(self._camera, result.frame.size, stamp, names))
+        self._image.put(lambda: compressed_of(self._drawn(result), stamp, names.camera))
+        if (pose := result.camera_pose) and pose.agreed:
+            self._camera_pose.put(lambda: landmark_messages.field_pose_of(pose, stamp))
 
-    def _drawn(self, view: View) -> Any:
-        return draw(view.frame.image, self._camera, view.sightings, view.place)
+    def _drawn(self, result: LandmarkResult) -> Any:
+        return draw(result.frame.image, self._camera, result.detections, result.camera_pose)
 
     def _pose_of(self, name: str) -> Output:
         if name not in self._poses:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from roverkit.aruco.tracker_declaration import ROVER_POSE, TRANSFORMS
 from roverkit.vision.field.rover import RoverPose
 from roverkit.vision.poses.transform_tree import TransformError, TransformTree
-from roverkit.vision.ros.sighting_messages import field_pose_of, transform_of
+from roverkit.vision.ros.landmark_messages import field_pose_of, transform_of
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces import tf2_msgs
 from roverlink.runtime.middleware import Middleware
@@ -46,7 +46,7 @@ class RoverPublishing:
     def publish(self, rover: RoverPose) -> None:
         """Publish the pose, and the transform to the odometry's frame if it is wanted and known."""
         if self._pose.has_subscribers():
-            self._pose.publish([cdr.encode(field_pose_of(rover.place, rover.stamp))])
+            self._pose.publish([cdr.encode(field_pose_of(rover.field_pose, rover.stamp))])
         if self._transforms is None:
             return
         try:
@@ -56,9 +56,11 @@ class RoverPublishing:
             reason = str(error).partition(":")[0]
             if reason != self._said:
                 self._said = reason
-                self._say(f"no transform from {rover.place.frame!r} to {self._frames.odom!r} is published: {error}")
+                self._say(
+                    f"no transform from {rover.field_pose.frame!r} to {self._frames.odom!r} is published: {error}"
+                )
             return
         self._said = ""
-        place = rover.place
-        transform = transform_of(place.pose @ odom_to_base, place.frame, self._frames.odom, rover.stamp)
+        found = rover.field_pose
+        transform = transform_of(found.pose @ odom_to_base, found.frame, self._frames.odom, rover.stamp)
         self._transforms.publish([cdr.encode(tf2_msgs.TFMessage([transform]))])

@@ -40,20 +40,22 @@ class TransformListener:
         """Add transforms, on a thread of the middleware."""
         for data in messages:
             try:
-                for one in cdr.decode(TFMessage, data).transforms:
-                    self._add(one, static)
+                for transform in cdr.decode(TFMessage, data).transforms:
+                    self._add(transform, static)
             except ConversionError as error:
                 if not self._said:
                     self._said = True
                     self._say(f"ignoring transforms: {error}")
 
-    def _add(self, one: TransformStamped, static: bool) -> None:
-        turn, way = one.transform.rotation, one.transform.translation
+    def _add(self, transform: TransformStamped, static: bool) -> None:
+        turn, way = transform.transform.rotation, transform.transform.translation
         quaternion = np.array([turn.x, turn.y, turn.z, turn.w])
         translation = np.array([way.x, way.y, way.z])
         if not (np.isfinite(translation).all() and abs(float(np.linalg.norm(quaternion)) - 1) <= _UNIT):
-            raise ConversionError(f"the transform from {one.child_frame_id!r} to {one.header.frame_id!r} is not one")
+            raise ConversionError(
+                f"the transform from {transform.child_frame_id!r} to {transform.header.frame_id!r} is not one"
+            )
         pose = Pose(rotation_of_quaternion(quaternion), translation)
         # Frames had a slash in front in ROS 1, and some drivers still write it.
-        parent, child = one.header.frame_id.lstrip("/"), one.child_frame_id.lstrip("/")
-        self.tree.add(parent, child, nanoseconds(one.header.stamp), pose, static=static)
+        parent, child = transform.header.frame_id.lstrip("/"), transform.child_frame_id.lstrip("/")
+        self.tree.add(parent, child, nanoseconds(transform.header.stamp), pose, static=static)

@@ -1,4 +1,4 @@
-"""View of the rendered camera: what is drawn into it, and the errors of the camera."""
+"""Camera of rendered scenes: what is drawn into its image, and its errors."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ FAR = 12.0
 """Distance in metres from which on all is sky."""
 
 
-class Look:
-    """Light and errors of a camera, which stay equal in a sequence."""
+class ImagingConditions:
+    """Light and errors of a camera, which stay the same in a sequence."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self.light = rng.uniform(-1, 1, 2)

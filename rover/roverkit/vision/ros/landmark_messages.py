@@ -1,4 +1,4 @@
-"""Conversion of sightings (landmarks in a frame, with their poses) to ROS 2 messages.
+"""Conversion of detections (landmarks in a frame, with their poses) to ROS 2 messages.
 
 A marker's frame has x to the right on the print, y up and z out of it. The camera's frame is the optical one (REP 103).
 Covariances are about the axes of the frame in which the pose is given, as in `geometry_msgs/PoseWithCovariance`.
@@ -16,7 +16,7 @@ from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.camera.parameters_file import model_name
 from roverkit.vision.field.localization import FieldPose
 from roverkit.vision.markers.marker_set import TargetId
-from roverkit.vision.markers.tracker import Sighting
+from roverkit.vision.markers.tracker import LandmarkDetection
 from roverkit.vision.poses.pnp import Solution
 from roverkit.vision.poses.pose import Pose, quaternion_of
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
@@ -37,9 +37,14 @@ class FrameNames:
         return f"{self.marker}{target}"
 
 
-def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.TFMessage:
+def transforms_of(detections: Sequence[LandmarkDetection], names: FrameNames) -> tf2_msgs.TFMessage:
     """Return a message for /tf with the transforms from the camera's frame to the landmarks (markers and boards)."""
-    return tf2_msgs.TFMessage([transform_of(one.pose, names.camera, names.of(one.id), one.stamp) for one in sightings])
+    return tf2_msgs.TFMessage(
+        [
+            transform_of(detection.pose, names.camera, names.of(detection.id), detection.stamp)
+            for detection in detections
+        ]
+    )
 
 
 def transform_of(pose: Pose, parent: str, child: str, stamp: int) -> geometry_msgs.TransformStamped:
@@ -48,25 +53,27 @@ def transform_of(pose: Pose, parent: str, child: str, stamp: int) -> geometry_ms
     return geometry_msgs.TransformStamped(header_of(stamp, parent), child, transform)
 
 
-def marker_pose_of(one: Sighting, names: FrameNames) -> geometry_msgs.PoseWithCovarianceStamped:
+def marker_pose_of(detection: LandmarkDetection, names: FrameNames) -> geometry_msgs.PoseWithCovarianceStamped:
     """Return a message with the pose of a landmark (marker or board) in the camera's frame, and its covariance."""
-    pose = _with_covariance(one.pose, one.covariance)
-    return geometry_msgs.PoseWithCovarianceStamped(header_of(one.stamp, names.camera), pose)
+    pose = _with_covariance(detection.pose, detection.covariance)
+    return geometry_msgs.PoseWithCovarianceStamped(header_of(detection.stamp, names.camera), pose)
 
 
-def field_pose_of(place: FieldPose, stamp: int) -> geometry_msgs.PoseWithCovarianceStamped:
+def field_pose_of(found: FieldPose, stamp: int) -> geometry_msgs.PoseWithCovarianceStamped:
     """Return a message with a pose on the field and its covariance; `stamp` is in nanoseconds since 1970."""
-    pose = _with_covariance(place.pose, place.covariance)
-    return geometry_msgs.PoseWithCovarianceStamped(header_of(stamp, place.frame), pose)
+    pose = _with_covariance(found.pose, found.covariance)
+    return geometry_msgs.PoseWithCovarianceStamped(header_of(stamp, found.frame), pose)
 
 
-def detections_of(sightings: Sequence[Sighting], stamp: int, names: FrameNames) -> vision_msgs.Detection3DArray:
+def detections_of(
+    detections: Sequence[LandmarkDetection], stamp: int, names: FrameNames
+) -> vision_msgs.Detection3DArray:
     """Return a message with the landmarks of a frame, each with all its possible poses.
 
     The first pose of a landmark is the chosen one.
     """
     header = header_of(stamp, names.camera)
-    return vision_msgs.Detection3DArray(header, [_detection(one, header, names) for one in sightings])
+    return vision_msgs.Detection3DArray(header, [_detection(detection, header, names) for detection in detections])
 
 
 def camera_info_of(
@@ -88,31 +95,32 @@ def camera_info_of(
     )
 
 
-def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.Detection3D:
+def _detection(detection: LandmarkDetection, header: Header, names: FrameNames) -> vision_msgs.Detection3D:
     # False sorts before True: the chosen pose comes first.
-    ordered = sorted(one.solutions, key=lambda solution: solution.pose is not one.pose)
+    ordered = sorted(detection.solutions, key=lambda solution: solution.pose is not detection.pose)
     results = [
         vision_msgs.ObjectHypothesisWithPose(
-            vision_msgs.ObjectHypothesis(str(one.id), _score(solution, one.solutions)),
+            vision_msgs.ObjectHypothesis(str(detection.id), _score(solution, detection.solutions)),
             _with_covariance(solution.pose, solution.covariance),
         )
         for solution in ordered
     ]
-    low, high = one.seen.points.min(axis=0), one.seen.points.max(axis=0)
-    centre = Pose(one.pose.rotation, one.pose.apply((low + high) / 2))
+    low, high = detection.seen.points.min(axis=0), detection.seen.points.max(axis=0)
+    centre = Pose(detection.pose.rotation, detection.pose.apply((low + high) / 2))
     return vision_msgs.Detection3D(
         header,
         results,
         vision_msgs.BoundingBox3D(_pose(centre), geometry_msgs.Vector3(*_plain(high - low))),
-        "" if one.shared else names.of(one.id),  # the id of an object, so two objects cannot have the same one
+        # The id of an object, so two objects cannot have the same one.
+        "" if detection.shared else names.of(detection.id),
     )
 
 
 def _score(solution: Solution, solutions: Sequence[Solution]) -> float:
     """Return the probability that `solution` is the true one of `solutions`, from chi squared of this image only."""
     # Relative to the best one: exp of a large chi squared alone would be 0 for all.
-    least = min(one.chi2 for one in solutions)
-    weights = [math.exp((least - one.chi2) / 2) for one in solutions]
+    least = min(other.chi2 for other in solutions)
+    weights = [math.exp((least - other.chi2) / 2) for other in solutions]
     return math.exp((least - solution.chi2) / 2) / sum(weights)
 
 

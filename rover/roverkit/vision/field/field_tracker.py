@@ -1,4 +1,4 @@
-"""Results of one frame: the landmarks in it, the camera's pose, and the rover's pose."""
+"""Tracking of landmarks in the frames of a rover's cameras, and the poses of cameras and rover that follow."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from typing import Any
 
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.field.landmarks import Landmarks
-from roverkit.vision.field.localization import FieldPose, Shot, localize
+from roverkit.vision.field.localization import CameraDetections, FieldPose, localize
 from roverkit.vision.field.rover import RoverLocalizer, RoverPose
 from roverkit.vision.frames import Frame
-from roverkit.vision.markers.tracker import Sighting, Tracker
+from roverkit.vision.markers.tracker import LandmarkDetection, Tracker
 from roverkit.vision.poses.pose import Pose, quaternion_of
 
 _DIGITS = 9  # significant digits, because covariances are small numbers
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
-    """Frame with the landmarks that were found in it, and the camera's pose that follows from them."""
+class LandmarkResult:
+    """Result of the tracking in one frame: the landmarks in it, and the poses that follow from them."""
 
     frame: Frame
-    sightings: tuple[Sighting, ...]
-    place: FieldPose | None = None
+    detections: tuple[LandmarkDetection, ...]
+    camera_pose: FieldPose | None = None
     """Camera's pose on the field; None if the frame shows no known landmark."""
     camera: str = ""
     """Name of the camera, if the rover has several."""
@@ -32,18 +32,18 @@ class View:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the results as JSON values: metres, pixels, quaternions x y z w, covariances row by row."""
-        markers = [_sighting(one) for one in self.sightings]
+        markers = [_detection(detection) for detection in self.detections]
         frame = {"stamp": self.frame.stamp, "frame": self.frame.number, "frame_id": self.frame.frame_id}
         found = {**({"name": self.camera} if self.camera else {}), **frame, "markers": markers}
-        if self.place:
-            found["camera"] = _place(self.place)
+        if self.camera_pose:
+            found["camera"] = _field_pose(self.camera_pose)
         if self.rover:
-            found["rover"] = {"stamp": self.rover.stamp, **_place(self.rover.place)}
+            found["rover"] = {"stamp": self.rover.stamp, **_field_pose(self.rover.field_pose)}
         return found
 
 
 @dataclass(eq=False)
-class Eye:
+class MountedCamera:
     """Camera of a rover, as far as poses need it."""
 
     tracker: Tracker
@@ -53,55 +53,55 @@ class Eye:
     """Function that returns the transform from the optical frame to the rover's at the time of a frame, if known."""
 
 
-class Lookout:
-    """Finder of landmarks in frames, and of the poses of cameras and rover that follow from them."""
+class FieldTracker:
+    """Finds the landmarks in the frames of a rover's cameras, and the poses of cameras and rover that follow."""
 
-    def __init__(self, eyes: int = 1, landmarks: Landmarks | None = None) -> None:
-        """Look with a number of cameras; without landmarks, no poses on the field are computed."""
-        self._eyes = eyes
+    def __init__(self, cameras: int = 1, landmarks: Landmarks | None = None) -> None:
+        """Track with a number of cameras; without landmarks, no poses on the field are computed."""
+        self._cameras = cameras
         self.use(landmarks)
 
     def use(self, landmarks: Landmarks | None) -> None:
         """Use other landmarks from the next frame on."""
-        self._rover = RoverLocalizer(self._eyes, landmarks) if landmarks else None
+        self._rover = RoverLocalizer(self._cameras, landmarks) if landmarks else None
 
-    def view(self, eye: Eye, frame: Frame) -> View:
+    def track(self, camera: MountedCamera, frame: Frame) -> LandmarkResult:
         """Return the results of a camera's frame. Call this once for each frame."""
         rover = self._rover
-        sightings = tuple(eye.tracker.track(frame.image, frame.stamp))
+        detections = tuple(camera.tracker.track(frame.image, frame.stamp))
         if rover is None:
-            return View(frame, sightings, camera=eye.name)
-        mount = eye.mount(frame)
-        shot = None if mount is None else Shot(sightings, mount)
-        place = localize(sightings, rover.landmarks)
-        return View(frame, sightings, place, eye.name, rover.add(eye.name, frame.stamp, shot))
+            return LandmarkResult(frame, detections, camera=camera.name)
+        mount = camera.mount(frame)
+        seen = None if mount is None else CameraDetections(detections, mount)
+        camera_pose = localize(detections, rover.landmarks)
+        return LandmarkResult(frame, detections, camera_pose, camera.name, rover.add(camera.name, frame.stamp, seen))
 
 
-def _sighting(one: Sighting) -> Mapping[str, Any]:
+def _detection(detection: LandmarkDetection) -> Mapping[str, Any]:
     return {
-        "id": one.id,
-        **_pose(one.pose, one.covariance),
-        "corners": [_numbers(corner) for corner in one.corners],
-        "error": _number(one.error),
-        "other_pose": _other(one),
-        "shared": one.shared,
+        "id": detection.id,
+        **_pose(detection.pose, detection.covariance),
+        "corners": [_numbers(corner) for corner in detection.corners],
+        "error": _number(detection.error),
+        "other_pose": _other(detection),
+        "shared": detection.shared,
     }
 
 
-def _other(one: Sighting) -> Mapping[str, Any] | None:
+def _other(detection: LandmarkDetection) -> Mapping[str, Any] | None:
     """Return the pose of a landmark that was not chosen, as JSON values; None if there is only one possible pose.
 
     `ambiguity` is the ratio of its reprojection error to that of the chosen pose.
     """
-    for solution in one.solutions:
-        if solution.pose is not one.pose:
-            return {**_pose(solution.pose, solution.covariance), "ambiguity": _number(one.ambiguity)}
+    for solution in detection.solutions:
+        if solution.pose is not detection.pose:
+            return {**_pose(solution.pose, solution.covariance), "ambiguity": _number(detection.ambiguity)}
     return None
 
 
-def _place(place: FieldPose) -> Mapping[str, Any]:
-    pose = _pose(place.pose, place.covariance) if place.agreed else {}
-    return {"frame": place.frame, **pose, "used": list(place.used), "rejected": list(place.rejected)}
+def _field_pose(found: FieldPose) -> Mapping[str, Any]:
+    pose = _pose(found.pose, found.covariance) if found.agreed else {}
+    return {"frame": found.frame, **pose, "used": list(found.used), "rejected": list(found.rejected)}
 
 
 def _pose(pose: Pose, covariance: Floats) -> Mapping[str, Any]:

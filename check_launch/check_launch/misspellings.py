@@ -2,6 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+def nearest(name: str, known: Iterable[str], least: float = 0.6) -> str:
+    """Return the known name that is the most similar, with a similarity from ``least`` to 1; empty if there is none."""
+    return next(iter(get_close_matches(name, list(known), 1, least)), "")
+
+
+def did_you_mean(name: str, otherwise: str = "") -> str:
+    """Return the help that names what was likely meant; ``otherwise`` if that is empty."""
+    return f"did you mean '{name}'?" if name else otherwise
+
 
 def is_near(a: str, b: str, most: int) -> bool:
     """Return true if at most so many letters have to be inserted, removed or replaced, or swapped with the next one."""
