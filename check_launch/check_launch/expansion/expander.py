@@ -260,7 +260,7 @@ class _Run:
             if compared is not None:
                 self.result.compared.setdefault(name, {})[compared] = None
 
-    def _report(self, rule: Rule, place: Span, message: str, help: str = "") -> None:
+    def _report(self, rule: type[Rule], place: Span, message: str, help: str = "") -> None:
         self.result.findings.append(rule.at(place, message, help))
 
     def _text(self, value: Any) -> str | None:
