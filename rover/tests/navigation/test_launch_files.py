@@ -77,7 +77,7 @@ def test_the_programs_start_as_with_ros(case: Path) -> None:
     """Executables, arguments, names, namespaces, parameters and remappings are those that ROS 2's launch has given."""
     first, *lines = case.read_text(encoding="utf-8").splitlines()
     expansion = _expanded(*first.split())
-    assert expansion.problems == []
+    assert expansion.findings == []
     found = sorted((_meaning(list(_words(node))) for node in expansion.nodes), key=str)
     assert found == sorted((_meaning(line.split(" ")) for line in lines), key=str)
 
