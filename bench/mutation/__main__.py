@@ -61,7 +61,7 @@ def main(words: Sequence[str]) -> int:
     mutants = [verdict.mutant for verdict in earlier] or sample(ROOT, FOLDERS, options.seed)
     folder = options.recorded or ROOT / "build" / "mutation"
     if not options.recorded:
-        record(ROOT, folder)
+        record(ROOT, folder, FOLDERS)
     coverage = Coverage(ROOT, folder / "coverage", folder / "junit.xml")
     killers = {verdict.mutant: verdict.killer for verdict in earlier}
     places: Queue[Workplace] = Queue()
@@ -107,7 +107,8 @@ def _judge(mutant: Mutant, coverage: Coverage, place: Workplace, budget_s: float
     tests = coverage.judges(mutant, budget_s, killer)
     if killer in tests and place.judge(mutant, [killer], coverage.seconds([killer])):
         return Verdict(mutant, 1, killer)
-    killed_by = place.judge(mutant, tests, coverage.seconds(tests)) if tests else ""
+    others = [test for test in tests if test != killer]
+    killed_by = place.judge(mutant, others, coverage.seconds(others)) if others else ""
     return Verdict(mutant, len(tests), killed_by)
 
 

@@ -17,8 +17,8 @@ from bench.errors import BenchError
 from bench.mutation.mutants import Mutant
 
 _PHASE = re.compile(r" \((setup|call|teardown)\)$|\|(setup|run|teardown)$")
-MARKED = "slow or not exhaustive"
-"""Tests that judge: those of `make test-all`."""
+_OPTIONS = ("-q", "-m", "slow or not exhaustive")
+"""Options of pytest for the tests that judge, which are those of `make test-all`."""
 _GRACE_S = 60.0
 """Seconds that a run may take beyond ten times what its tests took before."""
 _CONFIG = """\
@@ -29,12 +29,6 @@ context = ${PYTEST_CURRENT_TEST-}
 patch = subprocess
 data_file = ${MUTATION_DATA}
 source =
-    generator
-    runtime
-    roverlink
-    vision
-    driving
-    launch_check
 """
 
 
@@ -110,12 +104,12 @@ def _passed_tests(report: Path) -> list[tuple[str, float]]:
     ]
 
 
-def record(root: Path, out: Path) -> None:
-    """Run the default and the slow tests once, and write which lines each of them runs."""
+def record(root: Path, out: Path, folders: Iterable[str]) -> None:
+    """Run the default and the slow tests once, and write which lines of the folders each of them runs."""
     out.mkdir(parents=True, exist_ok=True)
     # Coverage removes old data first: every file whose name begins with that of the data and a dot.
     config, data = out / "recording.ini", out / "coverage"
-    config.write_text(_CONFIG, encoding="utf-8")
+    config.write_text(_CONFIG + "".join(f"    {folder}\n" for folder in folders), encoding="utf-8")
     options = [
         "--cov",
         f"--cov-config={config}",
@@ -123,7 +117,7 @@ def record(root: Path, out: Path) -> None:
         "--cov-report=",
         f"--junitxml={out / 'junit.xml'}",
     ]
-    command = [sys.executable, "-m", "pytest", "-q", "-n", "auto", "--dist", "worksteal", "-m", MARKED, *options]
+    command = [sys.executable, "-m", "pytest", *_OPTIONS, "-n", "auto", "--dist", "worksteal", *options]
     done = subprocess.run(command, cwd=root, env={**os.environ, "MUTATION_DATA": str(data)}, check=False)  # noqa: S603
     if done.returncode not in (0, 1):  # 1: some tests failed, which do not judge
         raise BenchError(f"the tests were not recorded (exit code {done.returncode}); pip install 'pytest-cov>=7'")
@@ -172,20 +166,7 @@ class Workplace:
         files = sorted({test.partition("::")[0] for test in tests})
         plugins = ("-p", "no:cacheprovider", "-p", "bench.mutation.selection")
         with subprocess.Popen(  # noqa: S603  # the tests of this checkout
-            [
-                sys.executable,
-                "-m",
-                "pytest",
-                "-q",
-                "-rfE",
-                "--no-header",
-                "--tb=no",
-                "-m",
-                MARKED,
-                *plugins,
-                *options,
-                *files,
-            ],
+            [sys.executable, "-m", "pytest", *_OPTIONS, "-rfE", "--no-header", "--tb=no", *plugins, *options, *files],
             cwd=self._folder,
             env=environment,
             stdin=subprocess.DEVNULL,

@@ -150,7 +150,8 @@ def _protoc(staged: Path, files: Sequence[str], options: Sequence[str], inside: 
     # grpcio-tools brings google/protobuf/*.proto. Its folder is the last one: a project's own copies come first.
     includes = [f"-I{folder}" for folder in (staged, package / "_proto")]
     options = [*options, "--include_imports", "--include_source_info"]
-    # -I: no module of the user hides a standard one; -S: nor are packages looked for that are not needed.
+    # -I: no module of the user hides a standard one; -S: nor are packages looked for that are not needed. The folder is
+    # empty, because of a file that is missing below the includes, protoc says something else if it is in the folder.
     command = [sys.executable, "-I", "-S", "-c", _RUN, str(package.parent), *includes, *options, *files]
     done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
     if done.returncode:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from itertools import cycle, islice
+from itertools import count, islice
 
 
 class Webcam:
@@ -18,7 +18,9 @@ class Webcam:
     ) -> None:
         """Without a number of `frames` the stream has no end; without a port, the system selects one."""
         self.frames, self.hang, self.visits, self.sent = frames, False, 0, 0
-        self._pictures, self._pause_s = pictures, pause_s
+        self._pause_s = pause_s
+        self.pictures = pictures
+        """What the stream shows, also one that has begun."""
         self._released = threading.Event()
         webcam = self
 
@@ -45,7 +47,8 @@ class Webcam:
             to.wfile.write(b"<html>The app</html>")
             return
         self.visits += 1
-        for jpeg in islice(cycle(self._pictures), self.frames):
+        for number in islice(count(), self.frames):
+            jpeg = self.pictures[number % len(self.pictures)]
             if self._released.is_set():
                 return
             to.wfile.write(b"--next\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(jpeg))
