@@ -29,7 +29,7 @@ class Film:
 
         Raises `SetupError` if the file cannot be written, or if it is the source.
         """
-        if path.exists() and Path(source).exists() and path.samefile(source):
+        if path.exists() and Path(source).exists() and path.samefile(Path(source)):
             raise SetupError(f"{path} is the source of the images; give --save another name")
         if path.suffix.lower() not in CODECS:
             raise SetupError(f"{path}: unknown video format; the name must end with {' or '.join(CODECS)}")
