@@ -11,13 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
 
-from roverkit.node.ros_connection import RosConnection, full_topic
-from roverkit.vision import CameraParameters
-from roverkit.vision.camera.cameras_file import SUFFIXES, CameraEntry, read_cameras
-from roverkit.vision.camera.image_size import for_images
-from roverkit.vision.camera.parameters_file import read_parameters
-from roverkit.vision.frames import Frame, FrameSource, TopicSource, play
-from roverkit.vision.frames.camera_source import (
+from roverkit.node.camera_source import (
     CAMERA_FRAME,
     PARAMETERS,
     SETTINGS,
@@ -25,6 +19,12 @@ from roverkit.vision.frames.camera_source import (
     settings_of,
     source_of,
 )
+from roverkit.node.ros_connection import RosConnection, full_topic
+from roverkit.vision import CameraParameters
+from roverkit.vision.camera.cameras_file import SUFFIXES, CameraEntry, read_cameras
+from roverkit.vision.camera.image_size import for_images
+from roverkit.vision.camera.parameters_file import read_parameters
+from roverkit.vision.frames import Frame, FrameSource, TopicSource, play
 from roverkit.vision.frames.interleaving import in_order, newest
 from roverkit.vision.frames.open_source import TOPIC
 from roverlink.runtime.core.errors import SetupError

@@ -18,6 +18,7 @@ from pathlib import Path
 from roverkit.aruco.target_parameters import TargetParameters
 from roverkit.aruco.tracked_cameras import CameraOpener, TrackedCamera, described, frames_of
 from roverkit.aruco.tracking_log import TrackingLog
+from roverkit.node.camera_source import with_progress
 from roverkit.node.program import project_registry
 from roverkit.node.ros_connection import RosConnection
 from roverkit.vision import Tracker
@@ -25,7 +26,6 @@ from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.camera.uncertainty import Uncertainty
 from roverkit.vision.field.field_tracker import FieldTracker, LandmarkResult, MountedCamera
 from roverkit.vision.frames import Frame
-from roverkit.vision.frames.camera_source import with_progress
 from roverkit.vision.frames.open_source import TOPIC
 from roverkit.vision.images.drawing import draw, write_above
 from roverkit.vision.images.film import Film

@@ -36,9 +36,9 @@ from roverkit.calibration.calibration_text import CalibrationText, JsonText, Pla
 from roverkit.calibration.page.live_calibration import LiveCalibration
 from roverkit.calibration.report import report, write_report
 from roverkit.calibration.writing import write_calibration
+from roverkit.node.camera_source import open_source, settings_of, source_of
 from roverkit.node.ros_connection import RosConnection
 from roverkit.vision.frames import Frame, FrameSource, ImageFiles
-from roverkit.vision.frames.camera_source import open_source, settings_of, source_of
 from roverkit.vision.opencv import cv2
 from roverlink.console import FINDINGS, OK, counted
 from roverlink.installed_packages import installed_version

@@ -15,6 +15,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import Any
 
+from roverkit.node.camera_source import CAMERA_FRAME, open_source, settings_of, source_of, with_progress
 from roverkit.node.program import project_registry
 from roverkit.node.ros_connection import RosConnection, full_topic
 from roverkit.objects.chosen_detector import open_detector
@@ -26,7 +27,6 @@ from roverkit.objects.object_rows import DetectedObjectRow
 from roverkit.objects.object_tracker import ObjectTracker
 from roverkit.objects.object_types import ClassesFile, ObjectTypes
 from roverkit.vision.frames import Frame, FrameSource, TopicSource, play
-from roverkit.vision.frames.camera_source import CAMERA_FRAME, open_source, settings_of, source_of, with_progress
 from roverkit.vision.frames.depth_camera import CameraTopics, DepthCamera, NoDepthError, aligned_depth_topic
 from roverkit.vision.images.film import Film
 from roverkit.vision.images.object_drawing import draw_objects

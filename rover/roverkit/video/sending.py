@@ -14,6 +14,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
+from roverkit.node.camera_source import open_source
 from roverkit.node.ros_connection import RosConnection
 from roverkit.video.encoder import fitted
 from roverkit.video.gstreamer_output import GStreamerOutput
@@ -27,7 +28,6 @@ from roverkit.video.stream_settings import StreamSettings
 from roverkit.video.streams_file import LINK_RATE, SUFFIXES, StreamsFile, read_streams
 from roverkit.video.video_output import RtpOutput, Sent, VideoOutput
 from roverkit.vision.frames import Frame, FrameSource
-from roverkit.vision.frames.camera_source import open_source
 from roverkit.vision.images.drawing import write_above
 from roverkit.vision.images.object_drawing import draw_objects
 from roverkit.vision.markers.detection import Image, to_colour

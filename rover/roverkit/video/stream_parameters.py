@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from roverkit.node.camera_source import image_size
 from roverkit.node.declared_parameters import DeclaredParameters
 from roverkit.video.stream_settings import StreamSettings
 from roverkit.video.video_declarations import STREAM_PARAMETERS
 from roverkit.vision.camera.camera_settings import CameraSettings
-from roverkit.vision.frames.camera_source import image_size
 from roverkit.vision.frames.open_source import camera_number
 from roverlink.nodes import filled
 from roverlink.runtime.core.errors import SetupError

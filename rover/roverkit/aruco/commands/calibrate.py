@@ -7,7 +7,7 @@ from pathlib import Path
 
 from roverkit.aruco.board_options import add_board
 from roverkit.aruco.calibration_declaration import NODE
-from roverkit.vision.frames.camera_source import PARAMETERS, add_source
+from roverkit.node.camera_source import PARAMETERS, add_source
 from roverlink.console import Subparsers, add_middleware, command, count, port
 from roverlink.runtime.ros_arguments import ros_args
 

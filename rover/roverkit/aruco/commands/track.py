@@ -8,8 +8,8 @@ from pathlib import Path
 
 from roverkit.aruco.target_options import add_targets
 from roverkit.aruco.tracker_declaration import NODE
+from roverkit.node.camera_source import PARAMETERS, add_playing, add_source
 from roverkit.node.program import node_arguments
-from roverkit.vision.frames.camera_source import PARAMETERS, add_playing, add_source
 from roverlink.console import Subparsers, add_outputs, add_project, command, count, middleware_of, parsed_number
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 
+from roverkit.node.camera_source import add_playing, add_source
 from roverkit.node.program import node_arguments
 from roverkit.objects.commands.model_options import add_model
 from roverkit.objects.object_declarations import TRACKER
-from roverkit.vision.frames.camera_source import add_playing, add_source
 from roverlink.console import Subparsers, add_outputs, add_project, command, middleware_of, parsed_number
 
 

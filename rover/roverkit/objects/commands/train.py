@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from roverkit.vision.frames.camera_source import image_size
+from roverkit.node.camera_source import image_size
 from roverlink.console import OK, Subparsers, command, count
 
 

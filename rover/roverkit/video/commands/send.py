@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
+from roverkit.node.camera_source import image_size
 from roverkit.node.program import node_arguments
 from roverkit.video.video_declarations import SENDER
-from roverkit.vision.frames.camera_source import image_size
 from roverlink.console import MIDDLEWARES_HELP, NO_MIDDLEWARE, Subparsers, command, port, rate
 from roverlink.runtime.middleware import NAMES
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from roverkit.node.ros_connection import full_topic
+
 from roverlink.console import count, print_note, rate
 
 if TYPE_CHECKING:
