@@ -360,6 +360,15 @@ def test_a_program_that_is_in_the_domain_already_can_join_as_a_node(
         del participant, domain
 
 
+def test_a_process_claims_another_domain_each_time() -> None:
+    """Entities of a domain that was given back may still exist, with its configuration."""
+    numbers = set[int]()
+    for _ in range(3):
+        with contextlib.ExitStack() as held:
+            numbers.add(claim_domain(held))
+    assert len(numbers) == 3
+
+
 # --- parameter services, asked as a ROS 2 client with rmw_cyclonedds_cpp asks ------------------------------------
 
 _NODE = NodeIdentity("udp_forwarder", "/rover")
