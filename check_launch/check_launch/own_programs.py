@@ -7,7 +7,7 @@ the package rtt_slam installs for launch files, and the bridge of the generated 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -60,7 +60,7 @@ def with_own_programs(catalogue: Catalogue, table_file: Path | None) -> Catalogu
     )
 
 
-def _class(name: str, node: nodes.NodeDeclaration, rows: Mapping[str, nodes.Topic]) -> NodeClass:
+def _class(name: str, node: nodes.NodeDeclaration, rows: Mapping[str, Sequence[nodes.Topic]]) -> NodeClass:
     parameters = {
         _pattern(parameter.name): Parameter(
             _TYPES[parameter.type], parameter.default, parameter.minimum, parameter.maximum, parameter.choices

@@ -9,7 +9,7 @@ from roverlink.console import MIDDLEWARES_HELP
 from roverlink.runtime.middleware import NAMES
 
 NO_MIDDLEWARE = "none"
-"""Value of the option ``--middleware`` of camera programs that publish nothing."""
+"""Value of the option ``--middleware`` of programs that publish nothing."""
 
 
 def add_outputs(parser: argparse.ArgumentParser, results: str) -> None:

@@ -13,9 +13,10 @@ import argparse
 import math
 from pathlib import Path
 
+from roverkit.node.camera_outputs import NO_MIDDLEWARE
+
 from roverlink.console import (
     MIDDLEWARES_HELP,
-    NO_MIDDLEWARE,
     Subparsers,
     add_key_file,
     add_project,

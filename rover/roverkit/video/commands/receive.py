@@ -12,9 +12,10 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from roverkit.node.camera_outputs import NO_MIDDLEWARE
 from roverkit.node.program import node_arguments
 from roverkit.video.video_declarations import RECEIVER
-from roverlink.console import MIDDLEWARES_HELP, NO_MIDDLEWARE, Subparsers, documented_command, listen_address, port
+from roverlink.console import MIDDLEWARES_HELP, Subparsers, documented_command, listen_address, port
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import NAMES
 

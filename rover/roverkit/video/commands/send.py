@@ -13,10 +13,11 @@ from __future__ import annotations
 
 import argparse
 
+from roverkit.node.camera_outputs import NO_MIDDLEWARE
 from roverkit.node.program import node_arguments
 from roverkit.video.video_declarations import SENDER
 from roverkit.vision.frames.camera_source import image_size
-from roverlink.console import MIDDLEWARES_HELP, NO_MIDDLEWARE, Subparsers, documented_command, port, rate
+from roverlink.console import MIDDLEWARES_HELP, Subparsers, documented_command, port, rate
 from roverlink.runtime.middleware import NAMES
 
 
