@@ -57,53 +57,27 @@ def counted(count: int, what: str) -> str:
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
-def command(commands: Subparsers, name: str, help: str, example: str, description: str = "") -> argparse.ArgumentParser:
-    """Add a subcommand, such as ``run``, to the command line, and return its parser.
-
-    ``help`` is the line about the subcommand in the help of the whole command line. The subcommand's own help starts
-    with ``description`` (default: ``help`` as a sentence) and ends with ``example``, a command line.
-    """
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name,
-        help=help,
-        description=description or f"{help[0].upper()}{help[1:]}.",
-        epilog=f"example: {example}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.set_defaults(**{SUMMARY: help})
-    return parser
-
-
 def documented_command(
-    commands: Subparsers, module: str, documentation: str | None, more: str = ""
+    commands: Subparsers, module: str, documentation: str | None, more: str = "", name: str = ""
 ) -> argparse.ArgumentParser:
     """Add the subcommand that a module is to the command line, and return its parser.
 
     ``module`` is the name of the module. ``documentation`` is its docstring: the line about the subcommand in the help
     of the whole command line, then the description in the subcommand's own help, and after ``Example:`` a command line.
-    ``more`` are lines at the end of the description.
+    ``more`` are lines at the end of the description. ``name`` is the subcommand's name if it is not the module's.
     """
     text, _, example = (documentation or "").rstrip().rpartition("\n\nExample: ")
-    help, _, description = text.partition("\n\n")
-    name = module.rpartition(".")[2].replace("_", "-")
-    return command(commands, name, f"{help[:1].lower()}{help[1:-1]}", example, f"{description}{more}")
-
-
-def command_group(
-    commands: Subparsers,
-    name: str,
-    help: str,
-    example: str,
-    description: str,
-    package: str,
-    subcommands: Iterable[str],
-) -> None:
-    """Add a command with subcommands to the command line; see `command`.
-
-    Each of the ``subcommands`` is a module of ``package``, whose function ``add`` adds it. The name has ``-`` where the
-    module has ``_``.
-    """
-    add_subcommands(command(commands, name, help, example, description), package, subcommands)
+    summary, _, description = text.partition("\n\n")
+    help = f"{summary[:1].lower()}{summary[1:-1]}"
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name or module.rpartition(".")[2].replace("_", "-"),
+        help=help,
+        description=f"{description or summary}{more}",
+        epilog=f"example: {example}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.set_defaults(**{SUMMARY: help})
+    return parser
 
 
 def add_subcommands(parser: argparse.ArgumentParser, package: str, subcommands: Iterable[str]) -> None:
@@ -156,33 +130,6 @@ MIDDLEWARES_HELP = (
 def add_middleware(parser: argparse.ArgumentParser) -> None:
     """Add the option ``--middleware`` to a parser: the software that connects to ROS 2."""
     parser.add_argument("--middleware", choices=NAMES, default="auto", help=f"{MIDDLEWARES_HELP} (default: auto)")
-
-
-NO_MIDDLEWARE = "none"
-"""Value of the option ``--middleware`` of camera programs that publish nothing."""
-
-
-def add_outputs(parser: argparse.ArgumentParser, results: str) -> None:
-    """Add the options of a camera program for its outputs to a parser: ``--json``, ``--save`` and ``--middleware``.
-
-    ``results`` says what the program computes, in the plural.
-    """
-    parser.add_argument("--json", action="store_true", help=f"print the {results} as a JSON object for each image")
-    parser.add_argument("--save", type=Path, metavar="FILE", help=f"save a video with the {results} drawn into it")
-    parser.add_argument(
-        "--middleware",
-        choices=(*NAMES, NO_MIDDLEWARE),
-        help=f"{MIDDLEWARES_HELP}; {NO_MIDDLEWARE}: publish nothing (default: auto, or {NO_MIDDLEWARE} with --json "
-        "or --save)",
-    )
-
-
-def middleware_of(arguments: argparse.Namespace) -> str | None:
-    """Return the middleware that the options of `add_outputs` select; None if nothing is to be published."""
-    chosen: str | None = arguments.middleware
-    if chosen is None:
-        return None if arguments.json or arguments.save else "auto"
-    return None if chosen == NO_MIDDLEWARE else chosen
 
 
 def add_recording(parser: argparse.ArgumentParser) -> None:

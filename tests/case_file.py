@@ -95,7 +95,7 @@ class CaseFile:
             own = {name: content for name, content in sections.items() if not _EXPECTATION.fullmatch(name)}
             files |= {name.removesuffix(_PROTO3): _PROTO3_LINE * name.endswith(_PROTO3) + own[name] for name in own}
             if "table" in files:
-                table = _changed(table, files.pop("table").decode())
+                table = changed_table(table, files.pop("table").decode())
                 files["mapping.yaml"] = table.encode()
         return files
 
@@ -171,7 +171,12 @@ def render(comment: str, sections: Mapping[str, bytes]) -> str:
     return "".join(parts)
 
 
-def _changed(table: str, changes: str) -> str:
+def usual_table(changes: str) -> str:
+    """Return a small table with some sections of its own."""
+    return changed_table(USUAL_TABLE, changes)
+
+
+def changed_table(table: str, changes: str) -> str:
     """Remove the sections of a table that the changes contain, and append the changes."""
     for name in re.findall(r"^(\w+):", changes, re.MULTILINE):
         table = re.sub(rf"^{name}:.*\n(?: .*\n)*", "", table, flags=re.MULTILINE)

@@ -33,21 +33,15 @@ from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
 
-from case_file import CaseFile, case_files
+from case_file import CaseFile, case_files, usual_table
 
 from roverlink.__main__ import main
 from roverlink.generator.pipeline import Compiled, compile_table
 
 ROOT = Path(__file__).parents[1]
-PROBE_TABLE = """\
-version: 1
-proto: {root: proto}
-envelope: {file: envelope.proto, message: Envelope, oneof: payload}
-ros: {package: rover}
-peers: {board: {}}
-messages:
-  - {number: 1, name: probe, proto: Probe, topic: probe, direction: board_to_ros}
-"""
+PROBE_TABLE = usual_table(
+    "messages:\n  - {number: 1, name: probe, proto: Probe, topic: probe, direction: board_to_ros}\n"
+)
 """Table of the smallest project: one message of a board."""
 PROBE_PROTO = 'syntax = "proto3";\n\nmessage Probe {\n  float depth_m = 1;\n}\n'
 """The .proto file of this message."""

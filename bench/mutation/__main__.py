@@ -16,7 +16,13 @@ from bench.errors import BenchError
 from bench.mutation.judging import Coverage, Verdict, Workplace, record
 from bench.mutation.mutants import Mutant, sample
 
-FOLDERS = {"generator": 112, "roverlink": 65, "vision": 53, "runtime": 51, "launch_check": 29, "driving": 10}
+FOLDERS = {
+    "generator": 107,
+    "roverlink": 34,
+    "runtime": 52,
+    "rover/roverkit": 97,
+    "check_launch/check_launch": 30,
+}
 """Mutants of each folder, in proportion to its lines of code."""
 BASELINE = Path(__file__).parent / "baseline.jsonl"
 """The verdicts of an earlier suite on the sample of seed 36: what later ones have to notice as well."""
@@ -121,14 +127,14 @@ def _report(verdicts: Iterable[Verdict], earlier: Sequence[Verdict]) -> int:
     for folder, (killed, total) in _killed(verdicts).items():
         was = before.get(folder)
         worse |= was is not None and killed < was[0]
-        print(f"{folder:13} {killed:3} of {total:3} killed" + (f" (before: {was[0]})" if was else ""))
+        print(f"{folder:25} {killed:3} of {total:3} killed" + (f" (before: {was[0]})" if was else ""))
     return int(worse)
 
 
 def _killed(verdicts: Iterable[Verdict]) -> dict[str, tuple[int, int]]:
     total, killed = Counter[str](), Counter[str]()
     for verdict in verdicts:
-        folder = verdict.mutant.path.partition("/")[0]
+        folder = next(folder for folder in FOLDERS if verdict.mutant.path.startswith(f"{folder}/"))
         total[folder] += 1
         killed[folder] += verdict.killer != ""
     return {folder: (killed[folder], total[folder]) for folder in total}

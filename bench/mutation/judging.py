@@ -127,7 +127,9 @@ class Workplace:
     """Copy of the checkout in which mutants are judged, one at a time."""
 
     def __init__(self, root: Path, folder: Path) -> None:
-        self._root, self._folder = root, folder
+        self._folder = folder
+        # Its packages, before the installed ones; the root has this program.
+        self._paths = [folder, folder / "rover", folder / "check_launch", root]
         shutil.rmtree(folder, ignore_errors=True)
         for name in _git(root, "ls-files", "-z", "--cached", "--others", "--exclude-standard").split("\0")[:-1]:
             source, target = root / name, folder / name
@@ -159,7 +161,7 @@ class Workplace:
         chosen.write_text(json.dumps(tests), encoding="utf-8")
         environment = {
             **os.environ,
-            "PYTHONPATH": f"{self._folder}{os.pathsep}{self._root}",
+            "PYTHONPATH": os.pathsep.join(map(str, self._paths)),
             "PYTHONDONTWRITEBYTECODE": "1",
             "MUTATION_TESTS": str(chosen),
         }

@@ -51,7 +51,9 @@ class Mutant:
     """False if the line runs at import, where the coverage of single tests says nothing."""
 
     def is_sound(self, root: Path) -> bool:
-        """True if the faulty file is another program that Python can read."""
+        """True if the file is there, and with the fault is another program that Python can read."""
+        if not (root / self.path).exists():
+            return False
         source = (root / self.path).read_text(encoding="utf-8")
         faulty = self.apply(source)
         return faulty is not None and faulty != source and _compiles(faulty)

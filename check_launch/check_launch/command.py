@@ -1,4 +1,20 @@
-"""``roverlink check-launch``: check ROS 2 launch files and parameter files without a rover."""
+"""Find mistakes in launch files and their parameter files before they meet a rover.
+
+Check ROS 2 launch files (YAML, XML, Python) and parameter files: unknown and misplaced parameters, wrong
+types and ranges, unknown plugins and executables, remappings without effect, topics that nobody publishes
+or with another QoS, and transforms with two parents or none. ROS 2 need not be installed: the facts about
+packages come from a catalogue, which --list shows. Packages that are not in it are named and skipped.
+
+A launch file is checked with the defaults of its arguments, and once more for each argument on which it
+depends what is started. PATH may be followed by NAME:=VALUE, as for `ros2 launch`.
+
+A Python launch file is a program, and runs: check files of strangers only where their code may run.
+
+`roverlink explain PAR101` describes a rule. Exit code 0: there is no finding, or only hints; 1: there are
+errors; 2: a file cannot be read.
+
+Example: roverlink check-launch --complete rover/navigation/launch/slam.launch.py
+"""
 
 from __future__ import annotations
 
@@ -11,7 +27,7 @@ from check_launch.graph.system_drawing import graph_of
 from check_launch.own_programs import with_own_programs
 from check_launch.rules.checking import Checked, Checker, files_to_check
 from check_launch.rules.launch_rules import launch_rules
-from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, print_note
+from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, documented_command, print_note
 from roverlink.diagnostic_text import Sources
 from roverlink.generator.diagnostics import Severity
 from roverlink.generator.source_files import repository_top
@@ -25,21 +41,7 @@ _SET = ":="
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "check-launch",
-        "find mistakes in launch files and their parameter files before they meet a rover",
-        "roverlink check-launch --complete rover/navigation/launch/slam.launch.py",
-        "Check ROS 2 launch files (YAML, XML, Python) and parameter files: unknown and misplaced parameters, wrong\n"
-        "types and ranges, unknown plugins and executables, remappings without effect, topics that nobody publishes\n"
-        "or with another QoS, and transforms with two parents or none. ROS 2 need not be installed: the facts about\n"
-        "packages come from a catalogue, which --list shows. Packages that are not in it are named and skipped.\n\n"
-        "A launch file is checked with the defaults of its arguments, and once more for each argument on which it\n"
-        "depends what is started. PATH may be followed by NAME:=VALUE, as for `ros2 launch`.\n\n"
-        "A Python launch file is a program, and runs: check files of strangers only where their code may run.\n\n"
-        "`roverlink explain PAR101` describes a rule. Exit code 0: there is no finding, or only hints; 1: there are\n"
-        "errors; 2: a file cannot be read.",
-    )
+    parser = documented_command(commands, __name__, __doc__, name="check-launch")
     parser.add_argument(
         "paths",
         nargs="*",

@@ -7,7 +7,7 @@ the package rtt_slam installs for launch files, and the bridge of the generated 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -60,19 +60,21 @@ def with_own_programs(catalogue: Catalogue, table_file: Path | None) -> Catalogu
     )
 
 
-def _class(name: str, node: nodes.NodeDeclaration, rows: Mapping[str, nodes.Topic]) -> NodeClass:
+def _class(name: str, node: nodes.NodeDeclaration, rows: Mapping[str, Sequence[nodes.Topic]]) -> NodeClass:
     parameters = {
-        _pattern(one.name): Parameter(_TYPES[one.type], one.default, one.minimum, one.maximum, one.choices)
-        for one in (nodes.USE_SIM_TIME, *node.parameters)
+        _pattern(parameter.name): Parameter(
+            _TYPES[parameter.type], parameter.default, parameter.minimum, parameter.maximum, parameter.choices
+        )
+        for parameter in (nodes.USE_SIM_TIME, *node.parameters)
     }
     topics = list(node.topics_with(rows))
-    endpoints = [*_endpoints(topics), *(Endpoint("action_client", one.name, one.type) for one in node.actions)]
+    endpoints = [*_endpoints(topics), *(Endpoint("action_client", action.name, action.type) for action in node.actions)]
     if node.takes_images:
         endpoints.append(Endpoint("subscription", f"$({_IMAGES})", "sensor_msgs/msg/Image", needed="true"))
         parameters[_IMAGES] = Parameter("string", "")
     transforms = (
-        Transform(_value(one.parent), _value(one.child), _value(one.when) if one.when else "")
-        for one in node.transforms
+        Transform(_value(transform.parent), _value(transform.child), _value(transform.when) if transform.when else "")
+        for transform in node.transforms
     )
     arguments = {"topic:": _IMAGES} if node.takes_images else {}
     return NodeClass(
@@ -82,7 +84,9 @@ def _class(name: str, node: nodes.NodeDeclaration, rows: Mapping[str, nodes.Topi
         endpoints=tuple(endpoints),
         transforms=tuple(transforms),
         arguments=arguments,
-        topic_patterns=tuple(map(_pattern, (*node.other_topics, *(one.name for one in topics if "<" in one.name)))),
+        topic_patterns=tuple(
+            map(_pattern, (*node.other_topics, *(topic.name for topic in topics if "<" in topic.name)))
+        ),
     )
 
 

@@ -35,7 +35,7 @@ from roverlink.generator.table.value_types import (
     Text,
     Type,
 )
-from roverlink.nodes import NodeDeclaration, Parameter, RowTopic, Topic
+from roverlink.nodes import ExtraTopics, NodeDeclaration, Parameter, RowTopic, Topic
 from roverlink.nodes.installed import declared_nodes
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.ends import LinkEvent
@@ -94,17 +94,22 @@ def _node(program: str) -> NodeDeclaration:
     return declared_nodes()[program]
 
 
-def _topic(topic: Topic | RowTopic) -> str:
-    if isinstance(topic, RowTopic):
-        name, message = REGISTRY.by_name[topic.row].route.topic, f"that of the row `{topic.row}`"
+def _topic(topic: Topic | RowTopic | ExtraTopics) -> str:
+    if isinstance(topic, Topic):
+        name, message = f"`{topic.name}`", " or ".join(f"`{type.replace('/msg/', '/')}`" for type in topic.type_names)
+    elif isinstance(topic, RowTopic):
+        message = f"that of the row `{topic.row}`"
+        name = f"`{REGISTRY.by_name[topic.row].route.topic}`" if topic.row in REGISTRY.by_name else message
     else:
-        name, message = topic.name, " or ".join(f"`{one.replace('/msg/', '/')}`" for one in topic.type_names)
-    return f"| `{name}` | {topic.direction.value} | {message} | {topic.meaning} |"
+        name, message = f"extra topics of the row `{topic.row}`", "as the table says"
+    return f"| {name} | {topic.direction.value} | {message} | {topic.meaning} |"
 
 
 def _parameter(declared: Parameter) -> str:
     default = declared.default
-    if isinstance(default, bool):
+    if default is None:  # an option or the table gives the first value
+        shown = ""
+    elif isinstance(default, bool):
         shown = str(default).lower()
     elif isinstance(default, float):
         shown = f"{default:.9f}".rstrip("0").rstrip(".")

@@ -198,7 +198,7 @@ def stopping(middleware: str, times: int) -> list[Sequence[str]]:
                 delays.append(max(board.last_moving() - at, 0.0))
             delays.sort()
             shown = (1e3 * delays[len(delays) // 2], 1e3 * delays[min(int(0.99 * times), times - 1)], 1e3 * delays[-1])
-            rows.append((f"{name}, {middleware}", str(times), *(f"{one:.0f}" for one in shown)))
+            rows.append((f"{name}, {middleware}", str(times), *(f"{value:.0f}" for value in shown)))
         basestation.set_mode(1)
         board.wait_for_moving(time.perf_counter())
         begun, seconds = time.perf_counter(), times * 0.5

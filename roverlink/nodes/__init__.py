@@ -9,8 +9,8 @@ A part of a name in angle brackets, as in ``aruco/<name>/pose``, stands for any 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +49,7 @@ class Topic:
     @property
     def type_names(self) -> tuple[str, ...]:
         """Full names of the types, such as ``std_msgs/msg/String``."""
-        return tuple(one if isinstance(one, str) else one.__msgtype__ for one in self.types)
+        return tuple(type if isinstance(type, str) else type.__msgtype__ for type in self.types)
 
     @property
     def message_type(self) -> type[Any]:  # the table decides which fields the message of a row has
@@ -83,7 +83,7 @@ class Topic:
         self, middleware: Middleware, full_name: FullName, callback: TypedCallback, depth: int
     ) -> FollowingSubscription:
         """Subscribe to this topic with one of its types and a matching QoS as soon as `look` finds a publisher."""
-        types = [one for one in self.types if not isinstance(one, str)]
+        types = [type for type in self.types if not isinstance(type, str)]
         return FollowingSubscription(middleware, full_name(self.name), types, callback, depth)
 
 
@@ -104,6 +104,23 @@ class RowTopic:
         handler = registry.row(self.row, self.fields, inbound=self.inbound)
         route = handler.route
         return Topic(route.topic, (handler.message_type,), self.direction, self.meaning, route.qos)
+
+
+@dataclass(frozen=True, slots=True)
+class ExtraTopics:
+    """Extra topics of a row (table key ``also``), which a node receives; none if the table has none."""
+
+    row: str
+    meaning: str
+    direction: Direction = field(default=Direction.RECEIVED, init=False)
+
+    def of(self, registry: Registry) -> tuple[Topic, ...]:
+        """Return the topics."""
+        return tuple(
+            Topic(extra.route.topic, (extra.message_type,), self.direction, self.meaning, extra.route.qos)
+            for extra in registry.extra_topics
+            if extra.route.name == self.row
+        )
 
 
 ParameterType = type[str] | type[float] | type[int] | type[bool]
@@ -154,7 +171,7 @@ class NodeDeclaration:
     """Node: its default name, and all that other nodes see of it."""
 
     name: str
-    topics: tuple[Topic | RowTopic, ...] = ()
+    topics: tuple[Topic | RowTopic | ExtraTopics, ...] = ()
     parameters: tuple[Parameter, ...] = ()
     """Parameters apart from `USE_SIM_TIME`."""
     transforms: tuple[Transform, ...] = ()
@@ -166,13 +183,19 @@ class NodeDeclaration:
 
     ``/<depth>`` stands for any topic."""
 
-    def topics_with(self, rows: Mapping[str, Topic]) -> Iterator[Topic]:
-        """Yield the topics. ``rows`` has those of a table by the names of its rows; rows that it lacks are left out."""
+    def topics_with(self, rows: Mapping[str, Sequence[Topic]]) -> Iterator[Topic]:
+        """Yield the topics.
+
+        ``rows`` has the topic of each row of a table, and behind it the extra topics, by the row's name. Rows that it
+        lacks are left out.
+        """
         for topic in self.topics:
             if isinstance(topic, Topic):
                 yield topic
-            elif found := rows.get(topic.row):
-                yield replace(found, direction=topic.direction, meaning=topic.meaning)
+            else:
+                own, extra = slice(1), slice(1, None)
+                for found in rows.get(topic.row, ())[own if isinstance(topic, RowTopic) else extra]:
+                    yield replace(found, direction=topic.direction, meaning=topic.meaning)
 
 
 def filled(name: str, part: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,8 +22,8 @@ class TableNodes:
     package: str
     """ROS 2 package of the table's messages and of its bridge."""
     bridge: NodeDeclaration
-    rows: Mapping[str, Topic]
-    """Topic of each row by the row's name, as the bridge has it."""
+    rows: Mapping[str, Sequence[Topic]]
+    """Topic of each row, then its extra topics, by the row's name, as the bridge has them."""
 
 
 def read_table_nodes(path: Path) -> TableNodes | None:
@@ -36,12 +36,12 @@ def read_table_nodes(path: Path) -> TableNodes | None:
     topics = {row.name: tuple(_topics_of(row, table.ros.package)) for row in table.rows}
     parameters = (
         *_parameters(has_link=table.link is not None),
-        *(one for peer in table.peers for one in _addresses(peer)),
+        *(address for peer in table.peers for address in _addresses(peer)),
     )
     return TableNodes(
         table.ros.package,
         NodeDeclaration(NODE, tuple(topic for those in topics.values() for topic in those), parameters),
-        {row: those[0] for row, those in topics.items()},
+        topics,
     )
 
 
@@ -49,11 +49,11 @@ def _topics_of(row: Row, package: str) -> Iterator[Topic]:
     """Yield the topic of a row, then its extra topics, as the bridge has them."""
     direction = Direction.PUBLISHED if row.inbound else Direction.RECEIVED
     settings: tuple[StandardTopicSettings, ...] = (row, *row.also)
-    for one in settings:
-        type_name = one.ros.replace("/", "/msg/") if "/" in one.ros else f"{package}/msg/{one.ros}"
-        profile = one.profile
+    for setting in settings:
+        type_name = setting.ros.replace("/", "/msg/") if "/" in setting.ros else f"{package}/msg/{setting.ros}"
+        profile = setting.profile
         qos = Qos(profile.reliability, profile.durability, profile.history, profile.depth)
-        yield Topic(one.topic, (type_name,), direction, f"row {row.name}", qos)
+        yield Topic(setting.topic, (type_name,), direction, f"row {row.name}", qos)
 
 
 def _parameters(*, has_link: bool) -> Iterator[Parameter]:

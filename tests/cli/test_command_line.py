@@ -104,33 +104,16 @@ def test_an_option_may_be_shortened_and_what_follows_two_dashes_is_a_value() -> 
     [
         ("bash", "roverlink re", {"record", "recording"}),
         ("zsh", "roverlink lint --format ", {"text", "json", "github", "sarif", "junit"}),
+        ("bash", "roverlink send imu_", {"imu_info"}),
+        ("bash", "roverlink echo odometry/", {"odometry/global", "odometry/wheel"}),
+        ("bash", "roverlink explain ENV10", {id for id in all_rules() if id.startswith("ENV10")}),
     ],
 )
-def test_shells_complete_commands_options_and_choices(
+def test_shells_complete_what_was_begun(
     shell: str, line: str, expected: set[str], tmp_path: Path, environment: dict[str, str]
 ) -> None:
-    """The shells' completion gets the words that fit the line so far."""
-    assert _completions(shell, line, tmp_path / "answer", environment) == expected
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("line", "expected"),
-    [
-        ("roverlink send imu_", {"imu_info"}),
-        ("roverlink echo odometry/", {"odometry/global", "odometry/wheel"}),
-        ("roverlink explain ENV10", {id for id in all_rules() if id.startswith("ENV10")}),
-    ],
-)
-def test_shells_complete_rows_topics_and_rules(
-    line: str, expected: set[str], tmp_path: Path, environment: dict[str, str]
-) -> None:
-    """The words come from the table, from the declarations of the nodes, and from the rules."""
-    assert _completions("bash", line, tmp_path / "answer", environment) == expected
-
-
-def _completions(shell: str, line: str, answer: Path, environment: dict[str, str]) -> set[str]:
-    """The words for a line; a shell asks for them with these variables."""
+    """A shell that asks with these variables gets commands, choices, rows, the topics of nodes, and rules."""
+    answer = tmp_path / "answer"
     asked = {"COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE": "1", "_ARGCOMPLETE_SHELL": shell}
     output = {"_ARGCOMPLETE_STDOUT_FILENAME": str(answer), "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_SUPPRESS_SPACE": "1"}
     command = [sys.executable, "-m", "roverlink"]
@@ -139,7 +122,7 @@ def _completions(shell: str, line: str, answer: Path, environment: dict[str, str
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     words = answer.read_text().split("\n") if answer.exists() else []
     assert "None" not in "".join(words)
-    return {re.split(r"[:\t]", word)[0].strip() for word in words} - {""}
+    assert {re.split(r"[:\t]", word)[0].strip() for word in words} - {""} == expected
 
 
 def test_bash_completes_after_the_line_of_the_readme(tmp_path: Path, environment: dict[str, str]) -> None:
@@ -224,7 +207,11 @@ for line in ([name] for names in command_line.GROUPS.values() for name in names)
         ("grpc_tools", "lint", "'grpcio-tools==1.85.1'"),
         ("jinja2", "init", "'jinja2>=3.1.6'"),
         ("mcap", "recording info {run}", "'mcap>=1.3'"),
-        ("prometheus_client", "run --middleware memory --metrics 0", "'prometheus-client>=0.21'"),
+        (
+            "prometheus_client",
+            "run --middleware memory --metrics 0 --ros-args -p listen_port:=0",
+            "'prometheus-client>=0.21'",
+        ),
         ("pyarrow", "recording export {run} --topic imu_data --to parquet", "'pyarrow>=17'"),
         ("rich", "recording info {run}", "'rich>=14'"),
         ("rosbags", "echo spoken --type std_msgs/msg/String", "'rosbags>=0.11'"),

@@ -6,23 +6,17 @@ import io
 from pathlib import Path
 
 import pytest
+from case_file import usual_table
 
 from roverlink.__main__ import main
 from roverlink.diagnostic_text import Sources, show
 from roverlink.generator.diagnostics import Rule, Span
 
-_TABLE = """\
-version: 1
-proto: {root: proto}
-envelope: {file: envelope.proto, message: Envelope, oneof: payload}
-ros: {package: rover}
-peers: {board: {}}
-messages:
-  - {number: 1, name: imu, proto: Imu, topic: imu, direction: bord_to_ros}
-"""
-_SHOWN = """\
+_ROW = "  - {number: 1, name: imu, proto: Imu, topic: imu, direction: bord_to_ros}"
+_TABLE = usual_table(f"messages:\n{_ROW}\n")
+_SHOWN = f"""\
 mapping.yaml:7:63: error[TAB103] unknown direction 'bord_to_ros' (known: board_to_ros, ros_to_board)
-7 |   - {number: 1, name: imu, proto: Imu, topic: imu, direction: bord_to_ros}
+7 | {_ROW}
   |                                                               ^
   help: did you mean 'board'?
 """

@@ -15,6 +15,7 @@ import pytest
 from needs import NO_ROS
 from page import ROOT, blocks, ports_of
 from polling import wait_until
+from protobuf_cpp import in_one_file
 
 from generated.pb2.components.basestation.detected_object_pb2 import OBJECT_ROCK, BasestationDetectedObject
 from generated.pb2.components.sensor_board.gps_sensor_pb2 import SensorBoardGPSInfo
@@ -85,7 +86,8 @@ def test_the_basestation_in_cpp_compiles_and_runs(tmp_path: Path, domain: int) -
     files = [path for path in (proto / "components").rglob("*.proto") if path.name != "message_types.proto"]
     subprocess.run(["protoc", "-I", proto, "--cpp_out", made, *files], check=True)
     compile = ["g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", "-I", made, tmp_path / "basestation.cpp"]
-    compile += [*made.rglob("*.cc"), "-lprotobuf", "-pthread", "-o", tmp_path / "basestation"]
+    compile += [in_one_file(tmp_path / "protos.cpp", sorted(made.rglob("*.cc"))), "-lprotobuf", "-pthread"]
+    compile += ["-o", tmp_path / "basestation"]
     subprocess.run(compile, check=True)
     with BridgeThread(REGISTRY, {"dst_a_port": port}, "error") as bridge:
         _follow([str(tmp_path / "basestation"), "127.0.0.1", str(bridge.port)], port, bridge)

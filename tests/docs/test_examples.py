@@ -7,6 +7,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from case_file import usual_table
 from needs import NO_OPENCV
 from page import ROOT, blocks
 
@@ -14,14 +15,7 @@ from roverlink.generator.pipeline import compile_table
 
 _DOCS, _DOCS_OF_ROVERKIT = ROOT / "docs", ROOT / "rover" / "docs"
 _NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
-_TABLE = """\
-version: 1
-proto: {root: proto}
-envelope: {file: envelope.proto, message: Envelope, oneof: payload}
-ros: {package: probe_msgs}
-peers: {drill: {}}
-messages:
-"""
+_TABLE = usual_table("ros: {package: probe_msgs}\npeers: {drill: {}}\nmessages:\n")
 
 
 def test_the_session_with_a_handler_runs() -> None:

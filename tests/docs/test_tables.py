@@ -11,6 +11,7 @@ from pathlib import Path
 import committed_tables
 import pytest
 import yaml
+from case_file import USUAL_TABLE
 from needs import NO_OPENCV
 from page import ROOT
 from roverkit.aruco import tracker_declaration
@@ -23,15 +24,6 @@ from roverlink.nodes import USE_SIM_TIME
 from roverlink.runtime.core.errors import Reason
 
 _NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
-_SMALLEST = """\
-version: 1
-proto: {root: proto}
-envelope: {file: envelope.proto, message: Envelope, oneof: payload}
-ros: {package: probe_msgs}
-peers: {drill: {}}
-messages:
-  - {number: 1, name: report, proto: ProbeReport, topic: report, direction: drill_to_ros}
-"""
 
 
 def _page(name: str) -> str:
@@ -56,7 +48,7 @@ def test_the_tables_made_from_declarations_are_current(page: Path) -> None:
 
 def test_the_defaults_are_those_of_the_reader(tmp_path: Path) -> None:
     """A table without any optional key reads as docs/mapping.md says."""
-    (tmp_path / "mapping.yaml").write_text(_SMALLEST, encoding="utf-8")
+    (tmp_path / "mapping.yaml").write_text(USUAL_TABLE, encoding="utf-8")
     table = reader.read(tmp_path / "mapping.yaml", [])
     row, peer = table.rows[0], table.peers[0]
     rows = re.findall(r"^\| `(.*?)` \| .* \| .* \| (.*?) \|$", _page("docs/mapping.md"), re.MULTILINE)
@@ -71,7 +63,7 @@ def test_the_defaults_are_those_of_the_reader(tmp_path: Path) -> None:
     }
     read |= {f"messages[].qos.{key}": str(getattr(row.profile, key)) for key in _QOS}
     assert {key: documented[key] for key in read} == read
-    assert row.ros == "ProbeReport"
+    assert row.ros == "A"
     nothing = {"proto.exclude": table.proto.exclude, "retired": table.retired, "enums": table.enums, "lint": table.lint}
     nothing |= {f"messages[].{key}": getattr(row, key) for key in _ABSENT} | {"peers.<peer>.max_size": peer.max_size}
     assert not any(nothing.values())

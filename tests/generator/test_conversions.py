@@ -12,25 +12,18 @@ from case_file import CaseFile
 from golden import passing_cases
 
 _CROSSCHECK = Path(__file__).parent / "crosscheck.py"
-_BREAKS_FIRST = {"enums", "oneofs", "presence", "scalars", "standard_own_messages", "well_known"}
 _ABOUT_OTHER_THINGS = {
     *("addresses", "boards", "boards_by_name", "comments", "deprecated", "envelope_of_another_owner"),
     *("extensions", "guards", "json_schemas", "ledger_merge_conflict", "ledger_one_number_in_two_branches"),
     *("ledger_row_changed_on_purpose", "ledger_without_rows", "nanopb_options", "only_what_is_needed"),
     *("own_templates", "qos_and_peers", "retired", "retired_signature", "signing", "tab107_topic_changed"),
 }
-_CASES = [
-    *(pytest.param(10, case, id=case.name) for case in passing_cases() if case.name in _BREAKS_FIRST),
-    *(
-        pytest.param(25, case, id=f"{case.name}-25", marks=pytest.mark.slow)
-        for case in passing_cases()
-        if case.name not in _ABOUT_OTHER_THINGS
-    ),
-]
+_CASES = [case for case in passing_cases() if case.name not in _ABOUT_OTHER_THINGS]
+_EXAMPLES = 25
 
 
 @pytest.fixture(scope="module")
-def crosscheck() -> Iterator[Callable[[int, Path], str]]:
+def crosscheck() -> Iterator[Callable[[Path], str]]:
     """Checks the generated code of a project; what is wrong with it."""
     with subprocess.Popen(
         [sys.executable, _CROSSCHECK], text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE
@@ -38,8 +31,8 @@ def crosscheck() -> Iterator[Callable[[int, Path], str]]:
         assert server.stdin is not None
         assert server.stdout is not None
 
-        def check(examples: int, project: Path) -> str:
-            print(examples, project, file=server.stdin, flush=True)
+        def check(project: Path) -> str:
+            print(_EXAMPLES, project, file=server.stdin, flush=True)
             return "" if server.stdout.readline() == "0\n" else (project / "crosscheck.log").read_text(encoding="utf-8")
 
         yield check
@@ -47,10 +40,10 @@ def crosscheck() -> Iterator[Callable[[int, Path], str]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("examples", "case"), _CASES)
+@pytest.mark.parametrize("case", _CASES, ids=lambda case: case.name)
 def test_generated_code_agrees_with_the_table_and_with_rosbags(
-    examples: int, case: CaseFile, crosscheck: Callable[[int, Path], str], tmp_path: Path
+    case: CaseFile, crosscheck: Callable[[Path], str], tmp_path: Path
 ) -> None:
     """Any payload becomes the ROS message that the table means, in the bytes that rosbags reads, and comes back."""
-    wrong = crosscheck(examples, case.write_inputs(tmp_path))
+    wrong = crosscheck(case.write_inputs(tmp_path))
     assert not wrong, wrong

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import tempfile
@@ -22,8 +23,8 @@ _MODE = black.Mode(line_length=88, target_versions={black.TargetVersion.PY310})
 _NAMES = st.from_regex(r"[a-z]{1,75}", fullmatch=True).filter(lambda name: not ros_names.unusable(name))
 _TEXTS = st.text(st.sampled_from("ab.  \"'\\#({\t\n\f\u00e4\u5bbd"), max_size=120)
 _CASES = pytest.mark.parametrize("case", passing_cases(), ids=lambda case: case.name)
-# What protoc's stubs say of a message with extensions is in no release of protobuf's own stubs.
-_TYPED = [case for case in passing_cases() if case.name not in ("extensions",)]
+_UNTYPED = ("extensions",)
+"""What protoc's stubs say of a message with extensions is in no release of protobuf's own stubs."""
 
 
 def _python(case: CaseFile) -> dict[str, str]:
@@ -104,15 +105,30 @@ def test_ruff_finds_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", _TYPED, ids=lambda case: case.name)
-def test_mypy_finds_nothing(case: CaseFile, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """The type checker, as strict as for this repository, has nothing to say about the modules."""
-    _write(tmp_path, files_of(case))
-    cache = tmp_path_factory.getbasetemp() / "mypy"
-    command = [sys.executable, "-m", "mypy", "--config-file", ROOT / "pyproject.toml", "--cache-dir", cache]
-    done = subprocess.run(
-        [*command, "--package", _folder(case).replace("/", ".")], cwd=tmp_path, capture_output=True, text=True
-    )
+def test_mypy_finds_nothing(tmp_path: Path) -> None:
+    """The type checker, as strict as for this repository, has nothing to say about the modules of any case.
+
+    One run for all takes a tenth of the time. So the generated package of each case stands in a package of its name.
+    """
+    packages = []
+    for case in passing_cases():
+        if case.name not in _UNTYPED:
+            module = _folder(case).replace("/", ".")
+            inside = re.compile(rf"\b{re.escape(module)}\b(?=\.| import)")
+            files = {path: inside.sub(f"{case.name}.{module}", text) for path, text in files_of(case).items()}
+            _write(tmp_path / case.name, files)
+            packages += ["--package", f"{case.name}.{module}"]
+    (tmp_path / "roverlink").symlink_to(ROOT / "roverlink")
+    command = [
+        sys.executable,
+        "-m",
+        "mypy",
+        "--config-file",
+        ROOT / "pyproject.toml",
+        "--cache-dir",
+        tmp_path / "cache",
+    ]
+    done = subprocess.run([*command, *packages], cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
 
 

@@ -82,5 +82,5 @@ def test_a_name_that_cannot_be_imported_is_refused(tmp_path: Path, name: str, ex
     findings: list[Diagnostic] = []
 
     assert reader.read(table, findings).python.package == "generated"
-    assert [(finding.rule.id, finding.span.line, finding.span.column) for finding in findings] == [("MAP108", 5, 19)]
+    assert [(finding.rule.id, finding.span.line, finding.span.column) for finding in findings] == [("MAP108", 6, 19)]
     assert expected in findings[0].message

@@ -307,7 +307,8 @@ def _gid(gid: Any) -> str:
     return bytes(gid.data).hex()
 
 
-TOPICS = pytest.mark.parametrize(
+@pytest.mark.slow
+@pytest.mark.parametrize(
     ("name", "message_type", "values", "options"),
     [
         ("drive_motor", MOTOR, {"distance_to_go": 1.5, "turning_radius": -2.25}, ()),
@@ -315,11 +316,7 @@ TOPICS = pytest.mark.parametrize(
     ],
     ids=["of a row", "of a standard type"],
 )
-
-
-@pytest.mark.slow
-@TOPICS
-def test_echo_prints_what_fast_dds_publishes(
+def test_echo_and_pub_talk_with_fast_dds(
     fast_dds: Callable[..., Peer],
     roverlink: Start,
     types: Typestore,
@@ -328,27 +325,13 @@ def test_echo_prints_what_fast_dds_publishes(
     values: dict[str, Any],
     options: tuple[str, ...],
 ) -> None:
-    """`roverlink echo` prints a message that Fast DDS publishes, and exits 0."""
-    message = serialized(types, message_type, **values)
+    """One prints what Fast DDS publishes, the other publishes what ROS 2 would; both exit with 0."""
+    expected = serialized(types, message_type, **values)
     echo = roverlink("echo", name, *options, "--json", "--count", "1")
-    fast_dds("publish", f"/{name}", message_type, message.hex(), 2)
+    writer = fast_dds("publish", f"/{name}", message_type, expected.hex(), 2)
     assert echo.end() == 0
     assert json.loads(echo.output[0]) == values
-
-
-@pytest.mark.slow
-@TOPICS
-def test_fast_dds_receives_what_pub_publishes(
-    fast_dds: Callable[..., Peer],
-    roverlink: Start,
-    types: Typestore,
-    name: str,
-    message_type: str,
-    values: dict[str, Any],
-    options: tuple[str, ...],
-) -> None:
-    """`roverlink pub` publishes once, to a Fast DDS reader, what ROS 2 would, and exits 0."""
-    expected = serialized(types, message_type, **values)
+    writer.close()
     reader = fast_dds("subscribe", f"/{name}", message_type, 1)
     pub = roverlink("pub", name, json.dumps(values), *options, "--once", "--wait", PATIENCE_S)
     assert without_slack(reader.line(), expected) == expected

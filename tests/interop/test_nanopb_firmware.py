@@ -11,6 +11,7 @@ from random import Random
 from typing import Any
 
 import pytest
+from case_file import usual_table
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from grpc_tools import protoc
 from nanopb_board import compiled
@@ -25,11 +26,7 @@ from roverlink.runtime.core.translator import Translator
 
 ROOT = Path(__file__).parents[2]
 _REFUSED = 0xFFFF
-_NOTE_TABLE = """\
-version: 1
-proto: {root: proto}
-envelope: {file: envelope.proto, message: Envelope, oneof: payload}
-ros: {package: rover}
+_NOTE_TABLE = usual_table("""\
 peers: {board: {max_size: 128}}
 targets: [python, nanopb]
 messages:
@@ -39,7 +36,7 @@ messages:
     topic: note
     direction: ros_to_board
     bounds: {text: {length: 20}, samples: {count: 4}, parts: {count: 2}, parts.raw: {length: 6}}
-"""
+""")
 _NOTE = """\
 syntax = "proto3";
 

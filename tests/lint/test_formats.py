@@ -7,20 +7,17 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from case_file import usual_table
 
 from roverlink.__main__ import main
 from roverlink.generator.lint.rules import lint_rules
 
-_TABLE = """\
-version: 1
-proto: {root: proto}
+_TABLE = usual_table("""\
 envelope: {file: envelope.proto, message: Envelope, oneof: payload, owner: proto}
-ros: {package: rover}
-peers: {board: {}}
 messages:
   - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros}
   - {number: 1, name: gps, proto: Gps, topic: gps, direction: board_to_ros}
-"""
+""")
 _ENVELOPE = """\
 syntax = "proto3";
 

@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 import buf
 import pytest
 from buf import needs_buf
+from case_file import usual_table
 from comparing import ROOT, changes_found, compiled
 from mutations import MUTATIONS, together, write
 from repositories import RepositoryBuilder
@@ -55,15 +56,11 @@ enum Mode {
   MODE_DRIVE_ROVER = 1;
 }
 """
-_TABLE = """\
-version: 1
-proto: {root: proto}
+_TABLE = usual_table("""\
 envelope: {file: envelope.proto, message: Envelope, oneof: payload, owner: proto}
-ros: {package: rover}
-peers: {board: {}}
 messages:
   - {number: 1, name: imu, proto: rover.Imu, topic: imu, direction: board_to_ros}
-"""
+""")
 _ENVELOPE = 'syntax = "proto3";\nimport "imu.proto";\nmessage Envelope { oneof payload { rover.Imu imu = 1; } }\n'
 
 

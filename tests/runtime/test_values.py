@@ -109,15 +109,11 @@ def test_the_nearest_name_is_found() -> None:
 # --- standard types ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["Imu", "", "a/b/c/d", "sensor_msgs//Imu", "/Imu", "sensor_msgs/"])
-def test_what_is_no_type_name_is_told(name: str) -> None:
-    """A name of another form is quoted, with an example."""
-    with pytest.raises(SetupError, match="is not the name of a ROS 2 type, such as sensor_msgs/msg/Imu"):
-        standard_types.full_name(name)
-
-
-def test_an_unknown_type_leads_to_the_nearest() -> None:
-    """A type that is not among ROS 2's common interfaces leads to the one that was probably meant."""
+def test_what_is_no_type_is_told() -> None:
+    """A name of another form is quoted, with an example; an unknown type leads to the one that was probably meant."""
+    for name in ("Imu", "", "a/b/c/d", "sensor_msgs//Imu", "/Imu", "sensor_msgs/"):
+        with pytest.raises(SetupError, match="is not the name of a ROS 2 type, such as sensor_msgs/msg/Imu"):
+            standard_types.full_name(name)
     with pytest.raises(SetupError, match=r"unknown ROS 2 type 'sensor_msgs/msg/Imus'; did you mean '.*/Imu'\?"):
         standard_types.message_type("sensor_msgs/msg/Imus")
 

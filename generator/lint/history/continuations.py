@@ -102,10 +102,10 @@ class _Matching:
         """Pair the types that have the same full name in another file."""
         by_name = _grouped(self._added, lambda place: [place.name])
         ranked = [
-            (basename(one.path) != basename(other.path), -self._agreement(one, other).ratio, one, other)
-            for one in self._removed
-            for other in by_name.get(one.name, ())
-            if self._same_kind(one, other)
+            (basename(removed.path) != basename(other.path), -self._agreement(removed, other).ratio, removed, other)
+            for removed in self._removed
+            for other in by_name.get(removed.name, ())
+            if self._same_kind(removed, other)
         ]
         for *_, one, other in sorted(ranked):
             self._take(one, other)

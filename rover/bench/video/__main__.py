@@ -202,8 +202,8 @@ def _commanded(kind: str, seconds: float, **options: Any) -> tuple[list[float], 
         end.bind((HOST, target))
         end.settimeout(1.0)
         receivers = [_popen("receive", "roverlink", port, seconds + _WARM_S) for port in ports] if kind else []
-        for one in receivers:
-            cast("IO[str]", one.stdout).readline()
+        for receiver in receivers:
+            cast("IO[str]", receiver.stdout).readline()
         sender = _popen("send", kind, link.ports[:3], seconds + 4, bitrate=1000, **options) if kind else None
         if sender:
             cast("IO[str]", sender.stdout).readline()
@@ -246,7 +246,7 @@ def long(seconds: float, say: Callable[[str], None]) -> SectionResult:
         ):
             end = time.monotonic() + seconds
             for line in cast("IO[str]", receiver.stdout):
-                latencies = [one["latency"] for one in json.loads(line)["streams"]]
+                latencies = [load["latency"] for load in json.loads(line)["streams"]]
                 if None not in latencies:
                     samples.append((_memory(sender), _memory(receiver), 1e3 * max(latencies)))
                     if len(samples) % 30 == 0:

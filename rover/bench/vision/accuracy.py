@@ -94,7 +94,7 @@ def measure(poses: int, sizes: Sequence[int], say: Callable[[str], None]) -> Sec
         "NEES: squared error in units of the covariance, 6 on average if the covariance is correct; without flips.",
     ]
     table = Table("Poses of single frames", COLUMNS, groups, notes)
-    return SectionResult([table], _charts(results), {"accuracy": [asdict(one) for one in results]})
+    return SectionResult([table], _charts(results), {"accuracy": [asdict(result) for result in results]})
 
 
 def measure_size(
@@ -107,7 +107,7 @@ def measure_size(
     for index, scene in enumerate(scenes(side_px, poses, SEED), 1):
         for name, estimate in contestants.items():
             found = estimate(scene.frame)
-            misses[name] += [miss_of(one, scene.pose) for one in found if one.number == scene.number][:1]
+            misses[name] += [miss_of(result, scene.pose) for result in found if result.number == scene.number][:1]
             false_ids[name] += sum(one.number != scene.number for one in found)
         if index % 50 == 0 or index == poses:
             say(f"accuracy {side_px} px: {index} of {poses} poses")
@@ -169,7 +169,7 @@ def nees_band(count: int, freedom: int = 6) -> tuple[float, float]:
 
 
 def _rows(results: Sequence[Accuracy]) -> list[Sequence[str]]:
-    rows: list[Sequence[str]] = [(one.contestant, *one.cells) for one in results]
+    rows: list[Sequence[str]] = [(result.contestant, *result.cells) for result in results]
     goal = GOALS.get(results[0].side_px)
     return [*rows, ("goal", *goal, "in band" if results[0].side_px in GOALS else "", "")] if goal else rows
 
@@ -181,7 +181,7 @@ def _charts(results: Sequence[Accuracy]) -> list[Chart]:
         "rotation_median": "rotation error, median, degrees",
         "rotation_p95": "rotation error, p95, degrees",
     }
-    names = list(dict.fromkeys(one.contestant for one in results))
+    names = list(dict.fromkeys(result.contestant for result in results))
     charts = []
     for figure, label in figures.items():
         curves = [_curve(name, figure, [one for one in results if one.contestant == name]) for name in names]
@@ -190,7 +190,7 @@ def _charts(results: Sequence[Accuracy]) -> list[Chart]:
 
 
 def _curve(name: str, figure: str, results: Sequence[Accuracy]) -> Curve:
-    values: list[Any] = [getattr(one, figure) for one in results]
+    values: list[Any] = [getattr(result, figure) for result in results]
     return Curve(name, [one.side_px for one in results], values)
 
 

@@ -78,7 +78,7 @@ def measure(runs: int, say: Callable[[str], None]) -> SectionResult:
         ],
         ["Projection: distance between the pixels of equal rays over the image, after the best rotation."],
     )
-    return SectionResult([accuracy], (), {"calibrations": [asdict(one) for one in misses]})
+    return SectionResult([accuracy], (), {"calibrations": [asdict(miss) for miss in misses]})
 
 
 def measure_runs(size: tuple[int, int], runs: int, say: Callable[[str], None] = lambda _: None) -> Iterator[Miss]:
@@ -163,8 +163,8 @@ def _directions(rays: Floats) -> Floats:
 def _rows(misses: Sequence[Miss], bad: int) -> list[tuple[str, ...]]:
     rows = []
     for name in (OURS, PLAIN):
-        chosen = [one for one in misses if one.contestant == name and one.bad_views == bad]
-        each = ((one.rms, one.fx, one.cx, one.cy, one.projection_mean, one.projection_max) for one in chosen)
+        chosen = [miss for miss in misses if miss.contestant == name and miss.bad_views == bad]
+        each = ((run.rms, run.fx, run.cx, run.cy, run.projection_mean, run.projection_max) for run in chosen)
         figures = [max(map(abs, values)) for values in zip(*each)]
         named = f"{100 * np.mean([one.named for one in chosen]):.0f}" if bad else ""
         rows.append((name, *(f"{figure:.3f}" for figure in figures), named))

@@ -75,7 +75,7 @@ def measure(poses: int, sizes: Sequence[int], say: Callable[[str], None]) -> Sec
         "Translation: median of the error in % of the distance. OpenCV computes no covariance.",
     ]
     table = Table("Covariances of degraded images and prints", columns, groups, notes)
-    return SectionResult([table], (), {"consistency": [asdict(one) for one in results]})
+    return SectionResult([table], (), {"consistency": [asdict(result) for result in results]})
 
 
 def measure_degradation(
@@ -89,14 +89,14 @@ def measure_degradation(
     exact = estimators(given)
     ours = Ours(camera_of(given), Uncertainty(readout_time=READOUT_S))
     misses: dict[str, list[Miss]] = defaultdict(list)
-    for one in degraded_scenes(degradation, side_px, poses, SEED):
+    for scene in degraded_scenes(degradation, side_px, poses, SEED):
         for name in names:
             if name == OURS:
-                seen = ours(one.scene.frame, one.earlier)
+                seen = ours(scene.scene.frame, scene.earlier)
             else:
-                seen = exact[OURS if name == IMAGE else name](one.scene.frame)
-            found = [other for other in seen if other.number == one.scene.number][:1]
-            misses[name] += [miss for miss in (miss_of(other, one.scene.pose) for other in found) if not miss.flipped]
+                seen = exact[OURS if name == IMAGE else name](scene.scene.frame)
+            found = [other for other in seen if other.number == scene.scene.number][:1]
+            misses[name] += [miss for miss in (miss_of(other, scene.scene.pose) for other in found) if not miss.flipped]
     return [_summary(degradation, side_px, name, misses[name]) for name in names]
 
 
@@ -117,8 +117,8 @@ def _summary(degradation: Degradation, side_px: int, name: str, misses: Sequence
 
 def _rows(results: Sequence[Consistency], poses: int) -> list[Sequence[str]]:
     by_row: dict[str, dict[str, Consistency]] = defaultdict(dict)
-    for one in results:
-        by_row[one.degradation][one.contestant] = one
+    for result in results:
+        by_row[result.degradation][result.contestant] = result
     return [
         (
             name,

@@ -76,9 +76,9 @@ class Ours:
         if earlier is not None:
             self._tracker.track(earlier, 0)
         return [
-            Estimate(one.id, one.pose.rotation, one.pose.translation, one.covariance)
-            for one in self._tracker.track(frame, FRAME_NS)
-            if isinstance(one.id, int)
+            Estimate(detection.id, detection.pose.rotation, detection.pose.translation, detection.covariance)
+            for detection in self._tracker.track(frame, FRAME_NS)
+            if isinstance(detection.id, int)
         ]
 
 

@@ -95,9 +95,9 @@ def measure(scenes: int, frames: int, say: Callable[[str], None]) -> SectionResu
     costs = _costs(frames)
     tables = [_share_table(shares, scenes), _wait_table(waits), _cost_table(costs)]
     data = {
-        "shares": [asdict(one) for one in shares],
-        "waits": [asdict(one) for one in waits],
-        "costs": [asdict(one) for one in costs],
+        "shares": [asdict(share) for share in shares],
+        "waits": [asdict(wait) for wait in waits],
+        "costs": [asdict(cost) for cost in costs],
     }
     return SectionResult(tables, (), data)
 
@@ -217,7 +217,9 @@ def raster_print(number: int, pixels: int) -> Print:
 
 
 def _ours(tracker: Tracker) -> Finder:
-    return lambda frame, stamp: [one.id for one in tracker.track(frame, stamp) if isinstance(one.id, int)]
+    return lambda frame, stamp: [
+        detection.id for detection in tracker.track(frame, stamp) if isinstance(detection.id, int)
+    ]
 
 
 def _plain(frame: Grey) -> list[int]:
@@ -291,21 +293,21 @@ def _share_table(shares: Sequence[Share], scenes: int) -> Table:
         f"covered: {_BARS} bars of {_BAR} modules cross the interior; large: modules of unequal size, 1280x720; "
         "twice: two markers with one number."
     ]
-    rows = [[f"{one.kind}, {one.side_px} px", f"{one.ours:.0f}", f"{one.plain:.0f}"] for one in shares]
+    rows = [[f"{share.kind}, {share.side_px} px", f"{share.ours:.0f}", f"{share.plain:.0f}"] for share in shares]
     return Table(
         "Markers found in single frames", ("", f"{OURS}\n%", "OpenCV\n%"), [Group(f"{scenes} frames each", rows)], notes
     )
 
 
 def _wait_table(waits: Sequence[Wait]) -> Table:
-    rows = [[f"{one.name}, {one.side_px} px", f"{one.soon:.0f}", f"{one.p90:.0f}"] for one in waits]
+    rows = [[f"{wait.name}, {wait.side_px} px", f"{wait.soon:.0f}", f"{wait.p90:.0f}"] for wait in waits]
     return Table(
         "Frames until a new marker is found", ("", f"within {SOON}\n%", "p90\nframes"), [Group("640x480", rows)]
     )
 
 
 def _cost_table(costs: Sequence[Cost]) -> Table:
-    rows = [[one.name, f"{one.mean:.1f}", f"{one.p95:.1f}", f"{one.seen:.0f}"] for one in costs]
+    rows = [[cost.name, f"{cost.mean:.1f}", f"{cost.p95:.1f}", f"{cost.seen:.0f}"] for cost in costs]
     notes = ["roverlink: detection, edge fit and pose; OpenCV: detection only."]
     columns = ("", "mean\nms CPU", "p95\nms CPU", "seen\n%")
     return Table(f"Time per frame, 1280x720, {MANY} moving markers", columns, [Group("", rows)], notes)

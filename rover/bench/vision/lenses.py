@@ -90,7 +90,7 @@ def measure(runs: int, say: Callable[[str], None]) -> SectionResult:
             ["Projection: distance between equal rays of the true and the found camera at the corners (RMS)."],
         ),
     ]
-    return SectionResult(tables, (), {"lenses": [asdict(one) for one in found]})
+    return SectionResult(tables, (), {"lenses": [asdict(result) for result in found]})
 
 
 def measure_runs(runs: int, say: Callable[[str], None] = lambda _: None) -> Iterator[Run]:
@@ -98,7 +98,7 @@ def measure_runs(runs: int, say: Callable[[str], None] = lambda _: None) -> Iter
     detector = BoardDetector(BOARD)
     for model, camera in CAMERAS.items():
         for run in range(runs):
-            views = [detector.find(one.frame, one.name) for one in board_views(camera, SEED + run, VIEWS)]
+            views = [detector.find(view.frame, view.name) for view in board_views(camera, SEED + run, VIEWS)]
             found = calibrate(views, BOARD, model)
             yield _run(camera, views, model, OURS, found.camera, found.deviations[:4])
             yield _run(camera, views, model, PLAIN, *plain(views, model))
@@ -170,7 +170,7 @@ def _run(
 
 def _interval_rows(runs: Sequence[Run], model: Model) -> Iterator[tuple[str, ...]]:
     for name in (OURS, PLAIN):
-        chosen = [one for one in runs if one.lens == model.value and one.contestant == name]
+        chosen = [run for run in runs if run.lens == model.value and run.contestant == name]
         inside = [f"{100 * share:.0f}" for share in np.mean([one.inside for one in chosen], axis=0)] or [""] * 4
         errors = [one.projection for one in chosen]
         yield name, *inside, f"{np.median(errors):.3f}", f"{max(errors):.3f}"

@@ -53,15 +53,15 @@ class NearestOverlap:
     ) -> list[TrackedObject]:
         """Return the objects that are visible in a frame."""
         free, found = list(self._last), []
-        for one in detections:
-            best = max(free, key=lambda other: overlap(other.box, one.box), default=None)
-            if best is None or overlap(best.box, one.box) < 0.3:
+        for detection in detections:
+            best = max(free, key=lambda other: overlap(other.box, detection.box), default=None)
+            if best is None or overlap(best.box, detection.box) < 0.3:
                 self._count += 1
                 number = self._count
             else:
                 free.remove(best)
                 number = best.id
-            found.append(TrackedObject(number, one.box, one.class_name, one.confidence))
+            found.append(TrackedObject(number, detection.box, detection.class_name, detection.confidence))
         self._last = found
         return found
 
@@ -82,8 +82,8 @@ def idf1(seen: Seen, tracker: Tracker) -> float:
     given_frames: dict[int, int] = {}
     for number, (scene, detections) in enumerate(seen):
         objects = tracker.track(detections, number * _PERIOD_NS)
-        for one in objects:
-            given_frames[one.id] = given_frames.get(one.id, 0) + 1
+        for item in objects:
+            given_frames[item.id] = given_frames.get(item.id, 0) + 1
         for truth in scene.objects:
             true_frames[truth.number] = true_frames.get(truth.number, 0) + 1
             for one in objects:
@@ -113,7 +113,7 @@ def perfect(scenes: Sequence[RenderedScene], missed: float) -> Seen:
     return [
         (
             scene,
-            [ObjectDetection(one.box, one.class_name, 0.9) for one in scene.objects if rng.random() >= missed],
+            [ObjectDetection(item.box, item.class_name, 0.9) for item in scene.objects if rng.random() >= missed],
         )
         for scene in scenes
     ]
@@ -189,7 +189,7 @@ def cost(scenes: Sequence[RenderedScene], detector: ObjectDetector) -> dict[str,
         now = timed("detection", now)
         objects = tracker.track(detections, number * _PERIOD_NS)
         now = timed("tracking", now)
-        list(row.messages([(one, 1) for one in objects], (640, 480)))
+        list(row.messages([(item, 1) for item in objects], (640, 480)))
         timed("messages", now)
         timed("whole", begin)
     return {name: statistics.median(values) for name, values in times.items()}

@@ -98,9 +98,9 @@ def _results(frames: Iterable[Frame], tracker: Tracker) -> list[LandmarkResult]:
 def _with_looks(result: LandmarkResult) -> Image:
     """Return the frame, darkened except around the markers, whose edges are fitted where they were expected."""
     shown: Image = result.frame.image // 3
-    for one in result.detections:
-        left, top = np.floor(one.corners.min(axis=0)).astype(int) - _AROUND
-        right, bottom = np.ceil(one.corners.max(axis=0)).astype(int) + _AROUND
+    for detection in result.detections:
+        left, top = np.floor(detection.corners.min(axis=0)).astype(int) - _AROUND
+        right, bottom = np.ceil(detection.corners.max(axis=0)).astype(int) + _AROUND
         shown[top:bottom, left:right] = result.frame.image[top:bottom, left:right]
         cv2.rectangle(shown, (left, top), (right - 1, bottom - 1), _REGION, 1)
     return shown
@@ -108,7 +108,7 @@ def _with_looks(result: LandmarkResult) -> Image:
 
 def _with_edges(result: LandmarkResult, rough: MarkerDetection) -> Image:
     """Return an enlarged marker with its detected and its refined corners."""
-    (one,) = (one for one in result.detections if one.id == rough.number)
+    (one,) = (detection for detection in result.detections if detection.id == rough.number)
     low = np.floor(one.corners.min(axis=0)).astype(int) - 5
     high = np.ceil(one.corners.max(axis=0)).astype(int) + 6
     part = result.frame.image[low[1] : high[1], low[0] : high[0]]
@@ -156,11 +156,11 @@ def _plot_field(axes: Any, film: Film, results: list[LandmarkResult]) -> None:
 def _plot_place(axes: Any, film: Film, result: LandmarkResult) -> None:
     """Plot the uncertainty of a position from single landmarks, and from all of them."""
     known, truth = landmarks(), film.truth[result.frame.number].translation
-    for one in result.detections:
-        single = localize([one], Landmarks(known.frame, {one.id: known.places[one.id]}))
+    for detection in result.detections:
+        single = localize([detection], Landmarks(known.frame, {detection.id: known.places[detection.id]}))
         if single:
             _plot_ellipse(
-                axes, single.pose.translation - truth, single.covariance, "tab:orange", f"from {one.id} alone"
+                axes, single.pose.translation - truth, single.covariance, "tab:orange", f"from {detection.id} alone"
             )
     if result.camera_pose:
         _plot_ellipse(

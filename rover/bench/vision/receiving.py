@@ -53,7 +53,8 @@ def measure(seconds: float, out: Path, say: Callable[[str], None]) -> SectionRes
             ):
                 results.append(_measured(name, encoding, receiver, seconds))
     rows = [
-        [one.name, one.encoding, f"{one.percent:.1f}", f"{one.milliseconds:.2f}", f"{one.rate:.1f}"] for one in results
+        [result.name, result.encoding, f"{result.percent:.1f}", f"{result.milliseconds:.2f}", f"{result.rate:.1f}"]
+        for result in results
     ]
     columns = ("", "encoding", "CPU\n% of a core", "CPU\nms per image", "images\nper s")
     notes = [

@@ -71,20 +71,20 @@ def measure(count: int, say: Callable[[str], None]) -> SectionResult:
             "A line's endpoints are wrong by 0.5 px (standard deviation), and rounded to whole pixels.",
         ],
     )
-    return SectionResult([table], (), {"rocks": [asdict(one) for one in found]})
+    return SectionResult([table], (), {"rocks": [asdict(result) for result in found]})
 
 
 def quantiles(errors: Sequence[float]) -> tuple[float, float]:
     """Return the median and the 90 % quantile of the absolute values of errors; those that are NaN are left out."""
-    known = np.abs([one for one in errors if not np.isnan(one)])
+    known = np.abs([error for error in errors if not np.isnan(error)])
     return (float(np.median(known)), float(np.quantile(known, 0.9))) if known.size else (np.nan, np.nan)
 
 
 def _row(name: str, found: Sequence[RockError], kind: str) -> tuple[str, ...]:
-    chosen = [one for one in found if (one.kind, one.contestant) == (kind, name)]
+    chosen = [result for result in found if (result.kind, result.contestant) == (kind, name)]
     numbers = *quantiles([one.length for one in chosen]), *quantiles([one.width for one in chosen])
     missing = sum(np.isnan(one.length) for one in chosen)
-    times = [1000 * one.seconds for one in chosen]
+    times = [1000 * run.seconds for run in chosen]
     texts = ("" if np.isnan(number) else f"{number:.1f}" for number in numbers)
     return name, *texts, str(missing), f"{np.median(times):.0f}", f"{max(times):.0f}"
 

@@ -52,7 +52,10 @@ def measure(frames: int, say: Callable[[str], None]) -> SectionResult:
             times[name].append(1e3 * (time.perf_counter() - start))
     say(f"speed: {frames} frames")
     results = [_timing(name, times[name][_WARM_UP:], seen[name], film, goal) for name, (_, goal) in looks.items()]
-    rows = [[one.name, f"{one.median:.1f}", f"{one.p95:.1f}", f"{one.seen:.0f}", one.goal] for one in results]
+    rows = [
+        [result.name, f"{result.median:.1f}", f"{result.p95:.1f}", f"{result.seen:.0f}", result.goal]
+        for result in results
+    ]
     notes = ["roverlink: detection, edge fit and pose; OpenCV: detection only. Scans of the whole frame are included."]
     columns = ("", "median\nms", "p95\nms", "seen\n%", "goal\nms")
     table = Table("Time per frame, 1280x720, four markers", columns, [Group("", rows)], notes)

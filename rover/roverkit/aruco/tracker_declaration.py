@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from roverkit.node.shared_topics import LISTENED_TRANSFORMS, transforms
-from roverlink.nodes import Direction, NodeDeclaration, Parameter, RowTopic, Topic
+from roverlink.nodes import Direction, ExtraTopics, NodeDeclaration, Parameter, RowTopic, Topic
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces.geometry_msgs import PoseWithCovarianceStamped
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, CompressedImage
@@ -62,10 +62,15 @@ POSITION = RowTopic(
     inbound=False,
     fields=("x", "y", "z"),
 )
+FUSED_POSITION = ExtraTopics(
+    POSITION.row,
+    "the fused position of a filter; for a second after each message, the position of the markers is held back",
+)
 NODE = NodeDeclaration(
     "aruco_tracker",
     (
         *(TRANSFORMS, MARKER_POSE, DETECTIONS, CAMERA_INFO, IMAGE, CAMERA_POSE, ROVER_POSE, POSITION),
+        FUSED_POSITION,
         *LISTENED_TRANSFORMS,
     ),
     (

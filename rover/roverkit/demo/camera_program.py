@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Any, cast
 
-from roverlink.console import NO_MIDDLEWARE
+from roverkit.node.camera_outputs import NO_MIDDLEWARE
 from roverlink.runtime import SetupError
 from roverlink.runtime.middleware import Middleware
 from roverlink.simulation.demo_parts import DemoPart, DemoSetting

@@ -10,9 +10,9 @@ import subprocess
 import sys
 from contextlib import ExitStack
 
+from roverkit.node.camera_outputs import NO_MIDDLEWARE
 from roverkit.video.received_stream import ReceivedStream
 from roverkit.video.rtp_receiver import RtpReceiver
-from roverlink.console import NO_MIDDLEWARE
 from roverlink.simulation.demo_parts import DemoPart
 
 _HOST = "127.0.0.1"

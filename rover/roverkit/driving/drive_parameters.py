@@ -37,11 +37,11 @@ class DriveParameters(DeclaredParameters[DriveProgramSettings]):
 
 
 def _read(values: Mapping[str, Any]) -> DriveProgramSettings:
-    for one in NODE.parameters:
-        value = values[one.name]
-        if one.type is float and not (0 < value < math.inf or (value == 0 and one.name in _MAY_BE_ZERO)):
-            least = "0 or more" if one.name in _MAY_BE_ZERO else "above 0"
-            raise SetupError(f"the parameter {one.name!r} is {value}; it must be {least}")
+    for parameter in NODE.parameters:
+        value = values[parameter.name]
+        if parameter.type is float and not (0 < value < math.inf or (value == 0 and parameter.name in _MAY_BE_ZERO)):
+            least = "0 or more" if parameter.name in _MAY_BE_ZERO else "above 0"
+            raise SetupError(f"the parameter {parameter.name!r} is {value}; it must be {least}")
     if values["horizon"] * values["rate"] < _PERIODS:
         raise SetupError(
             f"the parameter 'horizon' is {values['horizon']} s; it must be at least {_PERIODS} / rate = "

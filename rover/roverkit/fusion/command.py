@@ -1,4 +1,15 @@
-"""``roverlink fuse``: fuse odometry, landmarks and GPS to the rover's pose on the field."""
+"""Fuse odometry, landmarks and GPS to the rover's pose on the field.
+
+Fuse the odometry (odometry/wheel), the landmarks that `roverlink aruco track` sees (aruco/detections) and,
+with --datum, GPS (gps/fix). Publish the rover's pose on the field (odometry/global) and the transform from
+the frame of the field to that of the odometry. A landmark that somebody has moved is found and left out.
+This is for computers without robot_localization, such as laptops with a simulated rover. On a rover, use
+robot_localization with rover/navigation/config/ekf.yaml: run only one of the two.
+All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a
+topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.
+
+Example: roverlink fuse --landmarks landmarks.yaml --cameras cameras.yaml
+"""
 
 from __future__ import annotations
 
@@ -8,24 +19,12 @@ from pathlib import Path
 
 from roverkit.fusion.fusion_declaration import NODE
 from roverkit.node.program import node_arguments
-from roverlink.console import OK, Subparsers, add_middleware, command, parsed_number
+from roverlink.console import OK, Subparsers, add_middleware, documented_command, parsed_number
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "fuse",
-        "fuse odometry, landmarks and GPS to the rover's pose on the field",
-        "roverlink fuse --landmarks landmarks.yaml --cameras cameras.yaml",
-        "Fuse the odometry (odometry/wheel), the landmarks that `roverlink aruco track` sees (aruco/detections) and,\n"
-        "with --datum, GPS (gps/fix). Publish the rover's pose on the field (odometry/global) and the transform from\n"
-        "the frame of the field to that of the odometry. A landmark that somebody has moved is found and left out.\n"
-        "This is for computers without robot_localization, such as laptops with a simulated rover. On a rover, use\n"
-        "robot_localization with rover/navigation/config/ekf.yaml: run only one of the two.\n"
-        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
-        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.",
-    )
+    parser = documented_command(commands, __name__, __doc__, name="fuse")
     parser.add_argument(
         "--landmarks",
         type=Path,

@@ -36,9 +36,9 @@ class OdometryParameters(DeclaredParameters[OdometrySettings]):
 
 
 def _read(values: Mapping[str, Any]) -> OdometrySettings:
-    for one in NODE.parameters:
-        if one.type is float and not 0 <= values[one.name] < math.inf:
-            raise SetupError(f"the parameter {one.name!r} is {values[one.name]}; it must be 0 or more")
+    for parameter in NODE.parameters:
+        if parameter.type is float and not 0 <= values[parameter.name] < math.inf:
+            raise SetupError(f"the parameter {parameter.name!r} is {values[parameter.name]}; it must be 0 or more")
     frames = values["odom_frame"], values["base_frame"]
     if not all(frames) or frames[0] == frames[1]:
         raise SetupError(f"the parameters odom_frame and base_frame are {frames}; they must be two names")
@@ -46,5 +46,5 @@ def _read(values: Mapping[str, Any]) -> OdometrySettings:
         *frames,
         values["publish_tf"],
         DrivingBoard(values["smallest_radius"], straight_radius=values["straight_radius"]),
-        OdometryNoise(**{one.name: values[one.name] for one in fields(OdometryNoise)}),
+        OdometryNoise(**{field.name: values[field.name] for field in fields(OdometryNoise)}),
     )

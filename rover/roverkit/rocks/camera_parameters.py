@@ -20,7 +20,7 @@ class CameraTopicParameters(DeclaredParameters[CameraTopics]):
 
     def __init__(self, arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> None:
         """Read the first values. Raises `SetupError` if one of them is not the name of a topic."""
-        options = {one.name: getattr(arguments, one.name) or "" for one in NODE.parameters}
+        options = {parameter.name: getattr(arguments, parameter.name) or "" for parameter in NODE.parameters}
 
         def read(values: Mapping[str, Any]) -> CameraTopics:
             colour = full_topic(values["camera"], ros)

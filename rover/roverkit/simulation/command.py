@@ -1,4 +1,11 @@
-"""``roverlink simulate-rover``: be the boards of a rover that drives, measures, and slips."""
+"""Simulate the boards of a rover that drives as ROS 2 says.
+
+Simulate the boards of one rover. It drives the arcs that ROS 2 sends, its wheels slip, and its boards
+report progress, motors, IMU and GPS to a running bridge. The topic ground_truth/odometry has its true pose.
+The scenarios lossy, stale, padded and malformed change its datagrams; reboot restarts its driving board.
+
+Example: roverlink simulate-rover --clock --speed 4
+"""
 
 from __future__ import annotations
 
@@ -6,13 +13,14 @@ import argparse
 import math
 from pathlib import Path
 
+from roverkit.node.camera_outputs import NO_MIDDLEWARE
+
 from roverlink.console import (
     MIDDLEWARES_HELP,
-    NO_MIDDLEWARE,
     Subparsers,
     add_key_file,
     add_project,
-    command,
+    documented_command,
     parsed_number,
     port,
     seconds,
@@ -27,15 +35,7 @@ _AS_FAST_AS_POSSIBLE = "max"
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "simulate-rover",
-        "simulate the boards of a rover that drives as ROS 2 says",
-        "roverlink simulate-rover --clock --speed 4",
-        "Simulate the boards of one rover. It drives the arcs that ROS 2 sends, its wheels slip, and its boards\n"
-        "report progress, motors, IMU and GPS to a running bridge. The topic ground_truth/odometry has its true pose.\n"
-        "The scenarios lossy, stale, padded and malformed change its datagrams; reboot restarts its driving board.",
-    )
+    parser = documented_command(commands, __name__, __doc__, name="simulate-rover")
     add_project(parser)
     parser.add_argument(
         "--to",

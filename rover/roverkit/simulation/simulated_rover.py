@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
+from roverkit.node.camera_outputs import NO_MIDDLEWARE
 from roverkit.odometry.odometry_messages import odometry_of
 from roverkit.odometry.wheel_odometry import OdometryEstimate
 from roverkit.simulation.rover_datagrams import RoverDatagrams
@@ -20,7 +21,7 @@ from roverkit.simulation.rover_model import STEP_NS, RoverModel
 from roverkit.simulation.simulation_declaration import CAMERA_INFO, CLOCK, IMAGE, NODE, TRUTH
 
 from roverlink import topic_types
-from roverlink.console import NO_MIDDLEWARE, OK, project_folder
+from roverlink.console import OK, project_folder
 from roverlink.generated_code import load_project
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.client import BlockingPeer, Received

@@ -13,6 +13,7 @@ import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 
+from roverkit.node.camera_outputs import NO_MIDDLEWARE
 from roverkit.node.ros_connection import RosConnection
 from roverkit.video.received_stream import ReceivedStream, TakeImage, TakeUnit
 from roverkit.video.rtp_receiver import RtpReceiver
@@ -22,7 +23,7 @@ from roverkit.video.video_page import StreamsServer
 from roverkit.vision.markers.detection import Image
 from roverkit.vision.ros.image_messages import compressed_of
 from roverkit.vision.ros.outputs import Outputs
-from roverlink.console import NO_MIDDLEWARE, OK
+from roverlink.console import OK
 from roverlink.node_log import publish_log
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments

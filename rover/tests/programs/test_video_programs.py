@@ -75,24 +75,25 @@ def receiver(start: Start) -> tuple[Program, int]:
     return program, json.loads(program.wait_for("port", program.output))["streams"][0]["port"]
 
 
-def test_our_receiver_shows_what_gstreamer_sends(receiver: tuple[Program, int]) -> None:
-    """With the rover's earlier pipeline and the two options that a late receiver needs."""
-    _needs("gst-launch-1.0", "gstreamer1.0-tools")
-    pipeline = (
-        "videotestsrc is-live=true ! video/x-raw,width=320,height=240,framerate=30/1 ! videoconvert ! "
-        "x264enc tune=zerolatency speed-preset=superfast key-int-max=30 ! rtph264pay pt=96 config-interval=1 ! "
-        f"udpsink host=127.0.0.1 port={receiver[1]}"
-    )
-    with subprocess.Popen(["gst-launch-1.0", "-q", *pipeline.split()]) as process:
-        _wait_for_images(receiver[0])
-        process.terminate()
+_PIPELINE = (  # the rover's earlier pipeline, and the two options that a late receiver needs
+    "videotestsrc is-live=true ! video/x-raw,width=320,height=240,framerate=30/1 ! videoconvert ! "
+    "x264enc tune=zerolatency speed-preset=superfast key-int-max=30 ! rtph264pay pt=96 config-interval=1 ! "
+    "udpsink host=127.0.0.1 port={port}"
+)
+_FILM = "-re -f lavfi -i testsrc2=size=320x240:rate=30 -c:v libx264 -tune zerolatency -g 30"
 
 
-def test_our_receiver_shows_what_ffmpeg_sends(receiver: tuple[Program, int]) -> None:
-    """As it packs H.264 by default."""
-    _needs("ffmpeg", "ffmpeg")
-    film = "-re -f lavfi -i testsrc2=size=320x240:rate=30 -c:v libx264 -tune zerolatency -g 30"
-    words = ["ffmpeg", "-loglevel", "error", *film.split(), "-f", "rtp", f"rtp://127.0.0.1:{receiver[1]}"]
+@pytest.mark.parametrize(
+    ("package", "line"),
+    [
+        ("gstreamer1.0-tools", f"gst-launch-1.0 -q {_PIPELINE}"),
+        ("ffmpeg", f"ffmpeg -loglevel error {_FILM} -f rtp rtp://127.0.0.1:{{port}}"),  # it packs as it does by default
+    ],
+)
+def test_our_receiver_shows_what_others_send(receiver: tuple[Program, int], package: str, line: str) -> None:
+    """The images of GStreamer and of FFmpeg come whole and in time."""
+    words = line.format(port=receiver[1]).split()
+    _needs(words[0], package)
     with subprocess.Popen(words, stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL) as process:
         _wait_for_images(receiver[0])
         process.terminate()
@@ -106,34 +107,31 @@ def _wait_for_images(receiver: Program) -> None:
     wait_until(intact, "intact images")
 
 
-def test_gstreamer_shows_what_we_send(sender: Program, port: int, tmp_path: Path) -> None:
-    """With the pipeline of the basestation, which joins late."""
-    _needs("gst-launch-1.0", "gstreamer1.0-tools")
-    pipeline = (
-        f"udpsrc port={port} caps={_CAPS} ! rtpjitterbuffer latency=50 ! rtph264depay ! avdec_h264 ! videoconvert ! "
-        f"video/x-raw,format=GRAY8 ! identity eos-after={_IMAGES} ! filesink location={tmp_path / 'images.raw'}"
-    )
-    subprocess.run(["gst-launch-1.0", "-q", *pipeline.split()], check=True, timeout=60)
-    _check(tmp_path / "images.raw")
-    assert sender.interrupt() == 0
+_PLAYER = (  # the pipeline of the basestation, which joins late
+    f"udpsrc port={{port}} caps={_CAPS} ! rtpjitterbuffer latency=50 ! rtph264depay ! avdec_h264 ! videoconvert ! "
+    f"video/x-raw,format=GRAY8 ! identity eos-after={_IMAGES} ! filesink location=images.raw"
+)
+_SINK = f"-frames:v {_IMAGES} -pix_fmt gray -f rawvideo images.raw"
 
 
-def test_ffmpeg_shows_what_we_send(sender: Program, port: int, tmp_path: Path) -> None:
-    """From a description of the stream (SDP)."""
-    _needs("ffmpeg", "ffmpeg")
+@pytest.mark.parametrize(
+    ("package", "line"),
+    [
+        ("gstreamer1.0-tools", f"gst-launch-1.0 -q {_PLAYER}"),
+        ("ffmpeg", f"ffmpeg -loglevel error -protocol_whitelist file,rtp,udp -i front.sdp {_SINK}"),
+    ],
+)
+def test_others_show_what_we_send(sender: Program, port: int, tmp_path: Path, package: str, line: str) -> None:
+    """GStreamer by its pipeline, FFmpeg from a description of the stream (SDP)."""
+    words = line.format(port=port).split()
+    _needs(words[0], package)
     (tmp_path / "front.sdp").write_text(_SDP.format(port=port))
-    source = ["-protocol_whitelist", "file,rtp,udp", "-i", str(tmp_path / "front.sdp")]
-    sink = ["-frames:v", str(_IMAGES), "-pix_fmt", "gray", "-f", "rawvideo", str(tmp_path / "images.raw")]
-    subprocess.run(["ffmpeg", "-loglevel", "error", *source, *sink], check=True, timeout=60, stdin=subprocess.DEVNULL)
-    _check(tmp_path / "images.raw")
-    assert sender.interrupt() == 0
-
-
-def _check(path: Path) -> None:
-    images = np.frombuffer(path.read_bytes(), np.uint8)
+    subprocess.run(words, check=True, timeout=60, stdin=subprocess.DEVNULL, cwd=tmp_path)
+    images = np.frombuffer((tmp_path / "images.raw").read_bytes(), np.uint8)
     assert images.size >= (_IMAGES - 1) * 320 * 240
     middle = images[: images.size // (320 * 240) * 320 * 240].reshape(-1, 240, 320)[:, 120, 160]
     assert (np.abs(middle.astype(int) - 125) < 12).all()
+    assert sender.interrupt() == 0
 
 
 @pytest.mark.slow

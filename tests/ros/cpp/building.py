@@ -9,6 +9,7 @@ import json
 import os
 import re
 import subprocess
+import sys
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from graphlib import TopologicalSorter
@@ -17,6 +18,9 @@ from pathlib import Path
 from rosbags.typesys import Stores, get_typestore
 
 from roverlink.generator.ir.model import Bridge
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from protobuf_cpp import in_one_file
 
 _HERE = Path(__file__).parent
 _SYSTEM_PYTHON = "/usr/bin/python3"  # which has rosidl's modules
@@ -59,7 +63,8 @@ def build(bridge: Bridge, files: Mapping[str, str], protos: Path, folder: Path, 
         f"-DPACKAGE={bridge.package}",
         f"-DENVELOPE=::{bridge.envelope.message.replace('.', '::')}",
     ]
-    jobs = [(source, options) for source in (structs, *sorted(compiled.rglob("*.pb.cc")))]
+    protos_in_one = in_one_file(folder / "protos.cpp", sorted(compiled.rglob("*.pb.cc")))
+    jobs = [(source, options) for source in (structs, protos_in_one)]
     jobs.append((_HERE / "speaker.cpp", [*options, *speaker]))
     sources = sorted(folder / path for path in ours if path.endswith(".cpp") and not path.startswith(_RUNTIME))
     alone = [source for source in sources if source.parent.name == "extra_topics"]  # each has functions of its own

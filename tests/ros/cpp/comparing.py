@@ -39,7 +39,7 @@ _JSON_TEXTS = st.one_of(
     st.sampled_from(["1e400", "1e-400", "-0", " true ", "[1,,2]", "NaN", "{", "01", "0.1"]),
 )
 """Texts that protobuf's JSON parser and Python's both read or both refuse; cpp/tests/json_texts.tsv has others."""
-_SAID = settings(database=None, suppress_health_check=list(HealthCheck))
+_SAID = settings(database=None, deadline=None, suppress_health_check=list(HealthCheck))
 
 
 class Speaker:

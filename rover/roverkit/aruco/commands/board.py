@@ -1,4 +1,10 @@
-"""``roverlink aruco board``: write files from which boards and markers can be printed."""
+"""Make a sheet with a calibration board or markers, for printing to scale.
+
+Write a board for `roverlink aruco calibrate`, or single markers with --markers, as PDF or PNG.
+Print the sheet at 100 % (actual size). The rulers on it show whether the printer kept the scale.
+
+Example: roverlink aruco board --paper A3 --square 0.036 --marker 0.027 --out board.pdf
+"""
 
 from __future__ import annotations
 
@@ -8,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from roverkit.aruco.board_options import APRILGRID, CHARUCO, CHESSBOARD, add_board, board_of, metres
-from roverlink.console import OK, Subparsers, command, counted, parsed_number
+from roverlink.console import OK, Subparsers, counted, documented_command, parsed_number
 from roverlink.runtime.atomic_files import write_whole
 from roverlink.runtime.core.errors import SetupError
 
@@ -24,14 +30,7 @@ _RANGE = re.compile(r"(\d{1,4})(?:-(\d{1,4}))?")
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "board",
-        "make a sheet with a calibration board or markers, for printing to scale",
-        "roverlink aruco board --paper A3 --square 0.036 --marker 0.027 --out board.pdf",
-        "Write a board for `roverlink aruco calibrate`, or single markers with --markers, as PDF or PNG.\n"
-        "Print the sheet at 100 % (actual size). The rulers on it show whether the printer kept the scale.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_board(parser)
     parser.add_argument(
         "--markers",

@@ -1,4 +1,15 @@
-"""``roverlink aruco calibrate``: measure a camera's parameters and their uncertainty."""
+"""Calibrate a camera with a printed board.
+
+Calibrate a camera with a printed board. `roverlink aruco board` makes a board; after printing, measure
+its squares. Hold the board before the camera at different places and angles. The command takes useful
+images (views) from a camera, a stream or a video, until the views cover the whole image or you press
+Ctrl-C. From a folder, it takes every image. Exit code 1: the views are not sufficient to calibrate, or
+the parameters must not be used; then they are written to another file, with .rejected in its name.
+All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a
+topic), -r __ns:=/NAMESPACE, -r __node:=NAME.
+
+Example: roverlink aruco calibrate 0 --square 0.0238 --marker 0.01785
+"""
 
 from __future__ import annotations
 
@@ -8,7 +19,7 @@ from pathlib import Path
 from roverkit.aruco.board_options import add_board
 from roverkit.aruco.calibration_declaration import NODE
 from roverkit.node.camera_source import PARAMETERS, add_source
-from roverlink.console import Subparsers, add_middleware, command, count, port
+from roverlink.console import Subparsers, add_middleware, count, documented_command, port
 from roverlink.runtime.ros_arguments import ros_args
 
 _MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
@@ -16,19 +27,7 @@ _MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "calibrate",
-        "calibrate a camera with a printed board",
-        "roverlink aruco calibrate 0 --square 0.0238 --marker 0.01785",
-        "Calibrate a camera with a printed board. `roverlink aruco board` makes a board; after printing, measure\n"
-        "its squares. Hold the board before the camera at different places and angles. The command takes useful\n"
-        "images (views) from a camera, a stream or a video, until the views cover the whole image or you press\n"
-        "Ctrl-C. From a folder, it takes every image. Exit code 1: the views are not sufficient to calibrate, or\n"
-        "the parameters must not be used; then they are written to another file, with .rejected in its name.\n"
-        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
-        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_source(parser)
     add_board(parser)
     parser.add_argument(

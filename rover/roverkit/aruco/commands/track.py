@@ -1,4 +1,17 @@
-"""``roverlink aruco track``: compute the poses of ArUco markers, and the camera's pose relative to landmarks."""
+"""Find ArUco markers and publish their poses.
+
+Find ArUco markers in camera images, and publish their poses relative to the camera: on /tf, as messages
+with covariances, and drawn into the image. With --landmarks, publish also the poses of the camera and the
+rover on the field; a running bridge can send the rover's position to the basestation.
+SOURCE can be a file of several cameras, such as cameras.yaml.
+With --json or --save, no ROS 2 is needed.
+All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a
+topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL, -p NAME:=VALUE and --params-file FILE.
+The parameters dictionary, side, sides (such as 7=0.1) and landmarks replace the options of these names;
+ROS 2 can change them while the program runs. With -p use_sim_time:=true, the time is that on /clock.
+
+Example: roverlink aruco track 192.168.0.7:8080 --side 0.15 --landmarks landmarks.yaml --ros-args -r __ns:=/front
+"""
 
 from __future__ import annotations
 
@@ -8,28 +21,15 @@ from pathlib import Path
 
 from roverkit.aruco.target_options import add_targets
 from roverkit.aruco.tracker_declaration import NODE
+from roverkit.node.camera_outputs import add_outputs, middleware_of
 from roverkit.node.camera_source import PARAMETERS, add_playing, add_source
 from roverkit.node.program import node_arguments
-from roverlink.console import Subparsers, add_outputs, add_project, command, count, middleware_of, parsed_number
+from roverlink.console import Subparsers, add_project, count, documented_command, parsed_number
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "track",
-        "find ArUco markers and publish their poses",
-        "roverlink aruco track 192.168.0.7:8080 --side 0.15 --landmarks landmarks.yaml --ros-args -r __ns:=/front",
-        "Find ArUco markers in camera images, and publish their poses relative to the camera: on /tf, as messages\n"
-        "with covariances, and drawn into the image. With --landmarks, publish also the poses of the camera and the\n"
-        "rover on the field; a running bridge can send the rover's position to the basestation.\n"
-        "SOURCE can be a file of several cameras, such as cameras.yaml.\n"
-        "With --json or --save, no ROS 2 is needed.\n"
-        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
-        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL, -p NAME:=VALUE and --params-file FILE.\n"
-        "The parameters dictionary, side, sides (such as 7=0.1) and landmarks replace the options of these names;\n"
-        "ROS 2 can change them while the program runs. With -p use_sim_time:=true, the time is that on /clock.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_source(parser)
     add_playing(parser)
     _add_camera(parser)

@@ -1,19 +1,16 @@
-"""``roverlink mission``: commands about missions, one module each."""
+"""Drive to the goals of a file with Nav2.
+
+Drive to goals: positions on the map, places in front of landmarks, GPS positions. Nav2 drives the rover.
+It needs OpenCV: pip install 'opencv-contrib-python-headless>=4.8'.
+
+Example: roverlink mission run mission.yaml
+"""
 
 from __future__ import annotations
 
-from roverlink.console import Subparsers, command_group
+from roverlink.console import Subparsers, add_subcommands, documented_command
 
 
 def add(commands: Subparsers) -> None:
     """Add ``mission`` with its subcommands to the command line."""
-    command_group(
-        commands,
-        "mission",
-        "drive to the goals of a file with Nav2",
-        "roverlink mission run mission.yaml",
-        "Drive to goals: positions on the map, places in front of landmarks, GPS positions. Nav2 drives the rover.\n"
-        "It needs OpenCV: pip install 'opencv-contrib-python-headless>=4.8'.",
-        __name__,
-        ("run",),
-    )
+    add_subcommands(documented_command(commands, __name__, __doc__, name="mission"), __name__, ("run",))

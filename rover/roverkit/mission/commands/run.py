@@ -1,4 +1,15 @@
-"""``roverlink mission run``: drive to the goals of a mission."""
+"""Drive to the goals of a mission.
+
+Drive to the goals of a mission in turn. The mission begins when the basestation says MODE_AUTO (row
+control_mode), and ends at once when it says anything else. Nav2 drives the rover (actions navigate_to_pose
+and backup), and `roverlink aruco track` sees the landmarks. The exit code is 0 if all goals are reached,
+and 1 if one is not. The documentation (page Navigation) explains the file.
+All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a topic or
+an action), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL. With -p use_sim_time:=true, the time is
+that on /clock.
+
+Example: roverlink mission run mission.yaml
+"""
 
 from __future__ import annotations
 
@@ -7,24 +18,12 @@ from pathlib import Path
 
 from roverkit.mission.mission_declaration import NODE
 from roverkit.node.program import node_arguments
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, seconds
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, documented_command, seconds
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "run",
-        "drive to the goals of a mission",
-        "roverlink mission run mission.yaml",
-        "Drive to the goals of a mission in turn. The mission begins when the basestation says MODE_AUTO (row\n"
-        "control_mode), and ends at once when it says anything else. Nav2 drives the rover (actions navigate_to_pose\n"
-        "and backup), and `roverlink aruco track` sees the landmarks. The exit code is 0 if all goals are reached,\n"
-        "and 1 if one is not. The documentation (page Navigation) explains the file.\n"
-        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a topic or\n"
-        "an action), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL. With -p use_sim_time:=true, the time is\n"
-        "that on /clock.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument("mission", type=Path, metavar="FILE", help="YAML file with the goals and rules")
     parser.add_argument(
         "--wait",

@@ -1,4 +1,14 @@
-"""``roverlink objects select``: publish the position of the object that the operator selects."""
+"""Publish the position of the object that the operator selects.
+
+Publish the position of the object whose number the operator selects (row object_selection), in the frames
+of the rover and of the field. `roverlink objects track` must run with a depth camera. While the object is
+hidden, its position is held, and its covariance grows. Number 0 ends the selection.
+All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a
+topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL. With -p use_sim_time:=true, the time is
+that on /clock.
+
+Example: roverlink objects select --hold 5
+"""
 
 from __future__ import annotations
 
@@ -6,23 +16,12 @@ import argparse
 
 from roverkit.node.program import node_arguments
 from roverkit.objects.object_declarations import SELECTOR
-from roverlink.console import OK, Subparsers, add_middleware, add_project, command, seconds
+from roverlink.console import OK, Subparsers, add_middleware, add_project, documented_command, seconds
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "select",
-        "publish the position of the object that the operator selects",
-        "roverlink objects select --hold 5",
-        "Publish the position of the object whose number the operator selects (row object_selection), in the frames\n"
-        "of the rover and of the field. `roverlink objects track` must run with a depth camera. While the object is\n"
-        "hidden, its position is held, and its covariance grows. Number 0 ends the selection.\n"
-        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
-        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL. With -p use_sim_time:=true, the time is\n"
-        "that on /clock.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument(
         "--hold",
         type=seconds,

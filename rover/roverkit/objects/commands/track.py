@@ -1,31 +1,31 @@
-"""``roverlink objects track``: detect objects in images, follow them, and send them to the basestation."""
+"""Detect objects in images, and send them to the basestation.
+
+Detect objects in camera images and follow them from image to image, so that each keeps its number. They
+are published on ROS 2 topics; a running bridge sends them to the basestation (row detected_object).
+With a depth camera as source, their positions are published, too; `roverlink objects select` needs them.
+With --json or --save, no ROS 2 is needed.
+All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a
+topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL. With -p use_sim_time:=true, the time is
+that on /clock.
+
+Example: roverlink objects track topic:/camera/camera/color/image_raw --model rocks.onnx --classes classes.yaml
+"""
 
 from __future__ import annotations
 
 import argparse
 
+from roverkit.node.camera_outputs import add_outputs, middleware_of
 from roverkit.node.camera_source import add_playing, add_source
 from roverkit.node.program import node_arguments
 from roverkit.objects.commands.model_options import add_model
 from roverkit.objects.object_declarations import TRACKER
-from roverlink.console import Subparsers, add_outputs, add_project, command, middleware_of, parsed_number
+from roverlink.console import Subparsers, add_project, documented_command, parsed_number
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "track",
-        "detect objects in images, and send them to the basestation",
-        "roverlink objects track topic:/camera/camera/color/image_raw --model rocks.onnx --classes classes.yaml",
-        "Detect objects in camera images and follow them from image to image, so that each keeps its number. They\n"
-        "are published on ROS 2 topics; a running bridge sends them to the basestation (row detected_object).\n"
-        "With a depth camera as source, their positions are published, too; `roverlink objects select` needs them.\n"
-        "With --json or --save, no ROS 2 is needed.\n"
-        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
-        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL. With -p use_sim_time:=true, the time is\n"
-        "that on /clock.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     add_source(parser)
     add_playing(parser)
     parser.add_argument(

@@ -1,4 +1,11 @@
-"""``roverlink objects train``: train a small detector with labelled images."""
+"""Train a small detector with labelled images.
+
+Train a small network with a folder of labelled images in YOLO's format (data.yaml, images/, labels/), and
+measure it with the folder's images 'val': the average precision of each class at an overlap of 50 % (AP50).
+It needs jax, optax and onnx: pip install 'jax>=0.4.30' 'optax>=0.2' 'onnx>=1.16'.
+
+Example: roverlink objects train scenes --out rocks.onnx
+"""
 
 from __future__ import annotations
 
@@ -6,20 +13,12 @@ import argparse
 from pathlib import Path
 
 from roverkit.node.camera_source import image_size
-from roverlink.console import OK, Subparsers, command, count
+from roverlink.console import OK, Subparsers, count, documented_command
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "train",
-        "train a small detector with labelled images",
-        "roverlink objects train scenes --out rocks.onnx",
-        "Train a small network with a folder of labelled images in YOLO's format (data.yaml, images/, labels/), and\n"
-        "measure it with the folder's images 'val': the average precision of each class at an overlap of 50 % (AP50).\n"
-        "It needs jax, optax and onnx: pip install 'jax>=0.4.30' 'optax>=0.2' 'onnx>=1.16'.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder with data.yaml")
     parser.add_argument(
         "--out",

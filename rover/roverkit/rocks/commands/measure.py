@@ -1,4 +1,15 @@
-"""``roverlink rocks measure``: answer the operator's requests with the sizes of rocks."""
+"""Answer requests with the sizes of rocks.
+
+Measure rocks. A request of the basestation (row rock_measure_request) is a line across a rock in the colour
+image; the answer (row rock_measure_result) is the rock's length along the line and its width. If the rock
+cannot be measured, both are NaN, and the log has the reason.
+All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a
+topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL, -p NAME:=VALUE and --params-file FILE.
+The parameters camera, depth and camera_info replace the argument and the options; ROS 2 can change them
+while the program runs, to select another camera.
+
+Example: roverlink rocks measure /camera/camera/color/image_raw
+"""
 
 from __future__ import annotations
 
@@ -6,24 +17,12 @@ import argparse
 
 from roverkit.node.program import node_arguments
 from roverkit.rocks.rocks_declaration import NODE
-from roverlink.console import OK, Subparsers, add_middleware, add_project, command
+from roverlink.console import OK, Subparsers, add_middleware, add_project, documented_command
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "measure",
-        "answer requests with the sizes of rocks",
-        "roverlink rocks measure /camera/camera/color/image_raw",
-        "Measure rocks. A request of the basestation (row rock_measure_request) is a line across a rock in the colour\n"
-        "image; the answer (row rock_measure_result) is the rock's length along the line and its width. If the rock\n"
-        "cannot be measured, both are NaN, and the log has the reason.\n"
-        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
-        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL, -p NAME:=VALUE and --params-file FILE.\n"
-        "The parameters camera, depth and camera_info replace the argument and the options; ROS 2 can change them\n"
-        "while the program runs, to select another camera.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument(
         "camera", metavar="COLOUR_TOPIC", help="topic with the colour images in which the operator draws the line"
     )

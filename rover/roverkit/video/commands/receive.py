@@ -1,4 +1,10 @@
-"""``roverlink video receive``: show received video on a page, save it, and publish it on ROS 2 topics."""
+"""Show video of the rover on a page, save it, publish it.
+
+Receive H.264 in RTP packets, and show all streams on a page in the browser. The sender can be GStreamer,
+FFmpeg, or `roverlink video send`, which hears what is lost, sends it again, and adapts its bitrate.
+
+Example: roverlink video receive front=4500 arm=4501 --save today/
+"""
 
 from __future__ import annotations
 
@@ -6,16 +12,10 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from roverkit.node.camera_outputs import NO_MIDDLEWARE
 from roverkit.node.program import node_arguments
 from roverkit.video.video_declarations import RECEIVER
-from roverlink.console import (
-    MIDDLEWARES_HELP,
-    NO_MIDDLEWARE,
-    Subparsers,
-    command,
-    listen_address,
-    port,
-)
+from roverlink.console import MIDDLEWARES_HELP, Subparsers, documented_command, listen_address, port
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import NAMES
 
@@ -26,14 +26,7 @@ _PAGE = ("127.0.0.1", 8085)
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "receive",
-        "show video of the rover on a page, save it, publish it",
-        "roverlink video receive front=4500 arm=4501 --save today/",
-        "Receive H.264 in RTP packets, and show all streams on a page in the browser. The sender can be GStreamer,\n"
-        "FFmpeg, or `roverlink video send`, which hears what is lost, sends it again, and adapts its bitrate.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument(
         "ports",
         nargs="*",

@@ -1,29 +1,29 @@
-"""``roverlink video send``: send images of cameras to the basestation as H.264 in RTP packets."""
+"""Send camera images to the basestation.
+
+Send camera images as H.264 in RTP packets over UDP: one stream for each camera of the file video.yaml, or
+the stream of one source. `roverlink video receive`, GStreamer and FFmpeg show them (rover/docs/video.md).
+Each stream has ROS 2 parameters, such as front.bitrate, which `ros2 param set` changes.
+All options must stand before --ros-args. After it, these arguments are known: -p NAME.KEY:=VALUE (such as
+video.bitrate:=500), -r FROM:=TO (remap a topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.
+
+Example: roverlink video send video.yaml --host 10.0.0.7
+"""
 
 from __future__ import annotations
 
 import argparse
 
+from roverkit.node.camera_outputs import NO_MIDDLEWARE
 from roverkit.node.camera_source import image_size
 from roverkit.node.program import node_arguments
 from roverkit.video.video_declarations import SENDER
-from roverlink.console import MIDDLEWARES_HELP, NO_MIDDLEWARE, Subparsers, command, port, rate
+from roverlink.console import MIDDLEWARES_HELP, Subparsers, documented_command, port, rate
 from roverlink.runtime.middleware import NAMES
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "send",
-        "send camera images to the basestation",
-        "roverlink video send video.yaml --host 10.0.0.7",
-        "Send camera images as H.264 in RTP packets over UDP: one stream for each camera of the file video.yaml, or\n"
-        "the stream of one source. `roverlink video receive`, GStreamer and FFmpeg show them (rover/docs/video.md).\n"
-        "Each stream has ROS 2 parameters, such as front.bitrate, which `ros2 param set` changes.\n"
-        "All options must stand before --ros-args. After it, these arguments are known: -p NAME.KEY:=VALUE (such as\n"
-        "video.bitrate:=500), -r FROM:=TO (remap a topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument(
         "source",
         help="video.yaml with several streams; or one source: number of a camera, topic:NAME (ROS 2 topic with "

@@ -1,28 +1,27 @@
-"""``roverlink video set``: change the streams of a sender while it runs."""
+"""Change the streams of a sender while it runs.
+
+Change streams of `roverlink video send` while it runs: stop one (running=false), start it again, give it
+another source, size, rate, bitrate, host or overlay. The keys are those of the ROS 2 parameters of the
+sender. Without changes, the present values of all streams are printed.
+All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a
+topic), -r __ns:=/NAMESPACE (that of the sender), -r __node:=NAME.
+Exit code 0: the streams were changed; 2: the sender refused a value, or it was not found.
+
+Example: roverlink video set front.bitrate=500 mast.running=false
+"""
 
 from __future__ import annotations
 
 import argparse
 
 from roverkit.video.video_declarations import SETTER
-from roverlink.console import OK, Subparsers, add_middleware, command
+from roverlink.console import OK, Subparsers, add_middleware, documented_command
 from roverlink.runtime.ros_arguments import ros_args
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "set",
-        "change the streams of a sender while it runs",
-        "roverlink video set front.bitrate=500 mast.running=false",
-        "Change streams of `roverlink video send` while it runs: stop one (running=false), start it again, give it\n"
-        "another source, size, rate, bitrate, host or overlay. The keys are those of the ROS 2 parameters of the\n"
-        "sender. Without changes, the present values of all streams are printed.\n"
-        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
-        "topic), -r __ns:=/NAMESPACE (that of the sender), -r __node:=NAME.\n"
-        "Exit code 0: the streams were changed; 2: the sender refused a value, or it was not found.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument(
         "changes",
         nargs="*",

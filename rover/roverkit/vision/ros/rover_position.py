@@ -11,7 +11,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 
-from roverkit.aruco.tracker_declaration import POSITION
+from roverkit.aruco.tracker_declaration import FUSED_POSITION, POSITION
 from roverkit.vision.camera.camera_model import Floats
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
@@ -48,9 +48,8 @@ def position_publisher(
         nonlocal fused_at
         fused_at = time.monotonic()
 
-    for extra in registry.extra_topics:
-        if extra.route.name == POSITION.row:
-            middleware.subscribe(topic(extra.route.topic), extra.message_type, extra.route.qos, fused)
+    for extra in FUSED_POSITION.of(registry):
+        extra.subscribe(middleware, topic, fused)
 
     def publish_position(position: Floats) -> None:
         if time.monotonic() - fused_at > FUSED_S:

@@ -1,23 +1,22 @@
-"""``roverlink objects render``: render images of rocks and panels with their labels."""
+"""Render images of rocks and panels with their labels.
+
+Render images of rocks and maintenance panels, and write them with their labels to a new folder in YOLO's
+format. `roverlink objects train` can learn from them. Every eighth image is for the measurement.
+
+Example: roverlink objects render scenes --images 3000 --seed 1
+"""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from roverlink.console import OK, Subparsers, command, count
+from roverlink.console import OK, Subparsers, count, documented_command
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
-    parser = command(
-        commands,
-        "render",
-        "render images of rocks and panels with their labels",
-        "roverlink objects render scenes --images 3000 --seed 1",
-        "Render images of rocks and maintenance panels, and write them with their labels to a new folder in YOLO's\n"
-        "format. `roverlink objects train` can learn from them. Every eighth image is for the measurement.",
-    )
+    parser = documented_command(commands, __name__, __doc__)
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder that does not exist, or is empty")
     parser.add_argument(
         "--images", type=count, default=3000, metavar="N", help="number of images (default: %(default)s)"
