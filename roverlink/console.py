@@ -300,10 +300,8 @@ def node_logger(name: str, level: str | None, format: str = "ros") -> logging.Lo
     """
     handler = logging.StreamHandler() if level else logging.NullHandler()
     handler.setFormatter(LOG_FORMATS[format]())
-    logger = logging.getLogger(name)
-    logger.handlers = [handler]
+    # Not getLogger: the level of one node would stay for all loggers of its name in this process.
     level = level or "info"
-    logger.setLevel({"warn": logging.WARNING, "fatal": logging.CRITICAL}.get(level, level.upper()))
-    # Handlers of the root logger would print each line a second time.
-    logger.propagate = False
+    logger = logging.Logger(name, {"warn": logging.WARNING, "fatal": logging.CRITICAL}.get(level, level.upper()))
+    logger.addHandler(handler)
     return logger

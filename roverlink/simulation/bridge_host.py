@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import logging
 import os
 import signal
 import subprocess
@@ -14,6 +13,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import IO, Any, Protocol, cast
 
+from roverlink.console import node_logger
 from roverlink.runtime import NODE, Bridge, Registry, SetupError
 from roverlink.runtime.bridge.signed_peers import open_links
 from roverlink.runtime.middleware import NAMES, Middleware, NodeIdentity, open_middleware
@@ -148,8 +148,7 @@ class BridgeThread:
     ) -> None:
         self._graph = Graph()
         settings = parameters.read(registry, {**_ON_LOOPBACK, **given})
-        logger = logging.getLogger("bridge")
-        logger.setLevel(log_level.upper())
+        logger = node_logger(NODE, log_level)
         self._links = open_links(registry, key_files, logger)
         middleware = MemoryMiddleware(self._graph)
         self._bridge = Bridge(registry, settings, middleware, NodeIdentity(NODE).topic, logger, links=self._links)

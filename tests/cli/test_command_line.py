@@ -266,8 +266,8 @@ def test_the_project_is_the_nearest_folder_that_is_one(tmp_path: Path, monkeypat
 def test_the_logger_has_ros_2s_levels(first: int, capsys: pytest.CaptureFixture[str]) -> None:
     """Each level shows itself and what is graver, once, by ROS 2's names."""
     names = ["DEBUG", "INFO", "WARN", "ERROR", "FATAL"]
-    for _ in range(2):  # a second logger of the same name does not double the lines
-        logger = node_logger("test_levels", names[first].lower())
+    loggers = [node_logger("test_levels", level) for level in (names[first].lower(), "fatal")]
+    logger = loggers[0]  # a second logger of the same name neither doubles the lines nor changes the level
     for number in (logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR, logging.CRITICAL):
         logger.log(number, "text")
     lines = capsys.readouterr().err.splitlines()
