@@ -14,7 +14,7 @@ from roverlink.console import OK, UNABLE, add_table, table_file
 from roverlink.diagnostic_text import Sources, show
 from roverlink.generator.diagnostics import Severity
 from roverlink.generator.git import Repository
-from roverlink.generator.lint.bare_tree import EnvelopeName
+from roverlink.generator.lint.bare_tree import TreeOptions
 from roverlink.generator.lint.project import Linted, Question, lint_project, lint_tree
 from roverlink.generator.lint.rules import lint_rules
 from roverlink.reports.reported import Reported
@@ -75,7 +75,7 @@ def linted(arguments: argparse.Namespace, question: Question) -> Linted:
         )
     if root is None:
         return lint_project(table_file(arguments.table), question)
-    return lint_tree(root, EnvelopeName(arguments.envelope, arguments.message), question)
+    return lint_tree(root, TreeOptions(arguments.envelope, arguments.message), question)
 
 
 def folder_of(arguments: argparse.Namespace) -> Path:

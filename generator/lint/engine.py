@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Iterable, Iterator, Sequence
 
 from roverlink.generator.diagnostics import Diagnostic, Severity, independent
+from roverlink.generator.lint.baseline import without_known
 from roverlink.generator.lint.buf import unstated
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import lint_rules
@@ -16,16 +17,26 @@ _OF_CHANGES = "WIR"
 
 
 def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
-    """Run all rules, and return their diagnostics and those of buf, with the severities that the table sets.
+    """Run all rules, and return their diagnostics, the faults of the state, and the diagnostics of buf.
+
+    A fault that the baseline has already is a hint. The table can lower the severity of the others.
 
     ``of_buf`` are the diagnostics of the program buf. Those that repeat a diagnostic of our own rules are dropped.
     """
-    # Two rules may find the same fault, and so may comparisons with two earlier states. A dict removes repetitions and
-    # keeps the order of the rules.
-    found = dict.fromkeys(finding for rule in lint_rules().values() for finding in rule.check(context))
+    found = _found(context)
+    if context.base is not None:
+        found = list(without_known(found, context.base, _found(context.base)))
     remaining = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
     counted = (_as_the_table_says(finding, context) for finding in remaining)
     return independent(finding for finding in counted if finding is not None)
+
+
+def _found(context: Context) -> list[Diagnostic]:
+    """Return the faults of a state, and the diagnostics of all rules about it."""
+    # Two rules may find the same fault, and so may comparisons with two earlier states. A dict removes repetitions and
+    # keeps the order of the rules.
+    of_rules = (finding for rule in lint_rules().values() for finding in rule.check(context))
+    return list(dict.fromkeys([*context.faults, *of_rules]))
 
 
 def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:

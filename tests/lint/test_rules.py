@@ -92,7 +92,7 @@ def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tmp_path: Path) -> No
     outside = "Gps lost = 9; uint32 sequence = 100;"
     files = {"payloads.proto": _PAYLOADS, "envelope.proto": _envelope("Imu imu = 1;", "Imu wind = 3;", outside=outside)}
     schema = _schema(tmp_path, files, "")
-    name = bare_tree.EnvelopeName("envelope.proto", "Envelope")
+    name = bare_tree.TreeOptions("envelope.proto", "Envelope")
     table = bare_tree.with_members(bare_tree.table_of_tree(name), schema)
     before = _published((1, "imu", "Imu"), (2, "gps", "Gps"), (3, "wind", "Wind"), file="before/envelope.proto")
     parsed = {path: parse(text) for path, text in files.items()}
