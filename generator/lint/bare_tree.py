@@ -45,9 +45,7 @@ def table_of_tree(options: TreeOptions) -> Table:
         whole=False,
         numbers=frozenset(),
         version=FORMAT_VERSION,
-        proto=ProtoSettings(
-            span=here, root="", exclude=tuple(str(PurePosixPath(path)) for path in options.exclude)
-        ),
+        proto=ProtoSettings(span=here, root="", exclude=tuple(str(PurePosixPath(path)) for path in options.exclude)),
         envelope=EnvelopeSettings(span=here, file=file, message=options.message, oneof="", owner="proto"),
         ros=RosSettings(span=here, package=""),
         peers=(),

@@ -66,7 +66,9 @@ def read_state(
     its files. ``faults`` are the diagnostics of what was read before. ``name`` is the name of a baseline.
     """
     kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
-    left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
+    # A table says that its project is aware of a clash. The option --exclude says that the files are not its business.
+    excluded = table.proto.exclude if table.proto.root else ()
+    left_out = {file: text for file, text in declared.items() if file in excluded}
     # Of two files that clash, protoc reports the later one. It must be the one that the envelope does not import.
     needed = bare_tree.files_of(table.envelope, kept)
     schema, errors = compile_tree(root, sorted(kept, key=lambda file: file not in needed), shown_root)
@@ -180,9 +182,11 @@ def _state_in(folder: Path, name: str, today: Table, faults: list[Diagnostic], f
     # The earlier state cannot be edited any more, so its own faults are only worth a hint: what was not compared.
     unread = {finding.span.file for finding in faults if finding.severity is Severity.FATAL}
     if lost := sorted({*unread, *(shown(shown_root, file) for file in state.schema.uncompiled)}):
-        named = ", ".join(lost[:_MOST_NAMED]) + (f", and {more} others" if (more := len(lost) - _MOST_NAMED) > 0 else "")
+        named = ", ".join(lost[:_MOST_NAMED]) + (
+            f", and {more} others" if (more := len(lost) - _MOST_NAMED) > 0 else ""
+        )
         message = f"changes of these files were not compared, because the earlier state cannot be read there: {named}"
         help = "look at them yourself; with --history, their numbers are checked as far as they can be read"
-        hint = UnreadableState.at(Span(shown_root), message, help)
+        hint = UnreadableState.at(Span(lost[0]), message, help)
         findings.append(dataclasses.replace(hint, severity=Severity.HINT))
     return state

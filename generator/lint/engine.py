@@ -10,10 +10,14 @@ from roverlink.generator.lint.baseline import without_known
 from roverlink.generator.lint.buf import unstated
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import lint_rules
+from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
 from roverlink.generator.table import Lowered
 
 _OF_THE_ENVELOPE = "ENV"
 _OF_CHANGES = "WIR"
+_OF_HISTORY = "HIS"
+_TAKEN, _REUSED = "ENV101", "ENV102"
+_OF_CLASHES = ("NAM101", "NAM103")
 
 
 def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
@@ -40,28 +44,52 @@ def _found(context: Context) -> list[Diagnostic]:
 
 
 def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:
-    """Yield the diagnostics without those that report a field of the envelope a second time.
+    """Yield the diagnostics without those that report a fault a second time.
 
     If a rule about the envelope (``ENV...``) reports a number, the diagnostics of the rules about changes (``WIR...``)
-    for the same number are dropped. ``envelope`` is the full name of the envelope's message.
+    for the same number are dropped. If the history (``HIS...``) shows that a number was reused, those about the change
+    are dropped as well. protoc's error about two equal names is dropped if a rule reports them. ``envelope`` is the
+    full name of the envelope's message.
     """
     found = list(found)
     payloads = {
         finding.number for finding in found if finding.type == envelope and finding.rule.id.startswith(_OF_THE_ENVELOPE)
     }
     reported = {*payloads, None} if payloads else payloads  # None stands for a range of reserved numbers
+    taken = {(finding.type, finding.number) for finding in found if finding.rule.id == _TAKEN}
+    reused = {
+        (finding.type, finding.number)
+        for finding in found
+        if finding.rule.id.startswith(_OF_HISTORY) and finding.severity is Severity.ERROR
+    }
+    names = {
+        (span.file, span.line)
+        for finding in found
+        if finding.rule.id in _OF_CLASHES
+        for span in (finding.span, *(span for span, _ in finding.also))
+    }
     for finding in found:
-        if finding.type != envelope or finding.number not in reported or not finding.rule.id.startswith(_OF_CHANGES):
+        id, about = finding.rule.id, (finding.type, finding.number)
+        of_change = id.startswith(_OF_CHANGES)
+        repeated = (
+            (of_change and finding.type == envelope and finding.number in reported)
+            or ((of_change or id == _REUSED) and about in reused)
+            or (id.startswith(_OF_HISTORY) and about in taken)
+            or (finding.rule is ProtoDoesNotCompile and (finding.span.file, finding.span.line) in names)
+        )
+        if not repeated:
             yield finding
 
 
 def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | None:
     """Return a diagnostic with the severity that the table sets; None if the table turns it off.
 
-    A fatal diagnostic stays as it is.
+    A folder without a table has a ledger of what the user has accepted. A fatal diagnostic stays as it is.
     """
     if finding.severity is Severity.FATAL:
         return finding
+    if any(settled.covers(finding) for settled in context.ledger.settled):
+        return finding.as_known()
     severity: Severity = finding.severity
     for lowered in _lowerings(finding, context):
         if lowered.severity == "off":
