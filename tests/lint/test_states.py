@@ -214,7 +214,11 @@ def test_binary_and_enormous_files(tree: Path, found: Found) -> None:
     for name, _ in expected:
         (tree / name).unlink()
     code, (hint,) = found("protos", *_MAIN)  # removing them is no fault
-    assert (code, hint["severity"], hint["message"].endswith(": main:binary.proto, main:enormous.proto")) == (0, "hint", True)
+    assert (code, hint["severity"], hint["message"].endswith(": main:binary.proto, main:enormous.proto")) == (
+        0,
+        "hint",
+        True,
+    )
 
 
 def test_what_is_no_file(tree: Path, found: Found) -> None:
