@@ -16,7 +16,8 @@ from roverlink.generator.table import Lowered
 _OF_THE_ENVELOPE = "ENV"
 _OF_CHANGES = "WIR"
 _OF_HISTORY = "HIS"
-_TAKEN, _REUSED = "ENV101", "ENV102"
+_REUSED = "ENV102"
+_NEVER_SETTLED = ("ENV101", "WIR101", "WIR103")
 _OF_CLASHES = ("NAM101", "NAM103")
 
 
@@ -32,7 +33,7 @@ def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic
         found = list(without_known(found, context.base, _found(context.base)))
     remaining = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
     counted = (_as_the_table_says(finding, context) for finding in remaining)
-    return independent(finding for finding in counted if finding is not None)
+    return independent(_each_number_once(finding for finding in counted if finding is not None))
 
 
 def _found(context: Context) -> list[Diagnostic]:
@@ -44,40 +45,42 @@ def _found(context: Context) -> list[Diagnostic]:
 
 
 def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:
-    """Yield the diagnostics without those that report a fault a second time.
+    """Yield the diagnostics without those that report a field of the envelope, or a clash, a second time.
 
     If a rule about the envelope (``ENV...``) reports a number, the diagnostics of the rules about changes (``WIR...``)
-    for the same number are dropped. If the history (``HIS...``) shows that a number was reused, those about the change
-    are dropped as well. protoc's error about two equal names is dropped if a rule reports them. ``envelope`` is the
-    full name of the envelope's message.
+    for the same number are dropped. protoc's error about two equal names is dropped if a rule reports them.
+    ``envelope`` is the full name of the envelope's message.
     """
     found = list(found)
     payloads = {
         finding.number for finding in found if finding.type == envelope and finding.rule.id.startswith(_OF_THE_ENVELOPE)
     }
     reported = {*payloads, None} if payloads else payloads  # None stands for a range of reserved numbers
-    taken = {(finding.type, finding.number) for finding in found if finding.rule.id == _TAKEN}
-    reused = {
-        (finding.type, finding.number)
-        for finding in found
-        if finding.rule.id.startswith(_OF_HISTORY) and finding.severity is Severity.ERROR
-    }
-    names = {
-        (span.file, span.line)
-        for finding in found
-        if finding.rule.id in _OF_CLASHES
-        for span in (finding.span, *(span for span, _ in finding.also))
-    }
+    clashes = [finding for finding in found if finding.rule.id in _OF_CLASHES]
+    places = {span for finding in clashes for span in (finding.span, *(span for span, _ in finding.also))}
+    lines = {(span.file, span.line) for span in places}
     for finding in found:
-        id, about = finding.rule.id, (finding.type, finding.number)
-        of_change = id.startswith(_OF_CHANGES)
-        repeated = (
-            (of_change and finding.type == envelope and finding.number in reported)
-            or ((of_change or id == _REUSED) and about in reused)
-            or (id.startswith(_OF_HISTORY) and about in taken)
-            or (finding.rule is ProtoDoesNotCompile and (finding.span.file, finding.span.line) in names)
-        )
-        if not repeated:
+        of_change = finding.type == envelope and finding.rule.id.startswith(_OF_CHANGES)
+        of_clash = finding.rule is ProtoDoesNotCompile and (finding.span.file, finding.span.line) in lines
+        if not (of_change and finding.number in reported) and not of_clash:
+            yield finding
+
+
+def _each_number_once(found: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """Yield the diagnostics without those of a reuse that both the history and a comparison report.
+
+    The one from the history (``HIS...``) stays, because it has a way to accept the number. That of the comparison stays
+    if accepting the past does not settle it.
+    """
+    found = list(found)
+    errors = [finding for finding in found if finding.severity is Severity.ERROR]
+    firm = {(finding.type, finding.number) for finding in errors if finding.rule.id in _NEVER_SETTLED}
+    reused = {(finding.type, finding.number) for finding in errors if finding.rule.id.startswith(_OF_HISTORY)}
+    for finding in found:
+        about, id = (finding.type, finding.number), finding.rule.id
+        dropped = firm if id.startswith(_OF_HISTORY) else reused - firm
+        compared = id.startswith((_OF_HISTORY, _OF_CHANGES)) or id == _REUSED
+        if not compared or about not in dropped:
             yield finding
 
 
