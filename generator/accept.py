@@ -53,9 +53,7 @@ def accept(
     # Writing a ledger that was read only in part would lose the rest of it.
     if damaged := [finding for finding in found.findings if finding.rule in LEDGER_RULES]:
         raise DiagnosticsError(damaged)
-    if refused := [
-        _refusal(settled, table_path, found) for settled in rules if not _may_settle(settled, table_path, found)
-    ]:
+    if refused := list(_not_settled(rules, found, table_path)):
         raise DiagnosticsError(refused)
     chosen = _numbers(found, wanted) if wanted or not rules else set[Number]()
     published = context.ledger.with_burned(_burned(context, chosen, reason)).with_settled(rules, reason)
@@ -67,27 +65,16 @@ def accept(
     return compare(found.folder, files, {}, own=(lock.ACCEPTED_NAME,)), len(chosen)
 
 
-def _may_settle(settled: Settled, table_path: Path | None, found: Linted) -> bool:
-    """Return True if the lint reports a diagnostic that ``settled`` covers, in a folder without a table."""
-    covered = (finding for finding in found.findings if settled.covers(finding))
-    return table_path is None and any(finding.severity is not Severity.FATAL for finding in covered)
-
-
-def _refusal(settled: Settled, table_path: Path | None, found: Linted) -> Diagnostic:
-    about = f" about {settled.subject!r}" if settled.subject else ""
-    message = f"the lint has no finding of {settled.rule}{about} that can be accepted"
-    others = sorted(
-        {finding.type or finding.span.file for finding in found.findings if finding.rule.id == settled.rule}
-    )
-    help = (
-        f"{settled.rule} is about {', '.join(others)}"
-        if others
-        else "write the rule of a finding, as in NAM103:pk.Kind"
-    )
-    if table_path is not None:
-        message = f"a project with a table lowers {settled.rule}{about} in {table_path.name}"
-        help = f"write under `lint`: {settled.rule}: {{severity: hint, reason: ...}}"
-    return NoFindingToAccept.at(Span("--accept"), message, help)
+def _not_settled(rules: Iterable[Settled], found: Linted, table_path: Path | None) -> Iterator[Diagnostic]:
+    """Yield a diagnostic for each rule that cannot be accepted: it has no finding, or the project has a table."""
+    for settled in rules:
+        about = f"{settled.rule} about {settled.subject!r}" if settled.subject else settled.rule
+        if table_path is not None:
+            help = f"write under `lint` in {table_path.name}: {settled.rule}: {{severity: hint, reason: ...}}"
+            yield NoFindingToAccept.at(Span("--accept"), f"a project with a table lowers {about} in the table", help)
+        elif not any(settled.covers(one) and one.severity is not Severity.FATAL for one in found.findings):
+            help = "name the rule of a finding that is not fatal, alone or as in NAM103:pk.Kind or PRO101:imu.proto"
+            yield NoFindingToAccept.at(Span("--accept"), f"the lint has no finding of {about} to accept", help)
 
 
 def _numbers(found: Linted, wanted: Sequence[Number]) -> set[Number]:

@@ -103,6 +103,8 @@ def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | No
 
 def _lowerings(finding: Diagnostic, context: Context) -> Iterator[Lowered]:
     table, id = context.table, finding.rule.id
+    if finding in context.faults:
+        return  # a table lowers rules of the lint only (TAB108)
     yield from (lowered for lowered in table.lint if lowered.rule == id)
     for row in table.rows:
         of_row = [lowered for lowered in row.lint if lowered.rule == id]

@@ -179,27 +179,32 @@ def _lint(
     table: Table,
     published: lock.Ledger,
     question: Question,
-    findings: list[Diagnostic],
+    faults: list[Diagnostic],
 ) -> Linted:
-    """Check the files in a folder, which has the state of the project that is checked. ``project`` is in git."""
+    """Check the files in a folder, which has the state of the project that is checked. ``project`` is in git.
+
+    ``faults`` are the diagnostics about the parts of the state that were read before.
+    """
     if question.with_buf:
         buf.require()
     root, shown_root = folder / table.proto.root, table.proto.root
-    _must_be_folder(root, table.proto.root, table, findings)
+    _must_be_folder(root, table.proto.root, table, faults)
     if table.proto.root and source_files.leads_out(folder, root):
         message = f"the folder {table.proto.root!r} is outside the git repository"
         help = "move the .proto files into the repository, or add their repository as a submodule"
-        raise DiagnosticsError([*findings, NoProtos.at(table.proto.at("root"), message, help)])
-    in_git, faults = project / table.proto.root, list[Diagnostic]()
+        raise DiagnosticsError([*faults, NoProtos.at(table.proto.at("root"), message, help)])
+    in_git, faults_before = project / table.proto.root, len(faults)
     declared = read_protos(root, shown_root, faults)
+    unread = len(faults) > faults_before
     shown_to_user = shown_root or os.path.relpath(in_git)
     if wrong := wrong_root(root, declared, shown_to_user, table.proto.at("root")):
-        raise DiagnosticsError([*findings, *faults, wrong])
+        raise DiagnosticsError([*faults, wrong])
+    findings: list[Diagnostic] = []  # about the other inputs of this run
     past = _past(in_git, shown_root, question, findings) if question.of_the_past else None
-    if not declared and not faults and not (past and past.history.messages):
+    if not declared and not unread and not (past and past.history.messages):
         message = "the folder contains no .proto file"
         help = "give the folder that contains your .proto files"
-        raise DiagnosticsError([*findings, NoProtos.at(Span(shown_root or "."), message, help)])
+        raise DiagnosticsError([*faults, *findings, NoProtos.at(Span(shown_root or "."), message, help)])
     today = read_state(root, shown_root, declared, table, published, faults)
     checkout = today.checkout or today.schema
     past_names = past.history.messages if past else ()
