@@ -150,6 +150,14 @@ class Context:
                 yield settings_of_rows(self.base.table)
             yield self.base.ledger.settings
 
+    def compared_with(self, base: Context) -> Context:
+        """Return the context of a comparison with a baseline.
+
+        A comparison of the baseline with itself shows what is no fault of the change.
+        """
+        change = SchemaChange(base.schema, self.schema, bounds_before=base.bounds)
+        return replace(self, base=base, changes=(change, *self.changes))
+
     def changed_settings(self, row: Row) -> dict[str, ChangedSetting]:
         """Return the settings of a row that were published with another value, by key.
 

@@ -30,7 +30,7 @@ def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic
     """
     found = _found(context)
     if context.base is not None:
-        found = list(without_known(found, context.base, _found(context.base)))
+        found = list(without_known(found, context.base, _found(context.base.compared_with(context.base))))
     remaining = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
     counted = (_as_the_table_says(finding, context) for finding in remaining)
     return independent(_each_number_once(finding for finding in counted if finding is not None))

@@ -19,7 +19,6 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severi
 from roverlink.generator.git import Commit, GitError, Repository, commit_of_line
 from roverlink.generator.lint import bare_tree, buf
 from roverlink.generator.lint.baseline import Baseline, open_baseline, read_state
-from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past
 from roverlink.generator.lint.engine import lint
@@ -221,8 +220,7 @@ def _lint(
         past = dataclasses.replace(past, change=_change(project, question.newest, baseline.commit))
     context = dataclasses.replace(today, past=past, tree="" if shown_root else shown_to_user)
     if baseline is not None:
-        change = SchemaChange(baseline.state.schema, today.schema, bounds_before=baseline.state.bounds)
-        context = dataclasses.replace(context, base=baseline.state, changes=(change, *context.changes))
+        context = context.compared_with(baseline.state)
     compared = (baseline.state.schema, today.schema) if question.with_buf and baseline else None
     theirs = _of_buf(*compared, shown_root, findings) if compared else []
     findings += lint(context, theirs)
