@@ -1,9 +1,10 @@
-"""Implementation of `roverlink lint --history --accept`: records reused numbers as burned in the ledger.
+"""Implementation of `roverlink lint --accept`: records reused numbers as burned in the ledger, and accepted rules.
 
 A number is reused if git's history gives it several meanings, for example two different fields. The user states that
 these meanings are known: that they are only names of one meaning, or that no machine confuses them. After that, the
 lint reports the number again only if it gets another meaning. The ledger is mapping.lock, or in a folder of .proto
-files without a table the file accepted-numbers.lock.
+files without a table the file accepted-numbers.lock. There the user can also accept a rule, or one of its diagnostics;
+a table has settings under `lint` for this.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from roverlink.generator.lint.history import Kind, Reuse, TracedType
 from roverlink.generator.lint.history_diagnostics import reuses_by_number, stands_today
 from roverlink.generator.lint.input_rules import DEEPEN
 from roverlink.generator.lint.project import Linted
-from roverlink.generator.lock import Burned
+from roverlink.generator.lock import Burned, Settled
 from roverlink.generator.lock.ledger_rules import LEDGER_RULES
 from roverlink.generator.pipeline import recompile
 from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
@@ -34,32 +35,57 @@ Number = tuple[str, int]
 
 
 def accept(
-    table_path: Path | None, found: Linted, wanted: Sequence[Number] = (), reason: str = ""
+    table_path: Path | None,
+    found: Linted,
+    wanted: Sequence[Number] = (),
+    rules: Sequence[Settled] = (),
+    reason: str = "",
 ) -> tuple[list[Change], int]:
-    """Return the file changes that record reused numbers as burned, and the count of these numbers.
+    """Return the file changes that record reused numbers as burned, and rules as accepted, and the count of numbers.
 
-    ``table_path`` is None for a folder without a table. ``found`` is the result of a lint with history. ``wanted`` are
-    the numbers to accept: all that the lint reports if it is empty. A number with an empty name is a number of the
-    envelope. ``reason`` is stored with them. Nothing is written. Raises `DiagnosticsError` if the lint had no history,
-    if it reports nothing about a number, if the ledger is damaged, or if mapping.yaml does not compile.
+    ``table_path`` is None for a folder without a table. ``found`` is the result of a lint, with history if numbers are
+    to be accepted. ``wanted`` are the numbers to accept, and ``rules`` the rules: all numbers that the lint reports if
+    both are empty. A number with an empty name is a number of the envelope. ``reason`` is stored with them. Nothing is
+    written. Raises `DiagnosticsError` if the lint had no history, if it reports nothing about a number or a rule, if
+    the ledger is damaged, or if mapping.yaml does not compile.
     """
-    context, past = found.context, found.context.past
-    if past is None or not past.of_numbers:
-        help = "add --history to the command"
-        raise DiagnosticsError([AcceptWithoutHistory.at(Span("--accept"), "--accept needs --history", help)])
+    context = found.context
     # Writing a ledger that was read only in part would lose the rest of it.
     if damaged := [finding for finding in found.findings if finding.rule in LEDGER_RULES]:
         raise DiagnosticsError(damaged)
-    shown = {(finding.type, finding.number) for finding in found.findings if finding.rule.id in _HISTORY_RULES}
-    reported = {(type.name, number) for type, number, _ in _reuses(context) if (type.name, number) in shown}
-    chosen = _chosen(context, past, wanted, reported) if wanted else reported
-    published = context.ledger.with_burned(_burned(context, past, chosen, reason))
+    if refused := list(_not_settled(rules, found, table_path)):
+        raise DiagnosticsError(refused)
+    chosen = _numbers(found, wanted) if wanted or not rules else set[Number]()
+    published = context.ledger.with_burned(_burned(context, chosen, reason)).with_settled(rules, reason)
     if table_path is not None:
         return recompile(table_path, published).changes(table_path.resolve().parent), len(chosen)
     if unknown := list(_not_compiled(found, chosen)):
         raise DiagnosticsError(unknown)
-    files = {lock.ACCEPTED_NAME: lock.render_accepted(published.burned)} if published.burned else {}
+    files = {lock.ACCEPTED_NAME: lock.render_accepted(published)} if published.burned or published.settled else {}
     return compare(found.folder, files, {}, own=(lock.ACCEPTED_NAME,)), len(chosen)
+
+
+def _not_settled(rules: Iterable[Settled], found: Linted, table_path: Path | None) -> Iterator[Diagnostic]:
+    """Yield a diagnostic for each rule that cannot be accepted: it has no finding, or the project has a table."""
+    for settled in rules:
+        about = f"{settled.rule} about {settled.subject!r}" if settled.subject else settled.rule
+        if table_path is not None:
+            help = f"write under `lint` in {table_path.name}: {settled.rule}: {{severity: hint, reason: ...}}"
+            yield NoFindingToAccept.at(Span("--accept"), f"a project with a table lowers {about} in the table", help)
+        elif not any(settled.covers(one) and one.severity is not Severity.FATAL for one in found.findings):
+            help = "name the rule of a finding that is not fatal, alone or as in NAM103:pk.Kind or PRO101:imu.proto"
+            yield NoFindingToAccept.at(Span("--accept"), f"the lint has no finding of {about} to accept", help)
+
+
+def _numbers(found: Linted, wanted: Sequence[Number]) -> set[Number]:
+    """Return the numbers to accept: those of ``wanted``, or all that the lint reports."""
+    context, past = found.context, found.context.past
+    if past is None or not past.of_numbers:
+        help = "add --history to the command"
+        raise DiagnosticsError([AcceptWithoutHistory.at(Span("--accept"), "--accept needs --history", help)])
+    shown = {(finding.type, finding.number) for finding in found.findings if finding.rule.id in _HISTORY_RULES}
+    reported = {(type.name, number) for type, number, _ in _reuses(context) if (type.name, number) in shown}
+    return _chosen(context, past, wanted, reported) if wanted else reported
 
 
 def _chosen(context: Context, past: Past, wanted: Iterable[Number], reported: Iterable[Number]) -> set[Number]:
@@ -85,14 +111,14 @@ def _chosen(context: Context, past: Past, wanted: Iterable[Number], reported: It
     return chosen
 
 
-def _burned(context: Context, past: Past, chosen: set[Number], reason: str) -> Iterable[Burned]:
+def _burned(context: Context, chosen: set[Number], reason: str) -> Iterable[Burned]:
     """Yield the chosen numbers as burned, with their meanings, those that were accepted before included."""
     for known in context.ledger.burned:
         if (known.owner, known.number) in chosen:
             yield _today(context, dataclasses.replace(known, reason=reason or known.reason))
     for type, number, reuses in _reuses(context):
-        if (type.name, number) in chosen:
-            one = Burned(type.name, number, tuple(meanings(past.history, type, reuses)), None, reason)
+        if context.past and (type.name, number) in chosen:
+            one = Burned(type.name, number, tuple(meanings(context.past.history, type, reuses)), None, reason)
             for earlier in accepted(context, type, number):
                 one = one.joined(earlier)
             yield _today(context, one)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -187,6 +188,12 @@ class Diagnostic:
     """Meanings that the number had in history, the earliest first. Only rules about history set this."""
     rests_on: tuple[Span, ...] = ()
     """Places that the diagnostic assumes to be right. If one of them has an error, the diagnostic is dropped."""
+    known: bool = False
+    """True if the baseline has the fault already, or if the user has accepted it. It is then a hint."""
+
+    def as_known(self) -> Diagnostic:
+        """Return the diagnostic as a hint about a fault that the baseline has already, or that the user accepted."""
+        return dataclasses.replace(self, severity=Severity.HINT, known=True)
 
     def render(self) -> str:
         """Return the diagnostic as text, in several lines: place, severity and message, related places, help."""

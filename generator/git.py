@@ -94,9 +94,9 @@ class Repository:
         output = self._run("show", "--no-patch", "--format=%H%x00%at%x00%an%x00%s", self.resolve(ref)).rstrip("\n")
         return commit_of(*output.split("\0"))
 
-    def reachable(self, commit: str) -> frozenset[str]:
-        """Return the ids of a commit and of all its ancestors, as far as the clone contains them."""
-        return frozenset(self._run("rev-list", commit).split())
+    def since(self, base: str, tips: Iterable[str]) -> frozenset[str]:
+        """Return the ids of the commits of ``tips`` and their ancestors, without ``base`` and its ancestors."""
+        return frozenset(self._run("rev-list", *tips, f"^{base}").split())
 
     def in_order(self, commits: Iterable[str]) -> list[str]:
         """Return the ids of some commits, each one after its ancestors, and otherwise sorted by time."""

@@ -14,7 +14,7 @@ from roverlink.console import OK, UNABLE, add_table, table_file
 from roverlink.diagnostic_text import Sources, show
 from roverlink.generator.diagnostics import Severity
 from roverlink.generator.git import Repository
-from roverlink.generator.lint.bare_tree import EnvelopeName
+from roverlink.generator.lint.bare_tree import TreeOptions
 from roverlink.generator.lint.project import Linted, Question, lint_project, lint_tree
 from roverlink.generator.lint.rules import lint_rules
 from roverlink.reports.reported import Reported
@@ -35,19 +35,35 @@ def add_subject(parser: argparse.ArgumentParser) -> None:
     )
     add_table(parser)
     parser.add_argument(
+        "--exclude",
+        type=not_empty,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="with PROTO_ROOT: leave out this .proto file, for example because it clashes with others; the path "
+        "is relative to PROTO_ROOT; may be repeated",
+    )
+    parser.add_argument(
         "--envelope",
-        default="",
+        type=not_empty,
         metavar="FILE",
         help="with --message: check that this .proto file declares the envelope; the path is relative to PROTO_ROOT. "
         "The envelope is found without it",
     )
     parser.add_argument(
         "--message",
-        default="",
+        type=not_empty,
         metavar="NAME",
         help="with PROTO_ROOT: name of the envelope (the protobuf message that holds each payload in a oneof), such as "
         "PBEnvelope; without it, the rules about payloads do not run",
     )
+
+
+def not_empty(text: str) -> str:
+    """Parse an argument that must not be empty, because an empty one would turn a check off."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError("the value is empty; is a variable of the CI server not set?")
+    return text
 
 
 def type_and_number(text: str) -> tuple[str, int]:
@@ -68,14 +84,16 @@ def linted(arguments: argparse.Namespace, question: Question) -> Linted:
     if the options name an envelope, but no folder of .proto files.
     """
     root: Path | None = arguments.root
-    if root is None and (arguments.envelope or arguments.message):
+    if root is None and (arguments.envelope or arguments.message or arguments.exclude):
         raise SetupError(
-            "--envelope and --message need PROTO_ROOT, a folder of .proto files without mapping.yaml; write it right "
-            "after the command, before options that take several values"
+            "--envelope, --message and --exclude need PROTO_ROOT, a folder of .proto files without mapping.yaml; "
+            "write it right after the command, before options that take several values"
         )
     if root is None:
         return lint_project(table_file(arguments.table), question)
-    return lint_tree(root, EnvelopeName(arguments.envelope, arguments.message), question)
+    return lint_tree(
+        root, TreeOptions(arguments.envelope or "", arguments.message or "", tuple(arguments.exclude)), question
+    )
 
 
 def folder_of(arguments: argparse.Namespace) -> Path:
@@ -92,10 +110,10 @@ def sources(found: Linted) -> Sources:
     return Sources(found.folder, found.texts, found.commit_of)
 
 
-def reported(found: Linted) -> Reported:
-    """Return the findings of a check for the output formats."""
+def reported(found: Linted, *, with_known: bool = False) -> Reported:
+    """Return the findings of a check for the output formats, which show the known ones only ``with_known``."""
     pinned = found.context.past.pinned if found.context.past else None
-    return Reported("roverlink lint", found.findings, sources(found), lint_rules(), pinned)
+    return Reported("roverlink lint", found.findings, sources(found), lint_rules(), pinned, with_known)
 
 
 def print_limits(found: Linted, owner: str) -> int:

@@ -141,8 +141,8 @@ def _taken_over(project: Path, root: Path, shown_root: str) -> tuple[Ledger, lis
     """Return the ledger with which the project starts, and the change that removes the ledger of the folder.
 
     Numbers whose past the user accepted before there was a table are in the folder's own ledger. They move into the
-    project's ledger. A folder that the project must not write to keeps its own. Raises `DiagnosticsError` if a ledger
-    is damaged.
+    project's ledger; the drafted table lowers the rules in it. A folder that the project must not write to keeps its
+    own. Raises `DiagnosticsError` if a ledger is damaged.
     """
     findings: list[Diagnostic] = []
     known = lock.read(project / lock.NAME, findings)
@@ -150,7 +150,7 @@ def _taken_over(project: Path, root: Path, shown_root: str) -> tuple[Ledger, lis
     accepted = lock.read(root / lock.ACCEPTED_NAME, findings, path)
     if findings:
         raise DiagnosticsError(findings)
-    if not accepted.burned:
+    if not (accepted.burned or accepted.settled):
         return known, []
     text = source_files.read_text(root, lock.ACCEPTED_NAME)
     return known.with_burned(accepted.burned), [] if _foreign(project, root) else [Change(path, text, None)]

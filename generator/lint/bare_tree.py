@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections import Counter
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.lint.input_rules import NoEnvelopeMessage
+from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSettings, RosSettings, Row, Table
 from roverlink.suggestions import nearest_names
@@ -22,59 +23,64 @@ _MOST_NAMED = 3  # messages that are suggested if no name is similar to the one 
 
 
 @dataclass(frozen=True, slots=True)
-class EnvelopeName:
-    """Name and file of the envelope's message, as the user gave them on the command line."""
+class TreeOptions:
+    """Envelope of a folder without a table, and the files that are left out, as the user gave them."""
 
     file: str
     """Path of the envelope's file, relative to the folder of .proto files; empty if the user did not give it."""
     message: str
+    exclude: tuple[str, ...] = ()
+    """Paths of the .proto files that are not compiled, relative to the folder."""
 
 
-def table_of_tree(envelope: EnvelopeName) -> Table:
+def table_of_tree(options: TreeOptions) -> Table:
     """Return the table for a folder of .proto files, still without rows.
 
     `with_members` adds the rows when the .proto files have been read.
     """
-    file = str(PurePosixPath(envelope.file)) if envelope.file else ""
+    file = str(PurePosixPath(options.file)) if options.file else ""
     here = Span(file or ".")
     return Table(
         file=file,
         whole=False,
         numbers=frozenset(),
         version=FORMAT_VERSION,
-        proto=ProtoSettings(span=here, root=""),
-        envelope=EnvelopeSettings(span=here, file=file, message=envelope.message, oneof="", owner="proto"),
+        proto=ProtoSettings(span=here, root="", exclude=tuple(str(PurePosixPath(path)) for path in options.exclude)),
+        envelope=EnvelopeSettings(span=here, file=file, message=options.message, oneof="", owner="proto"),
         ros=RosSettings(span=here, package=""),
         peers=(),
         rows=(),
     )
 
 
-def with_members(
-    table: Table,
-    schema: Schema,
-    findings: Sequence[Diagnostic] = (),
-    past: Collection[str] = (),
-    *,
-    required: bool = False,
-) -> Table:
+def without_rows(table: Table) -> Table:
+    """Return the table for a state without one, with the envelope and the excluded files of another state's table."""
+    return table_of_tree(TreeOptions("", table.envelope.message, table.proto.exclude))
+
+
+def files_of(envelope: EnvelopeSettings, files: Mapping[str, File]) -> set[str]:
+    """Return the paths of the files that declare the envelope, and of all files that they import."""
+    found = set[str]()
+    waiting = [
+        path for path, file in files.items() if _named(envelope.message, [one.full_name for one in file.messages])
+    ]
+    while waiting:
+        if (path := waiting.pop()) in files and path not in found:
+            found.add(path)
+            waiting += files[path].imported
+    return found
+
+
+def with_members(table: Table, schema: Schema) -> Table:
     """Add a row for each member of the envelope to a table that was made by `table_of_tree`.
 
-    A table from mapping.yaml is returned unchanged, and one without an envelope, too, unless it is ``required``. The
-    user may name the envelope's message without its package. ``past`` are the names of all messages in git's history:
-    if only the history has the envelope, the table is returned unchanged, too. Otherwise a missing envelope raises
-    `DiagnosticsError`, which also contains ``findings``. The same holds for an envelope that only a file declares which
-    does not compile; the ``schema`` has the messages of such files, too.
+    A table from mapping.yaml is returned unchanged, and so is one whose envelope no file declares. The user may name
+    the envelope's message without its package. The ``schema`` has the messages of files that do not compile, too.
     """
-    if table.proto.root or not (table.envelope.message or table.envelope.file or required):
-        return table
     name = _full_name(table.envelope, schema)
     envelope = schema.messages.get(name)
-    usable = envelope is not None and envelope.file not in schema.uncompiled
-    if not usable and _named(table.envelope.message, past):
+    if table.proto.root or envelope is None or table.envelope.file not in ("", envelope.span.file):
         return table
-    if envelope is None or not usable or table.envelope.file not in ("", envelope.span.file):
-        raise DiagnosticsError([*findings, _no_envelope(table.envelope, schema, envelope, past)])
     oneof = _largest_oneof(envelope)
     # Without a oneof, `oneof` is empty here, and so it is for every field.
     members = [field for field in envelope.fields if field.oneof == oneof]
@@ -84,6 +90,25 @@ def with_members(
         numbers=frozenset(field.number for field in members),
         rows=tuple(_row(field) for field in members),
     )
+
+
+def missing_envelope(
+    table: Table, schema: Schema, past: Collection[str] = (), *, required: bool = False
+) -> Diagnostic | None:
+    """Return the diagnostic for an envelope that no file declares, or only one that does not compile; else None.
+
+    Without an envelope, the result is None unless it is ``required``. So it is for an envelope that only git's history
+    has; ``past`` are the names of all messages there. ``table`` is the result of `with_members`.
+    """
+    wanted = table.envelope.message or table.envelope.file or required
+    envelope = schema.messages.get(table.envelope.message)
+    found = envelope is not None and table.envelope.file in ("", envelope.span.file)
+    compiles = envelope is None or envelope.file not in schema.uncompiled
+    if table.proto.root or not wanted or (found and compiles):
+        return None
+    if _named(table.envelope.message, past):
+        return None
+    return _no_envelope(table.envelope, schema, envelope, past)
 
 
 def _full_name(envelope: EnvelopeSettings, schema: Schema) -> str:

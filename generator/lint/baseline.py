@@ -1,14 +1,15 @@
 """The baseline: an earlier state of the project or of its .proto files, with which the lint compares the current state.
 
-The state comes from a git ref, a folder or a descriptor set.
+The state comes from a git ref, a folder or a descriptor set. It is read like the current state (`read_state`), and the
+same rules run on it. What they report there, the baseline has already: only what the change breaks is an error.
 """
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-import tempfile
-from collections.abc import Callable, Iterator
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -18,65 +19,116 @@ from google.protobuf.message import DecodeError
 
 from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
-from roverlink.generator.git import Commit, GitError, Repository, commit_of_line
-from roverlink.generator.lint.input_rules import CLONE, DEEPEN, NoSuchState, UnreadableState
-from roverlink.generator.lock import Entry, RowSettings
-from roverlink.generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
+from roverlink.generator.git import Commit, Repository, commit_of_line
+from roverlink.generator.lint import bare_tree
+from roverlink.generator.lint.context import Context, since_last_generate
+from roverlink.generator.lint.git_states import checked_out, commit_of_ref
+from roverlink.generator.lint.input_rules import UnreadableState
+from roverlink.generator.lock import Ledger
+from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
 from roverlink.generator.protos.descriptors import schema_of
-from roverlink.generator.protos.files import read_protos
+from roverlink.generator.protos.files import index_declarations, read_protos
+from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.protoc import compile_tree
-from roverlink.generator.protos.schema import Schema
+from roverlink.generator.protos.uncompiled import with_uncompiled
+from roverlink.generator.resolve.locate import locate
 from roverlink.generator.table import Table, reader
 
 _TABLE = "mapping.yaml"
 _LARGEST_SET = 64 << 20  # bytes of a descriptor set, which contains many files and their comments
-
-
-@dataclass(frozen=True, slots=True)
-class Layout:
-    """Settings of the current project that are needed to read an earlier state of the project."""
-
-    root: str
-    """The folder of the .proto files, relative to the project; empty for the project's own folder."""
-    exclude: tuple[str, ...]
-    """The .proto files that are not compiled. If the earlier state has a table, the table's list is used instead."""
-    envelope_message: str
-    oneof: str
+_MOST_NAMED = 3
+_LINE = re.compile(r":\d+(:\d+)?\b")
 
 
 @dataclass(frozen=True, slots=True)
 class Baseline:
     """An earlier state of a project, with which the lint compares the current state."""
 
-    name: str
-    """The beginning of the state's file names in diagnostics: the given path, or for a git ref ``main:protos``."""
-    schema: Schema
-    entries: tuple[Entry, ...]
-    """The payloads in the envelope, the ledger and the table of the state."""
-    settings: tuple[RowSettings, ...]
-    """The settings of the rows, in the table and in the ledger of the state; empty if it has no table."""
-    bounds: Bounds | None
-    commit_of: Callable[[Span], Commit | None]
+    state: Context
+    commit_of: Callable[[Span], Commit | None] = lambda _: None
     """Function that takes a place and returns the commit that last changed its line; None if this commit is unknown."""
     commit: str = ""
     """The id of the state's commit; empty if a folder or a file holds the state."""
 
 
-def open_baseline(spec: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
+def read_state(
+    root: Path,
+    shown_root: str,
+    declared: Mapping[str, File],
+    table: Table,
+    published: Ledger,
+    faults: Iterable[Diagnostic],
+    name: str = "",
+) -> Context:
+    """Compile the .proto files of a state of the project, the current one or the baseline, and return the state.
+
+    ``root`` is the folder of the .proto files, ``shown_root`` its name in diagnostics, and ``declared`` the content of
+    its files. ``faults`` are the diagnostics of what was read before. ``name`` is the name of a baseline.
+    """
+    kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
+    # A table says that its project is aware of a clash. The option --exclude says that the files are not its business.
+    excluded = table.proto.exclude if table.proto.root else ()
+    left_out = {file: text for file, text in declared.items() if file in excluded}
+    # Of two files that clash, protoc reports the later one. It must be the one that the envelope does not import.
+    needed = bare_tree.files_of(table.envelope, kept)
+    schema, errors = compile_tree(root, sorted(kept, key=lambda file: file not in needed), shown_root)
+    faults = [*faults, *errors]
+    if table.proto.root:
+        locate(table, index_declarations(declared, table.proto.exclude), faults)
+    checkout = with_uncompiled(schema, kept, shown_root)
+    table = bare_tree.with_members(table, checkout)
+    of_table = as_lines(table_bounds(table, schema, root, faults))
+    bounds = read_bounds(schema, root, shown_root, faults, of_table)
+    return Context(
+        table=table,
+        schema=schema,
+        ledger=published,
+        files=kept,
+        excluded_files=left_out,
+        name=name,
+        faults=tuple(faults),
+        changes=since_last_generate(published, schema),
+        bounds=bounds,
+        checkout=checkout,
+    )
+
+
+def without_known(findings: Iterable[Diagnostic], base: Context, of_base: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """Yield diagnostics of the current state, as hints if the baseline has the same fault already.
+
+    ``of_base`` are the diagnostics of the same rules in the baseline. If it has a fault once, and the current state has
+    it twice, one of the two is new.
+    """
+    left = Counter(_fault(finding, shown(base.name, "")) for finding in of_base)
+    for finding in findings:
+        fault = _fault(finding, "")
+        left[fault] -= 1
+        yield finding.as_known() if left[fault] >= 0 else finding
+
+
+def _fault(finding: Diagnostic, prefix: str) -> tuple[str, str, int | None, str]:
+    """Return what stays the same of a diagnostic if lines move. Its file names begin with ``prefix``."""
+    about = finding.type or finding.span.file.removeprefix(prefix)
+    message = finding.message.replace(prefix, "") if prefix else finding.message
+    return finding.rule.id, about, finding.number, _LINE.sub("", message)
+
+
+def open_baseline(spec: str, project: Path, today: Table, findings: list[Diagnostic]) -> Baseline:
     """Read the earlier state that ``spec``, the value of the option ``--against``, names.
 
-    ``spec`` is a folder, a file with a descriptor set, or else a git ref. Diagnostics about parts that cannot be read
-    are added to ``findings``. Raises `DiagnosticsError` if nothing has this name, or if nothing can be read.
+    ``spec`` is a folder, a file with a descriptor set, or else a git ref. ``today`` is the table of the current state,
+    which also says how to read a state without a table. A hint about parts that cannot be compared is added to
+    ``findings``. Raises `DiagnosticsError` if nothing has this name, or if nothing can be read.
     """
     path = Path(spec)
     if path.is_dir():
-        return _baseline_in(path.resolve(), spec.rstrip("/") or spec, layout, lambda _: None, findings)
+        return Baseline(_state_in(path.resolve(), spec.rstrip("/") or spec, today, [], findings))
     if path.is_file():
-        return _descriptor_set(path, spec, layout)
-    return _at_ref(spec, project, layout, findings)
+        return Baseline(_descriptor_set(path, spec, today))
+    return _at_ref(spec, project, today, findings)
 
 
-def _descriptor_set(path: Path, spec: str, layout: Layout) -> Baseline:
+def _descriptor_set(path: Path, spec: str, today: Table) -> Context:
     try:
         compiled = FileDescriptorSet.FromString(source_files.read(path.parent, path.name, _LARGEST_SET))
     except (OSError, DecodeError) as error:
@@ -87,126 +139,54 @@ def _descriptor_set(path: Path, spec: str, layout: Layout) -> Baseline:
     if not compiled.file:
         raise DiagnosticsError([UnreadableState.at(Span(spec), "the descriptor set contains no .proto file")])
     schema = schema_of(compiled, spec)
-    return Baseline(spec, schema, tuple(_members(schema, layout)), (), None, lambda _: None)
+    return Context(bare_tree.with_members(bare_tree.without_rows(today), schema), schema, Ledger(), name=spec)
 
 
-def commit_of_ref(repository: Repository, ref: str, option: str) -> str:
-    """Return the id of the commit that a ref names; raise `DiagnosticsError` if there is none.
-
-    ``option`` is the option of the command line with the ref, or with a folder or a file.
-    """
-    try:
-        return repository.resolve(ref)
-    except GitError as error:
-        message, help = f"{ref!r} is not a folder, a file, or a git ref", _other_refs(repository, ref)
-        if str(error):  # git says nothing if only the ref is unknown
-            message, help = f"{ref!r} is not a folder or a file, and no git ref can be read: {error}", CLONE
-        raise DiagnosticsError([NoSuchState.at(Span(option), message, help)]) from error
-
-
-@contextlib.contextmanager
-def checked_out(repository: Repository, commit: str, ref: str, findings: list[Diagnostic]) -> Iterator[Path]:
-    """Write the files of a commit that the lint reads to a temporary folder, and yield the folder.
-
-    ``ref`` is the name of the commit for diagnostics. A diagnostic for each file that is left out is added to
-    ``findings``. Raises `DiagnosticsError` if the commit cannot be read.
-    """
-    with tempfile.TemporaryDirectory(prefix="roverlink-state-") as folder:
-        try:
-            for file, data in repository.contents(commit, _is_wanted):
-                if isinstance(data, str):
-                    fault = f"the file cannot be read: {data}"
-                elif not {"", ".."}.isdisjoint(file.split("/")):  # git can store such a path, but never checks it out
-                    fault = "the path leads out of the folder of the state"
-                else:
-                    target = Path(folder, file)
-                    target.parent.mkdir(parents=True, exist_ok=True)
-                    target.write_bytes(data)
-                    continue
-                findings.append(UnreadableState.at(Span(shown(repository.in_commit(ref), file)), fault))
-        except (GitError, OSError) as error:
-            raise DiagnosticsError([UnreadableState.at(Span(ref), f"the state cannot be read: {error}")]) from error
-        yield Path(folder)
-
-
-def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
+def _at_ref(ref: str, project: Path, today: Table, findings: list[Diagnostic]) -> Baseline:
     repository = Repository(project)
     commit = commit_of_ref(repository, ref, "--against")
     name = repository.in_commit(ref)
     commits_of = cache(lambda file: repository.commits_of_lines(file, commit))
-    with checked_out(repository, commit, ref, findings) as folder:
+    faults: list[Diagnostic] = []
+    with checked_out(repository, commit, ref, faults) as folder:
 
         def commit_of(span: Span) -> Commit | None:
             return commit_of_line(commits_of(span.file.removeprefix(shown(name, ""))), span.line)
 
-        return dataclasses.replace(_baseline_in(folder, name, layout, commit_of, findings), commit=commit)
+        return Baseline(_state_in(folder, name, today, faults, findings), commit_of, commit)
 
 
-def _other_refs(repository: Repository, ref: str) -> str:
-    """Return the help for a git ref that does not exist: which refs there are."""
-    try:
-        repository.resolve(f"origin/{ref}")
-    except GitError:
-        return f"`git branch --all` and `git tag` list the refs; a shallow clone gets all of them with {DEEPEN}"
-    return f"write 'origin/{ref}': this clone has {ref!r} only as a branch of the remote"
-
-
-def _is_wanted(file: str) -> bool:
-    # The table may have another name than usual.
-    ledgers = (lock.NAME, lock.ACCEPTED_NAME)
-    return file.endswith((".proto", ".options")) or file in ledgers or (file.endswith(".yaml") and "/" not in file)
-
-
-def _baseline_in(
-    folder: Path,
-    name: str,
-    layout: Layout,
-    commit_of: Callable[[Span], Commit | None],
-    findings: list[Diagnostic],
-) -> Baseline:
+def _state_in(folder: Path, name: str, today: Table, faults: list[Diagnostic], findings: list[Diagnostic]) -> Context:
     """Read an earlier state from a folder; ``name`` is the beginning of its file names in diagnostics.
 
-    The folder is a project, the folder of a project's .proto files, or any other folder with .proto files.
+    The folder is a project, the folder of a project's .proto files, or any other folder with .proto files. ``faults``
+    are the diagnostics about files that the folder lacks.
     """
-    # The rules check the current state. Of the earlier state, only faults that make it unreadable are reported, because
-    # the user cannot edit it any more.
-    own: list[Diagnostic] = []  # faults of the earlier state, which cannot be edited
-    table = reader.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
-    published = lock.read(folder / lock.NAME, own, shown(name, lock.NAME))
-    root = table.proto.root if table else (layout.root if (folder / layout.root).is_dir() else "")
+    table = bare_tree.without_rows(today)
+    if (folder / _TABLE).is_file():
+        try:
+            table = reader.read(folder / _TABLE, faults, shown(name, _TABLE))
+        except DiagnosticsError as error:
+            faults += error.findings
+    ledger = lock.ACCEPTED_NAME if (folder / lock.ACCEPTED_NAME).is_file() else lock.NAME
+    published = lock.read(folder / ledger, faults, shown(name, ledger))
+    root = table.proto.root or (today.proto.root if (folder / today.proto.root).is_dir() else "")
     shown_root = shown(name, root) if root else name
-    files = read_protos(folder / root, shown_root, findings)
+    files = read_protos(folder / root, shown_root, faults)
     if not files:
-        raise DiagnosticsError(
-            [*findings, UnreadableState.at(Span(shown_root), "the earlier state contains no .proto file")]
+        message = "the earlier state contains no .proto file"
+        raise DiagnosticsError([*faults, UnreadableState.at(Span(shown_root), message)])
+    state = read_state(folder / root, shown_root, files, table, published, faults, name)
+    if finding := bare_tree.missing_envelope(state.table, state.checkout or state.schema):
+        state = dataclasses.replace(state, faults=(*state.faults, finding))
+    # The earlier state cannot be edited any more, so its own faults are only worth a hint: what was not compared.
+    unread = {finding.span.file for finding in faults if finding.severity is Severity.FATAL}
+    if lost := sorted({*unread, *(shown(shown_root, file) for file in state.schema.uncompiled)}):
+        named = ", ".join(lost[:_MOST_NAMED]) + (
+            f", and {more} others" if (more := len(lost) - _MOST_NAMED) > 0 else ""
         )
-    excluded = table.proto.exclude if table else layout.exclude
-    schema, errors = compile_tree(folder / root, [file for file in files if file not in excluded], shown_root)
-    findings += [finding for finding in own if finding.severity is Severity.FATAL]
-    findings += [_of_state(error) for error in errors]
-    entries = (*published.entries, *_rows(table), *_members(schema, layout))
-    of_table = as_lines(table_bounds(table, schema, folder / root, [])) if table else {}
-    settings = (*([lock.settings_of_rows(table)] if table else []), published.settings)
-    bounds = read_bounds(schema, folder / root, shown_root, [], of_table)
-    return Baseline(name, schema, entries, settings, bounds, commit_of)
-
-
-def _of_state(error: Diagnostic) -> Diagnostic:
-    """Return the diagnostic for an error of protoc in a file of the earlier state.
-
-    The user cannot edit an earlier state, so the help suggests a comparison with another state.
-    """
-    help = "compare with another state, or with a descriptor set"
-    return UnreadableState.at(error.span, f"the earlier state does not compile: {error.message}", help)
-
-
-def _rows(table: Table | None) -> list[Entry]:
-    rows = table.rows if table else ()
-    return [Entry(row.number, row.name, row.proto, row.topic, False, False, row.at("number")) for row in rows]
-
-
-def _members(schema: Schema, layout: Layout) -> list[Entry]:
-    """Return the payloads in the envelope of an earlier state: the members of the envelope's oneof."""
-    envelope = schema.messages.get(layout.envelope_message)
-    fields = [field for field in envelope.fields if field.oneof == layout.oneof] if envelope else []
-    return [Entry(field.number, field.name, field.wire_type, "", False, False, field.span) for field in fields]
+        message = f"changes of these files were not compared, because the earlier state cannot be read there: {named}"
+        help = "look at them yourself; with --history, their numbers are checked as far as they can be read"
+        hint = UnreadableState.at(Span(lost[0]), message, help)
+        findings.append(dataclasses.replace(hint, severity=Severity.HINT))
+    return state

@@ -6,11 +6,12 @@ from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field, replace
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span, shown
+from roverlink.generator.git import Commit
 from roverlink.generator.ir.protobuf_facts import IMPLEMENTATION_NUMBERS, LARGEST_FIELD_NUMBER
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.history import History, whereabouts
 from roverlink.generator.lint.pinned_states import PinnedStates
-from roverlink.generator.lock import Entry, Ledger, RowSettings, Setting, settings_of_row, topics_of
+from roverlink.generator.lock import Entry, Ledger, RowSettings, Setting, settings_of_row, settings_of_rows, topics_of
 from roverlink.generator.nanopb import Bounds
 from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
@@ -41,8 +42,19 @@ class Past:
     """True if the user requested the comparison of branches that are not merged yet (``--branches``)."""
     pinned: PinnedStates | None = None
     """The .proto files that other projects use, compared with those of today (``--pins``); None if not requested."""
-    before: frozenset[str] = frozenset()
-    """Ids of the baseline's commit and its ancestors; empty if no commit is the baseline (``--against``)."""
+    change: frozenset[str] | None = None
+    """Ids of the commits since the baseline's commit; None if no commit is the baseline (``--against``)."""
+
+    def is_new(self, commit: Commit) -> bool:
+        """Return True if a commit belongs to the change since the baseline, or is not made yet."""
+        return not commit.id or commit.id in (self.change or ())
+
+    def is_known(self, *causes: Commit) -> bool:
+        """Return True if none of the commits that cause a fault belongs to the change since the baseline.
+
+        Then the baseline has the fault already, or it is the business of a branch that somebody else has open.
+        """
+        return self.change is not None and not any(map(self.is_new, causes))
 
     def taken(self, envelope: str) -> dict[int, str]:
         """Return every number that the envelope ever had on any branch, with a text that says which field had it.
@@ -81,7 +93,11 @@ class ChangedSetting:
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """All data that the rules may look at: the table, the current protos, the ledger, and earlier states."""
+    """All data that the rules may look at: the table, the .proto files and the ledger of a state, and earlier states.
+
+    The baseline is read in the same way as the state that is checked. So a rule finds in it what it would have reported
+    there.
+    """
 
     table: Table
     schema: Schema
@@ -91,11 +107,13 @@ class Context:
     """The declarations in each .proto file by path, as far as the file can be read. Excluded files are left out."""
     excluded_files: Mapping[str, File] = field(default_factory=dict)
     """The declarations in each .proto file that the table excludes, by path."""
+    name: str = ""
+    """The beginning of the file names in diagnostics, if the state is a baseline: ``main:protos``; else empty."""
+    faults: tuple[Diagnostic, ...] = ()
+    """Diagnostics about files of the state that could not be read completely, or that do not compile."""
+    base: Context | None = None
+    """The baseline: the earlier state that ``--against`` names; None without a baseline."""
     changes: tuple[SchemaChange, ...] = ()
-    earlier_entries: tuple[Entry, ...] = ()
-    """The payloads of the baseline, which is the earlier state that ``--against`` names; empty without a baseline."""
-    earlier_settings: tuple[RowSettings, ...] = ()
-    """The settings of the baseline's rows; empty without a baseline."""
     bounds: Bounds | None = None
     """The size limits of strings, arrays and other fields for nanopb; None if they were not read."""
     checkout: Schema | None = None
@@ -106,9 +124,39 @@ class Context:
     """The folder of .proto files as a command line names it; empty for a project with a table."""
 
     @property
+    def entries(self) -> tuple[Entry, ...]:
+        """The payloads in the ledger, the table and the envelope of the state."""
+        rows = self.table.rows if self.table.proto.root else ()  # the rows of a tree are the envelope's members
+        settings = self.table.envelope
+        envelope = self.schema.messages.get(settings.message)
+        members = [field for field in envelope.fields if field.oneof == settings.oneof] if envelope else []
+        return (
+            *self.ledger.entries,
+            *(Entry(row.number, row.name, row.proto, row.topic, False, False, row.at("number")) for row in rows),
+            *(Entry(field.number, field.name, field.wire_type, "", False, False, field.span) for field in members),
+        )
+
+    @property
     def published(self) -> tuple[Entry, ...]:
         """All payloads that were published, according to the ledger (mapping.lock) and the baseline (``--against``)."""
-        return (*self.ledger.entries, *self.earlier_entries)
+        return (*self.ledger.entries, *(self.base.entries if self.base else ()))
+
+    @property
+    def published_settings(self) -> Iterator[RowSettings]:
+        """The settings of the rows that were published, according to the ledger and the baseline."""
+        yield self.ledger.settings
+        if self.base is not None:
+            if self.base.table.proto.root:
+                yield settings_of_rows(self.base.table)
+            yield self.base.ledger.settings
+
+    def compared_with(self, base: Context) -> Context:
+        """Return the context of a comparison with a baseline.
+
+        A comparison of the baseline with itself shows what is no fault of the change.
+        """
+        change = SchemaChange(base.schema, self.schema, bounds_before=base.bounds)
+        return replace(self, base=base, changes=(change, *self.changes))
 
     def changed_settings(self, row: Row) -> dict[str, ChangedSetting]:
         """Return the settings of a row that were published with another value, by key.
@@ -120,7 +168,7 @@ class Context:
             return {}
         now = settings_of_row(row, self.table)
         changed: dict[str, ChangedSetting] = {}
-        for published in (self.ledger.settings, *self.earlier_settings):
+        for published in self.published_settings:
             for key, setting in published.get((row.number, row.proto), {}).items():
                 today = now.get(key)
                 if today is None or today.text != setting.text:

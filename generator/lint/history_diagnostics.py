@@ -46,24 +46,25 @@ def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[Trace
 def reported(rule: type[Rule], context: Context, type: TracedType, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
     """Return the diagnostic about one number that had several meanings in history.
 
-    It is a hint if the baseline's history has all these meanings already, or if only an unmerged branch gave the number
+    It is a hint if no commit of the change gave the number one of these meanings, or if only an unmerged branch gave it
     a second meaning (see `Reuse.unmerged`). The context must contain the history.
     """
-    assert context.past is not None, "the rules of history check this first"  # noqa: S101  # for mypy
-    owner, order = type.name, context.past.history.numbers_of(type.id)[number]
+    past = context.past
+    assert past is not None, "the rules of history check this first"  # noqa: S101  # for mypy
+    owner, order = type.name, past.history.numbers_of(type.id)[number]
     changes = _last_changes_text(_last_changes(order, reuses))
     finding = rule.at(
         place_of(context, owner, number),
         f"number {number} of {owner!r} {changes}{_today(context, owner, number)}",
-        _help(context, context.past, owner, number, reuses),
+        _help(context, past, owner, number, reuses),
         type=owner,
         number=number,
         uses=list(_uses(context, order, reuses)),
     )
-    # With --against, what matters is the change since the baseline. A tree without a table has no ledger into which
-    # earlier cases could be accepted, so that without this every change would fail because of them.
-    # And what only an unmerged branch has done is the business of that branch, where it is an error.
-    if all(reuse.unmerged or _began(reuse) <= context.past.before for reuse in reuses):
+    if all(past.is_known(*_began(reuse)) for reuse in reuses):
+        return finding.as_known()
+    # What only an unmerged branch has done is the business of that branch, where it is an error.
+    if all(reuse.unmerged or past.is_known(*_began(reuse)) for reuse in reuses):
         return dataclasses.replace(finding, severity=Severity.HINT)
     return finding
 
@@ -180,13 +181,11 @@ def _last_changes_text(changes: Sequence[Reuse]) -> str:
     return f"{text} (and {more} changes of meaning before)" if more > 0 else text
 
 
-def _began(reuse: Reuse) -> set[str]:
-    """Return the ids of the commits without which the number would not have both meanings."""
+def _began(reuse: Reuse) -> tuple[Commit, Commit]:
+    """Return the commits without which the number would not have both meanings."""
     # A message that kept its name has one usage, and got its new content later.
-    return {
-        reuse.earlier.came.id,
-        reuse.new.commit.id if reuse.later is reuse.earlier and reuse.new else reuse.later.came.id,
-    }
+    within = reuse.later is reuse.earlier and reuse.new
+    return reuse.earlier.came, reuse.new.commit if within and reuse.new else reuse.later.came
 
 
 def _change_text(reuse: Reuse) -> str:
@@ -284,15 +283,10 @@ def _help(context: Context, past: Past, owner: str, number: int, reuses: Sequenc
     if part := _parts(context, declared).get(number):
         free = number_never_used(context, past.history, owner)
         # The meaning of today can still be changed if nobody else has it yet.
-        if free and any(_is_new(past, reuse.later) and reuse.later.name == part.name for reuse in reuses):
+        if free and any(past.is_new(reuse.later.came) and reuse.later.name == part.name for reuse in reuses):
             return f"give {part.name!r} the number {free}, which was never used; {accept}"
         return f"make sure that no board still uses the old meaning; {accept}"
     return f"write `reserved {number};` into {owner!r}; {accept}"
-
-
-def _is_new(past: Past, usage: Usage) -> bool:
-    """Return True if a usage is not committed yet, or began after the commit of the baseline (``--against``)."""
-    return not usage.came.id or (bool(past.before) and usage.came.id not in past.before)
 
 
 def _called(usage: Usage) -> str:

@@ -32,7 +32,8 @@ class NoSuchState(Rule, id="STA101", severity=Severity.FATAL):
 class UnreadableState(Rule, id="STA102", severity=Severity.FATAL):
     """The earlier state, or a file of it, cannot be read or does not compile.
 
-    The lint cannot check changes of messages that it cannot read in the earlier state.
+    The lint cannot check changes of messages that it cannot read in the earlier state. If only some files of the state
+    cannot be read, this is a hint, because nobody can change the earlier state any more.
 
     Bad::
 

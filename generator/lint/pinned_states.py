@@ -13,9 +13,9 @@ from itertools import combinations
 
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
 from roverlink.generator.git import Commit, GitError, Repository, name_of_repository
-from roverlink.generator.lint.baseline import checked_out
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.consumer_pins import Pin
+from roverlink.generator.lint.git_states import checked_out
 from roverlink.generator.lint.input_rules import LimitedHistory, UnreadablePins
 from roverlink.generator.lint.misreadings import Misreading, misreadings
 from roverlink.generator.protos.files import declarations, proto_files, read_proto

@@ -18,11 +18,11 @@ from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, in_order, shown
 from roverlink.generator.git import Commit, GitError, Repository, commit_of_line
 from roverlink.generator.lint import bare_tree, buf
-from roverlink.generator.lint.baseline import Baseline, Layout, checked_out, commit_of_ref, open_baseline
-from roverlink.generator.lint.comparison import SchemaChange
+from roverlink.generator.lint.baseline import Baseline, open_baseline, read_state
 from roverlink.generator.lint.consumer_pins import read_pins
-from roverlink.generator.lint.context import Context, Past, since_last_generate
+from roverlink.generator.lint.context import Context, Past
 from roverlink.generator.lint.engine import lint
+from roverlink.generator.lint.git_states import checked_out, commit_of_ref
 from roverlink.generator.lint.history import History, read_history
 from roverlink.generator.lint.history.uncommitted import CheckedOut
 from roverlink.generator.lint.input_rules import (
@@ -35,13 +35,9 @@ from roverlink.generator.lint.input_rules import (
 )
 from roverlink.generator.lint.pinned_states import PinnedStates, ProtoState, StateReader, compare_states
 from roverlink.generator.lint.wrong_root import wrong_root
-from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
-from roverlink.generator.protos.files import index_declarations, read_protos
+from roverlink.generator.protos.files import read_protos
 from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
-from roverlink.generator.protos.protoc import compile_tree
 from roverlink.generator.protos.schema import Schema
-from roverlink.generator.protos.uncompiled import with_uncompiled
-from roverlink.generator.resolve.locate import locate
 from roverlink.generator.table import Table, reader
 
 
@@ -118,7 +114,7 @@ def not_linted(error: DiagnosticsError, folder: Path) -> Linted:
 
     The paths in the diagnostics are relative to ``folder``.
     """
-    nothing = Context(bare_tree.table_of_tree(bare_tree.EnvelopeName("", "")), Schema(), lock.Ledger())
+    nothing = Context(bare_tree.table_of_tree(bare_tree.TreeOptions("", "")), Schema(), lock.Ledger())
     return Linted(error.findings, folder, error.texts, lambda _: None, nothing)
 
 
@@ -137,7 +133,7 @@ def lint_project(table_path: Path, question: Question) -> Linted:
         return _lint(folder, project, table, published, question, findings)
 
 
-def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) -> Linted:
+def lint_tree(root: Path, envelope: bare_tree.TreeOptions, question: Question) -> Linted:
     """Lint the folder ``root`` of .proto files, which has no table.
 
     Raises `DiagnosticsError` if nothing can be linted.
@@ -182,59 +178,51 @@ def _lint(
     table: Table,
     published: lock.Ledger,
     question: Question,
-    findings: list[Diagnostic],
+    faults: list[Diagnostic],
 ) -> Linted:
-    """Check the files in a folder, which has the state of the project that is checked. ``project`` is in git."""
+    """Check the files in a folder, which has the state of the project that is checked. ``project`` is in git.
+
+    ``faults`` are the diagnostics about the parts of the state that were read before.
+    """
     if question.with_buf:
         buf.require()
     root, shown_root = folder / table.proto.root, table.proto.root
-    _must_be_folder(root, table.proto.root, table, findings)
+    _must_be_folder(root, table.proto.root, table, faults)
     if table.proto.root and source_files.leads_out(folder, root):
         message = f"the folder {table.proto.root!r} is outside the git repository"
         help = "move the .proto files into the repository, or add their repository as a submodule"
-        raise DiagnosticsError([*findings, NoProtos.at(table.proto.at("root"), message, help)])
-    in_git, found_before = project / table.proto.root, len(findings)
-    declared = read_protos(root, shown_root, findings)
+        raise DiagnosticsError([*faults, NoProtos.at(table.proto.at("root"), message, help)])
+    in_git, faults_before = project / table.proto.root, len(faults)
+    declared = read_protos(root, shown_root, faults)
+    unread = len(faults) > faults_before
     shown_to_user = shown_root or os.path.relpath(in_git)
     if wrong := wrong_root(root, declared, shown_to_user, table.proto.at("root")):
-        raise DiagnosticsError([*findings, wrong])
-    unread = len(findings) > found_before
+        raise DiagnosticsError([*faults, wrong])
+    findings: list[Diagnostic] = []  # about the other inputs of this run
     past = _past(in_git, shown_root, question, findings) if question.of_the_past else None
     if not declared and not unread and not (past and past.history.messages):
         message = "the folder contains no .proto file"
         help = "give the folder that contains your .proto files"
-        raise DiagnosticsError([*findings, NoProtos.at(Span(shown_root or "."), message, help)])
-    kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
-    left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
-    schema, errors = compile_tree(root, list(kept), shown_root)
-    findings += errors
-    if table.proto.root:
-        locate(table, index_declarations(declared, table.proto.exclude), findings)
-    checkout = with_uncompiled(schema, kept, shown_root)
+        raise DiagnosticsError([*faults, *findings, NoProtos.at(Span(shown_root or "."), message, help)])
+    today = read_state(root, shown_root, declared, table, published, faults)
+    checkout = today.checkout or today.schema
     past_names = past.history.messages if past else ()
-    table = bare_tree.with_members(table, checkout, findings, past_names, required=question.of_the_envelope)
-    of_table = as_lines(table_bounds(table, schema, root, findings))
-    layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
-    baseline = _baseline(question, project, layout, findings)
+    if missing := bare_tree.missing_envelope(today.table, checkout, past_names, required=question.of_the_envelope):
+        # A name that no file declares is a mistake on the command line, but a broken file is a fault of the state.
+        if today.table.envelope.message not in checkout.messages or today.table is table:
+            raise DiagnosticsError([*findings, *today.faults, missing])
+        today = dataclasses.replace(today, faults=(*today.faults, missing))
+    baseline = _baseline(question, project, table, findings)
     if past and question.pins:
-        past = dataclasses.replace(past, pinned=_pinned(in_git, table, checkout, past.history, question, findings))
+        pinned = _pinned(in_git, today.table, checkout, past.history, question, findings)
+        past = dataclasses.replace(past, pinned=pinned)
     if past and baseline and baseline.commit:
-        past = dataclasses.replace(past, before=Repository(project).reachable(baseline.commit))
-    context = Context(
-        table=table,
-        schema=schema,
-        ledger=published,
-        checkout=checkout,
-        files=kept,
-        excluded_files=left_out,
-        changes=_changes(schema, baseline, published),
-        earlier_entries=baseline.entries if baseline else (),
-        earlier_settings=baseline.settings if baseline else (),
-        bounds=read_bounds(schema, root, table.proto.root, findings, of_table),
-        past=past,
-        tree="" if shown_root else shown_to_user,
-    )
-    theirs = _of_buf(baseline.schema, schema, shown_root, findings) if question.with_buf and baseline else []
+        past = dataclasses.replace(past, change=_change(project, question.newest, baseline.commit))
+    context = dataclasses.replace(today, past=past, tree="" if shown_root else shown_to_user)
+    if baseline is not None:
+        context = context.compared_with(baseline.state)
+    compared = (baseline.state.schema, today.schema) if question.with_buf and baseline else None
+    theirs = _of_buf(*compared, shown_root, findings) if compared else []
     findings += lint(context, theirs)
     ordered = tuple(in_order(findings))
     on_disk = folder == project
@@ -321,14 +309,14 @@ def _pinned(
     return compare_states([state for _, state in known if state.envelope])
 
 
-def _baseline(question: Question, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline | None:
+def _baseline(question: Question, project: Path, today: Table, findings: list[Diagnostic]) -> Baseline | None:
     """Read the earlier state that the user wants to compare with; None if the user requested no comparison.
 
     If the state cannot be read, a diagnostic is added to ``findings`` and the result is None. The other checks still
     run.
     """
     try:
-        return open_baseline(question.against, project, layout, findings) if question.against else None
+        return open_baseline(question.against, project, today, findings) if question.against else None
     except DiagnosticsError as error:
         findings += [finding for finding in error.findings if finding not in findings]
         return None
@@ -346,9 +334,10 @@ def _of_buf(before: Schema, after: Schema, shown_root: str, findings: list[Diagn
         return []
 
 
-def _changes(schema: Schema, baseline: Baseline | None, published: lock.Ledger) -> tuple[SchemaChange, ...]:
-    changes = [SchemaChange(baseline.schema, schema, bounds_before=baseline.bounds)] if baseline else []
-    return (*changes, *since_last_generate(published, schema))
+def _change(project: Path, newest: str, base: str) -> frozenset[str]:
+    """Return the ids of the commits that the state which is checked has in addition to the commit ``base``."""
+    repository = CheckedOut(project)
+    return repository.since(base, [repository.resolve(newest)] if newest else repository.parents())
 
 
 def _blame(project: Path, newest: str | None, baseline: Baseline | None) -> Callable[[Span], Commit | None]:
@@ -364,7 +353,7 @@ def _blame(project: Path, newest: str | None, baseline: Baseline | None) -> Call
     def commit_of(span: Span) -> Commit | None:
         if not span.line:
             return None
-        if baseline is not None and span.file.startswith(baseline.name):
+        if baseline is not None and span.file.startswith(baseline.state.name):
             return baseline.commit_of(span)
         # The name of a file of an earlier commit starts with the commit.
         if newest == "" or not (project / span.file).is_file():

@@ -8,12 +8,13 @@ in it counts as published: boards may send it. Rules of the file:
 - The line of a payload, field or value that no longer exists is not removed, but marked as ``gone``.
 - The last line is a checksum of the others. It shows that the file was edited or cut short.
 - A number with several meanings in git's history, whose past the user has accepted, is ``burned``. A folder of .proto
-  files without a table has these lines in a ledger of its own, accepted-numbers.lock.
+  files without a table has these lines in a ledger of its own, accepted-numbers.lock, beside the rules that the user
+  has accepted there.
 - Two branches that both change the ledger always have a merge conflict, at least in the checksum. Reading accepts the
   lines of both sides, and the next generate writes them in order.
 """
 
-from roverlink.generator.lock.ledger import ACCEPTED_NAME, NAME, Burned, Entry, Ledger, PastUse, checksum
+from roverlink.generator.lock.ledger import ACCEPTED_NAME, NAME, Burned, Entry, Ledger, PastUse, Settled, checksum
 from roverlink.generator.lock.ledger_reader import read
 from roverlink.generator.lock.ledger_text import render, render_accepted, schema_lines
 from roverlink.generator.lock.row_settings import (
@@ -39,6 +40,7 @@ __all__ = [
     "PastUse",
     "RowSettings",
     "Setting",
+    "Settled",
     "checksum",
     "read",
     "render",

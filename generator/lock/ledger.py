@@ -1,7 +1,7 @@
 """The ledger mapping.lock as data: every published number, and the wire schema at the last `roverlink generate`.
 
-A folder of .proto files without a table has no mapping.lock. The numbers whose past the user has accepted there are in
-the file accepted-numbers.lock in that folder, which is a ledger with nothing else.
+A folder of .proto files without a table has no mapping.lock. What the user has accepted there is in the file
+accepted-numbers.lock in that folder, a ledger with nothing else: numbers with their past, and diagnostics of rules.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-from roverlink.generator.diagnostics import Span
+from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.lock.row_settings import RowSettings
 from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField, ProtoMessage, Schema
 
@@ -80,6 +80,28 @@ class Burned:
         return replace(self, uses=uses, reason=self.reason or known.reason)
 
 
+@dataclass(frozen=True, slots=True, order=True)
+class Settled:
+    """Rule whose diagnostics the user has accepted in a folder without a table: they are hints.
+
+    The user accepted it with `roverlink lint --accept`.
+    """
+
+    rule: str
+    """Id of the rule."""
+    subject: str = ""
+    """What the diagnostics are about; empty if all diagnostics of the rule are accepted.
+
+    The full name of a message or enum, such a name with a number (``rover.Imu:3``), or the path of a file.
+    """
+    reason: str = ""
+
+    def covers(self, finding: Diagnostic) -> bool:
+        """Return True if the user has accepted a diagnostic."""
+        subjects = "", finding.type, f"{finding.type}:{finding.number}", finding.span.file
+        return finding.rule.id == self.rule and self.subject in subjects
+
+
 @dataclass(frozen=True, slots=True)
 class Ledger:
     """Content of mapping.lock. A number may have several entries, if it was published for several payloads."""
@@ -93,6 +115,8 @@ class Ledger:
     """Enum values that were published and do not exist any more, by the enum's full name."""
     burned: tuple[Burned, ...] = ()
     """The numbers that had several meanings and must never get another one, sorted by message or enum, then number."""
+    settled: tuple[Settled, ...] = ()
+    """The rules whose diagnostics the user has accepted in a folder without a table."""
     settings: RowSettings = field(default_factory=dict)
     """The settings of each published row. A ledger of an earlier version of roverlink has none."""
     files: tuple[str, ...] = ()
@@ -118,6 +142,14 @@ class Ledger:
         for number in added:
             burned[number.owner, number.number] = number.joined(burned.get((number.owner, number.number)))
         return replace(self, burned=tuple(entry for _, entry in sorted(burned.items())))
+
+    def with_settled(self, added: Iterable[Settled], reason: str) -> Ledger:
+        """Return the ledger with more accepted rules; ``reason`` is stored with them."""
+        settled = {(known.rule, known.subject): known for known in self.settled}
+        for new in added:
+            known = settled.get((new.rule, new.subject), new)
+            settled[new.rule, new.subject] = replace(known, reason=reason or known.reason)
+        return replace(self, settled=tuple(sorted(settled.values())))
 
     def must_not_be(self, owner: str, number: int, use: PastUse) -> Burned | None:
         """Return the burned number that forbids ``use``, a meaning that a number has today; None if it is allowed.

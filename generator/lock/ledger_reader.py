@@ -10,7 +10,7 @@ from pathlib import Path
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.git import Repository
-from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, PastUse, checksum
+from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, PastUse, Settled, checksum
 from roverlink.generator.lock.ledger_rules import BrokenLedger, DeletedLedger, EditedLedger, UnreadableLedger
 from roverlink.generator.lock.row_settings import AMOUNTS, EXTRA_TOPIC, Setting
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema
@@ -40,7 +40,8 @@ _BURNED = re.compile(rf"  (?P<owner>{_TYPE}) (?P<number>-?[0-9]{{1,10}}): (?P<us
 _USE = re.compile(r"(?:(?P<type>\S.*) )?(?P<name>\w+)(?: #(?P<content>[0-9a-f]+))?")
 _NOW = " now"
 _FILE = re.compile(r"  file (?P<path>\S.*)")
-_OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|rows:|schema:|burned:|files:)?")
+_SETTLED = re.compile(r"  rule (?P<rule>[A-Z]{3}[0-9]{3})(?: (?P<subject>(?!-- )\S.*?))?(?: -- (?P<reason>\S.*))?")
+_OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|rows:|schema:|burned:|lint:|files:)?")
 
 
 def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
@@ -137,6 +138,7 @@ class _Reader:
         self._enums: dict[str, _Type] = {}
         self._type: _Type | None = None
         self._burned: dict[tuple[str, int], Burned] = {}
+        self._settled: dict[tuple[str, str], Settled] = {}
         self._files: dict[str, None] = {}
         self._in_conflict = False
         self._one_sided: set[tuple[int, str]] = set()
@@ -159,6 +161,7 @@ class _Reader:
             gone_fields,
             gone_values,
             burned,
+            tuple(sorted(self._settled.values())),
             self._settings,
             tuple(self._files),
         )
@@ -196,6 +199,9 @@ class _Reader:
         elif (match := _BURNED.fullmatch(line)) and (burned := _burned(match)):
             key = burned.owner, burned.number
             self._burned[key] = burned.joined(self._burned.get(key))
+        elif match := _SETTLED.fullmatch(line):
+            settled = Settled(match["rule"], match["subject"] or "", match["reason"] or "")
+            self._settled[settled.rule, settled.subject] = settled
         elif match := _FILE.fullmatch(line):
             self._files[match["path"]] = None
         elif match := _CHECKSUM.fullmatch(line):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from roverlink.generator import ir
-from roverlink.generator.lock.ledger import Burned, Ledger, PastUse, checksum
+from roverlink.generator.lock.ledger import Burned, Ledger, PastUse, Settled, checksum
 from roverlink.generator.lock.row_settings import RowSettings
 from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
 
@@ -32,14 +32,21 @@ _HEADER = """\
 # Written by `roverlink generate`; never edited. After a merge conflict in here, run it again.
 """
 _ACCEPTED_HEADER = """\
-# Numbers that had several meanings in git's history. This past was accepted: the lint reports new meanings only.
-# Written by `roverlink lint --history --accept`; never edited. After a merge conflict in here, accept a number again.
+# Accepted in this folder: numbers that had several meanings in git's history, and findings of rules (`lint`).
+# Written by `roverlink lint --accept`; never edited. After a merge conflict in here, accept one of them again.
 """
 
 
-def render_accepted(burned: Iterable[Burned]) -> str:
+def render_accepted(ledger: Ledger) -> str:
     """Return the text of accepted-numbers.lock, the ledger of a folder of .proto files without a table."""
-    return _with_checksum([_ACCEPTED_HEADER, "version: 1", *_burned_lines(burned)])
+    lines = [_ACCEPTED_HEADER, "version: 1", *(_burned_lines(ledger.burned) if ledger.burned else ())]
+    lines += ["", "lint:", *map(_settled_line, ledger.settled)] if ledger.settled else []
+    return _with_checksum(lines)
+
+
+def _settled_line(settled: Settled) -> str:
+    reason = f"-- {settled.reason}" if settled.reason else ""
+    return f"  rule {' '.join(filter(None, (settled.rule, settled.subject, reason)))}"
 
 
 def render(bridge: ir.Bridge, settings: RowSettings, published: Ledger, unmarked: Sequence[str] = ()) -> str:

@@ -9,7 +9,8 @@ class ProtoDoesNotCompile(Rule, id="PRO101"):
     """protoc rejects a file that the table needs.
 
     The text of the error comes from protoc, the protobuf compiler. Nothing can be generated from a file that protoc
-    cannot read.
+    cannot read. If the envelope does not need the file, leave it out: list it under `proto.exclude`, or in a folder
+    without a table name it with `--exclude`, or accept the error with `--accept PRO101:FILE`.
 
     Bad::
 

@@ -21,7 +21,7 @@ class NoSuchRow(Rule, id="RET101"):
 
 
 class AcceptWithoutHistory(Rule, id="RET102", severity=Severity.FATAL):
-    """`--accept` is used without `--history`.
+    """`--accept` is used for numbers without `--history`.
 
     `--accept` writes the numbers that `--history` reports into the ledger: mapping.lock, or in a folder of .proto files
     without a table the file accepted-numbers.lock.
@@ -53,11 +53,11 @@ class NoPlaceForARow(Rule, id="RET103"):
 
 
 class NoFindingToAccept(Rule, id="RET104", severity=Severity.FATAL):
-    """`--accept` names a number about which `--history` reports nothing.
+    """`--accept` names a number about which `--history` reports nothing, or a rule without a finding.
 
     Nothing is written, because the number may be a typing error. A number of the envelope is written alone. A number of
     another message, or of an enum, is written with the full name: `rover.ImuInfo:3`. The help of a finding contains the
-    command that accepts it.
+    command that accepts it. A rule can only be accepted in a folder without a table, because a table has `lint`.
 
     Bad::
 

@@ -19,7 +19,9 @@ from typing import Any
 from roverlink.completion import complete, rows, topics
 from roverlink.console import FINDINGS, OK, Subparsers, add_table, documented_command, table_file
 from roverlink.diagnostic_text import show_error
-from roverlink.generator.diagnostics import DiagnosticsError, Rule
+from roverlink.generator.diagnostics import DiagnosticsError, Rule, Severity
+from roverlink.generator.lint.rules import lint_rules
+from roverlink.generator.lock import ACCEPTED_NAME
 from roverlink.generator.rule_catalogue import rules as own_rules
 from roverlink.installed_packages import entry_points
 from roverlink.runtime.core.errors import SetupError, nearest
@@ -65,6 +67,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _print_rule(rule: type[Rule]) -> None:
     print(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{rule.documentation.strip()}")
+    if rule.id in lint_rules() and rule.severity in (Severity.ERROR, Severity.WARNING):
+        print(
+            f"\nTo make it a hint in a project, write `{rule.id}: {{severity: hint, reason: ...}}` under `lint` in "
+            "mapping.yaml.\nIn a folder without a table, run `roverlink lint PROTO_ROOT --accept "
+            f"{rule.id} --reason ...`, or `--accept {rule.id}:TYPE`\n"
+            f"for one message, enum or file, and commit the file {ACCEPTED_NAME}."
+        )
 
 
 def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:

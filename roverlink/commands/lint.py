@@ -17,18 +17,22 @@ Example: roverlink lint --against main
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
+from typing import TypeAlias
 
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, counted, documented_command, table_file
 from roverlink.generator.diagnostics import DiagnosticsError, Severity, shown
 from roverlink.generator.lint.project import Linted, Question, not_linted
-from roverlink.generator.lock import ACCEPTED_NAME, NAME
-from roverlink.lint_scope import add_subject, folder_of, linted, reported, type_and_number
+from roverlink.generator.lock import ACCEPTED_NAME, NAME, Settled
+from roverlink.lint_scope import add_subject, folder_of, linted, not_empty, reported, type_and_number
 from roverlink.progress import progress
 from roverlink.reports import FORMATS
 from roverlink.runtime.core.errors import SetupError
 
 _COUNTED = ("error", "warning", "hint")
+_RULE = re.compile(r"(?P<rule>[A-Z]{3}[0-9]{3})(?::(?P<subject>.*[^0-9].*))?")
+_Wanted: TypeAlias = tuple[list[tuple[str, int]], list[Settled]]
 
 
 def add(commands: Subparsers) -> None:
@@ -37,6 +41,7 @@ def add(commands: Subparsers) -> None:
     add_subject(parser)
     parser.add_argument(
         "--against",
+        type=not_empty,
         metavar="STATE",
         help="earlier state to compare with: a git ref (branch, tag or commit), a folder, or a file with a descriptor "
         "set of protoc",
@@ -77,17 +82,18 @@ def add(commands: Subparsers) -> None:
         "--accept",
         nargs="*",
         action="extend",
-        metavar="NUMBER|TYPE:NUMBER",
+        metavar="NUMBER|TYPE:NUMBER|RULE|RULE:TYPE",
         help="with --history: state that the earlier meanings of a reused number are known: it was only renamed, or "
         "does no harm. lint then reports only further meanings. NUMBER is a number of the envelope; for a number of "
         "another message or of an enum, write its full name first: rover.ImuInfo:3. Without a number, everything that "
         "--history reports is accepted. The numbers are written into mapping.lock, or for a PROTO_ROOT without a table "
-        f"into the file {ACCEPTED_NAME} in it; commit this file",
+        f"into the file {ACCEPTED_NAME} in it; commit this file. There, also without --history: RULE, such as "
+        "NAM103, makes all findings of the rule hints; RULE:TYPE or RULE:FILE only those about a type or a file",
     )
     parser.add_argument(
         "--reason",
         metavar="TEXT",
-        help="with --accept: why the numbers are accepted; one line for the readers of the file",
+        help="with --accept: why they are accepted; one line for the readers of the file",
     )
     parser.add_argument(
         "--format", choices=FORMATS, default="text", help="format of the findings (default: %(default)s)"
@@ -97,6 +103,11 @@ def add(commands: Subparsers) -> None:
         choices=_COUNTED,
         default="warning",
         help="lowest severity that gives exit code 1 (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--all",
+        action="store_true",
+        help="show also the known problems: those that the state of --against has already, or that were accepted",
     )
     parser.set_defaults(run=run)
 
@@ -118,8 +129,8 @@ def run(arguments: argparse.Namespace) -> int:
     except DiagnosticsError as error:
         FORMATS[arguments.format](reported(not_linted(error, folder_of(arguments))))
         return UNABLE
-    FORMATS[arguments.format](reported(found))
-    severities = {finding.severity for finding in found.findings}
+    FORMATS[arguments.format](reported(found, with_known=arguments.all))
+    severities = {finding.severity for finding in found.findings if not finding.known}
     if Severity.FATAL in severities:
         return UNABLE
     limit = Severity(arguments.fail_on).rank
@@ -145,27 +156,29 @@ def _lint(arguments: argparse.Namespace) -> Linted:
         return linted(arguments, question)
 
 
-def _wanted(arguments: argparse.Namespace) -> list[tuple[str, int]] | None:
-    """Return the numbers after --accept, each with the full name of its message or enum, which may be empty.
+def _wanted(arguments: argparse.Namespace) -> _Wanted | None:
+    """Return the numbers after --accept, each with the full name of its message or enum, and the rules.
 
-    Returns None without --accept. Raises `SetupError` for a word that is no number.
+    The name may be empty. Returns None without --accept. Raises `SetupError` for a word that is none of both.
     """
     if arguments.reason is not None:
         if arguments.accept is None:
-            raise SetupError("--reason says why numbers are accepted; name them with --accept")
+            raise SetupError("--reason says why numbers or rules are accepted; name them with --accept")
         arguments.reason = " ".join(arguments.reason.split())
         if not arguments.reason.isprintable() or not arguments.reason:
             raise SetupError("--reason needs a text of printable characters")
     if arguments.accept is None:
         return None
+    rules = [(word, match) for word in arguments.accept if (match := _RULE.fullmatch(word))]
+    settled = [Settled(match["rule"], match["subject"] or "") for _, match in rules]
     try:
-        return [type_and_number(word) for word in arguments.accept]
+        return [type_and_number(word) for word in arguments.accept if word not in dict(rules)], settled
     except argparse.ArgumentTypeError as error:
         raise SetupError(f"--accept: {error}; write a folder of .proto files before --accept") from error
 
 
-def _accept(arguments: argparse.Namespace, found: Linted, wanted: list[tuple[str, int]]) -> int:
-    """Write the reused numbers that the check of git's history has found to the ledger.
+def _accept(arguments: argparse.Namespace, found: Linted, wanted: _Wanted) -> int:
+    """Write the reused numbers that the check of git's history has found, or rules, to the ledger.
 
     In a project with a table, write the other generated files, too. Print the changed files, and return the exit code.
     """
@@ -174,10 +187,17 @@ def _accept(arguments: argparse.Namespace, found: Linted, wanted: list[tuple[str
     from roverlink.generator.emit.writer import write
 
     table = None if found.context.tree else table_file(arguments.table)
-    changes, count = accept(table, found, wanted, arguments.reason or "")
+    numbers, rules = wanted
+    changes, count = accept(table, found, numbers, rules, arguments.reason or "")
     write(found.folder, changes)
     for change in changes:
         print(f"{change.verb:>8} {shown(found.context.tree, change.path)}")
     ledger = ACCEPTED_NAME if table is None else NAME
-    print(f"{counted(count, 'reused number')} accepted in {ledger}; from now on, lint reports only further meanings")
+    for settled in rules:
+        about = f" about {settled.subject}" if settled.subject else ""
+        print(f"{settled.rule} accepted in {ledger}; from now on, findings{about} are hints")
+    if numbers or not rules:
+        print(
+            f"{counted(count, 'reused number')} accepted in {ledger}; from now on, lint reports only further meanings"
+        )
     return OK

@@ -13,9 +13,11 @@ _COMMANDS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING:
 
 
 def write(reported: Reported) -> None:
-    """Print one workflow command of GitHub Actions for each finding."""
-    for finding in reported.findings:
+    """Print one workflow command of GitHub Actions for each finding that is shown."""
+    for finding in reported.shown:
         print(_command(finding, reported))
+    if reported.left_out:
+        print(reported.left_out)
 
 
 def _command(finding: Diagnostic, reported: Reported) -> str:

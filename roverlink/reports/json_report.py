@@ -20,6 +20,7 @@ def _finding(finding: Diagnostic, reported: Reported) -> dict[str, Any]:
         "id": finding.rule.id,
         "name": finding.rule.name,
         "severity": finding.severity.value,
+        "known": finding.known,
         "message_type": finding.type or None,
         "number": finding.number,
         **_place(finding.span),

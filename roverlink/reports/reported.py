@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from roverlink.console import counted
 from roverlink.diagnostic_text import Sources
 from roverlink.generator.diagnostics import Diagnostic, Rule
 
@@ -26,3 +27,20 @@ class Reported:
     """Rules that the command checks, by their ids."""
     pinned: PinnedStates | None = None
     """Compatibility of the projects that use the .proto files; None if the command does not check that."""
+    with_known: bool = False
+    """True if formats for people show also the findings that are known (`Diagnostic.known`)."""
+
+    @property
+    def shown(self) -> list[Diagnostic]:
+        """The findings that formats for people show."""
+        return [finding for finding in self.findings if self.with_known or not finding.known]
+
+    @property
+    def left_out(self) -> str:
+        """One line about the known findings that are not shown; empty if there are none."""
+        count = len(self.findings) - len(self.shown)
+        return (
+            f"{counted(count, 'known problem')} not shown; --all shows {'it' if count == 1 else 'them'}"
+            if count
+            else ""
+        )

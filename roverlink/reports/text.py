@@ -34,7 +34,7 @@ _MOST_OF_FILES = 20  # findings of each of these rules
 def write(reported: Reported) -> None:
     """Print the findings on standard output, and how many findings there are of each severity."""
     console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
-    shown, left_out = _shown(reported.findings)
+    shown, left_out = _shown(reported.shown)
     show(shown, reported.sources, sys.stdout)
     for rule, count in left_out.items():
         print(f"... and {counted(count, 'more error')} {rule.id}; is this the right folder of .proto files?\n")
@@ -81,9 +81,11 @@ def _matrix(pinned: PinnedStates, width: int) -> Iterator[Table]:
 
 
 def _summary(reported: Reported) -> str:
-    severities = Counter(finding.severity for finding in reported.findings)
+    severities = Counter(finding.severity for finding in reported.shown)
     parts = [f"{count} {_plural(severity.value, count)}" for severity in Severity if (count := severities[severity])]
-    return ", ".join(parts) if parts else "No problems found."
+    if not reported.left_out:
+        return ", ".join(parts) if parts else "No problems found."
+    return f"{', '.join(parts) if parts else 'No new problems found'} ({reported.left_out})"
 
 
 def _plural(word: str, count: int) -> str:

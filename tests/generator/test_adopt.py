@@ -222,14 +222,3 @@ def test_a_fault_is_put_down_to_the_fields_that_have_it(tmp_path: Path) -> None:
         "pair": (["ring"], {"On": "on_field"}),
         "holder": (["part", "none"], {}),
     }
-
-
-def test_a_tree_that_is_a_repository_of_its_own_is_only_checked(tmp_path: Path) -> None:
-    """Nothing is written into a folder that belongs to another repository."""
-    for files in (PACKAGES_BEFORE, PACKAGES):
-        plant(tmp_path / "protos", files)
-        commit(tmp_path / "protos", "A state")
-    adoption = _adopted(tmp_path)
-    assert adoption.draft.owner == "proto"
-    assert [row.number for row in adoption.draft.retired] == [2]
-    assert not [change.path for change in adoption.changes if change.path.startswith("protos/")]

@@ -13,7 +13,7 @@ from rule_examples import example, is_console, states, write_project
 from roverlink import generator
 from roverlink.__main__ import main
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity
-from roverlink.generator.lint.bare_tree import EnvelopeName
+from roverlink.generator.lint.bare_tree import TreeOptions
 from roverlink.generator.lint.project import Question, lint_project, lint_tree
 from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.pipeline import add, compile_table
@@ -41,7 +41,7 @@ def _raised(rule: type[Rule], verdict: str, folder: Path, *, generated: bool) ->
             (folder / name).mkdir()
             (folder / name / "example.proto").write_text(text, encoding="utf-8")
         question = Question(against=str(folder / "before"))
-        return _ids(rule, lint_tree(folder / "now", EnvelopeName("", ""), question).findings)
+        return _ids(rule, lint_tree(folder / "now", TreeOptions("", ""), question).findings)
     write_project(example(rule, verdict), folder)
     table = folder / "mapping.yaml"
     try:

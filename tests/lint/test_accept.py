@@ -265,7 +265,7 @@ def test_a_rename_is_one_meaning(project: Repository) -> None:
     commit_all()
     renamed = _TYPES.replace("left_speed", "left_current").replace("DRIVE", "ARM")
     project.write(*_NOW, types=renamed)
-    assert {one[0] for one in project.found()} == {"HIS101", "WIR110", "WIR114"}
+    assert {one[0] for one in project.found()} == {"HIS101"}
     assert project.run("generate")[0] == 1
     code, _, err = project.lint("--accept", "rover.Imu:2", "rover.Mode:1", "--reason", "only better names")
     assert (code, err) == (0, "")
@@ -382,6 +382,7 @@ def test_init_takes_the_accepted_numbers_over(tree: Repository) -> None:
             "--accept takes the reported numbers: rover.Env:2, rover.Env:3",
         ),
         (["--accept", "two"], "--accept: 'two' is not a number"),
+        (["--accept", "NAM103:rover.Kind"], "fatal[RET104] the lint has no finding of NAM103 about"),
         (["--accept", "99999999999"], "--accept: '99999999999' is not a number"),
         (["--accept", "protos"], "write a folder of .proto files before --accept"),
         (["--accept", "2", "--reason", " \n"], "--reason needs a text"),
@@ -395,6 +396,20 @@ def test_what_cannot_be_accepted(tree: Repository, arguments: list[str], said: s
     code, out, err = tree.lint(*arguments)
     assert (code, said in out + err) == (2, True)
     assert _status() == ""
+
+
+def test_a_rule_is_accepted_in_a_tree(tree: Repository) -> None:
+    """A clash is one finding, which the file in the tree makes a known one, or `--exclude` leaves out."""
+    tree.write(*_FIRST)
+    Path("protos/clash.proto").write_text('syntax = "proto3";\npackage rover;\nenum Kind { NONE = 0; Imu = 1; }\n')
+    code, out, _ = tree.run("lint", *tree.subject)
+    assert (code, out.count("error["), "error[NAM103]" in out) == (1, 1, True)
+    assert tree.run("lint", *tree.subject, "--exclude", "clash.proto")[:2] == (0, "No problems found.\n")
+    for about in ("NAM103", "NAM103:rover.Kind", "NAM103:clash.proto"):
+        assert tree.run("lint", *tree.subject, "--accept", about, "--reason", "not ours")[0] == 0
+        assert f"  rule {about.replace(':', ' ')} -- not ours\n" in tree.ledger.read_text()
+        assert tree.run("lint", *tree.subject)[1].startswith("No new problems found (1 known problem")
+        tree.ledger.unlink()
 
 
 def test_a_reuse_of_an_open_branch_is_not_accepted_elsewhere(tree: Repository) -> None:

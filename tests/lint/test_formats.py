@@ -55,6 +55,7 @@ def test_json_has_what_scripts_ask_for(project: Path, capsys: pytest.CaptureFixt
             "id": "ENV101",
             "name": "field-number-taken",
             "severity": "error",
+            "known": False,
             "message_type": "Envelope",
             "number": 1,
             "path": "mapping.yaml",

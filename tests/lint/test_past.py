@@ -94,15 +94,20 @@ def test_a_mere_rename_and_a_replaced_content_are_other_rules(repository: Reposi
 
 
 @pytest.mark.slow
-def test_against_a_branch_makes_its_own_old_cases_hints(repository: RepositoryBuilder, found: Found) -> None:
-    """A tree without a table, whose past nobody can accept, passes; a case that the change adds is an error."""
-    repository.commit("Drop the GPS", _envelope())
+def test_against_a_branch_makes_its_own_old_cases_hints(repository: RepositoryBuilder, run: Run, found: Found) -> None:
+    """What the base and somebody else's open branch have done passes; a case that the change adds is an error."""
+    begun = repository.commit("Drop the GPS", _envelope())
     repository.commit("Measure the wind", _envelope(_WIND))
     repository.branch("base")
+    repository.commit("Forgotten", _envelope("Imu third = 2;"), branch="stale", parents=[begun])
     root = repository.write()
     assert found("--history", root, *_TREE)[0] == 1
-    code, (one,) = found("--history", root, *_TREE, "--against", "base")
-    assert (code, one["id"], one["severity"]) == (0, "HIS101", "hint")
+    code, (one, *branches) = found("--history", "--branches", root, *_TREE, "--against", "base")
+    assert (code, one["id"], one["severity"], one["known"]) == (0, "HIS101", "hint", True)
+    assert [(other["id"], other["known"]) for other in branches] == [("HIS104", True)]
+    known = "No new problems found (1 known problem not shown; --all shows it)\n"
+    assert run("lint", "--history", root, *_TREE, "--against", "base")[1] == known
+    assert "1 hint\n" in run("lint", "--history", root, *_TREE, "--against", "base", "--all")[1]
     (root / ENVELOPE_FILE).write_text(_text("Imu second = 2;"))  # a third meaning
     code, against = found("--history", root, *_TREE, "--against", "base")
     assert (code, ("HIS101", "error") in [(one["id"], one["severity"]) for one in against]) == (1, True)
@@ -266,6 +271,7 @@ def test_the_next_number_skips_what_is_closed(repository: RepositoryBuilder, run
     [
         (["lint", "--message", "PBEnvelope"], "need PROTO_ROOT"),
         (["number", "next", "--envelope", "e.proto"], "need PROTO_ROOT"),
+        (["lint", "--exclude", "a.proto"], "need PROTO_ROOT"),
         (["lint", "one", "--history", "."], "two folders of .proto files are given, 'one' and '.'"),
         (["lint", ".", "--history", "main", "--accept"], "leave out 'main' after --history"),
     ],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import pytest
@@ -84,6 +84,11 @@ def test_nothing_is_concluded_from_a_table_that_is_not_whole(tmp_path: Path) -> 
     }
 
 
+def _base(entries: Iterable[Entry]) -> Context:
+    """An earlier state with payloads in its ledger."""
+    return Context(bare_tree.table_of_tree(bare_tree.TreeOptions("", "")), Schema(), Ledger(tuple(entries)))
+
+
 def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tmp_path: Path) -> None:
     """Its members are rows: their reuse, their free numbers and payloads beside the oneof are found.
 
@@ -92,11 +97,11 @@ def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tmp_path: Path) -> No
     outside = "Gps lost = 9; uint32 sequence = 100;"
     files = {"payloads.proto": _PAYLOADS, "envelope.proto": _envelope("Imu imu = 1;", "Imu wind = 3;", outside=outside)}
     schema = _schema(tmp_path, files, "")
-    name = bare_tree.EnvelopeName("envelope.proto", "Envelope")
+    name = bare_tree.TreeOptions("envelope.proto", "Envelope")
     table = bare_tree.with_members(bare_tree.table_of_tree(name), schema)
     before = _published((1, "imu", "Imu"), (2, "gps", "Gps"), (3, "wind", "Wind"), file="before/envelope.proto")
     parsed = {path: parse(text) for path, text in files.items()}
-    found = lint(Context(table, schema, Ledger(), parsed, earlier_entries=before))
+    found = lint(Context(table, schema, Ledger(), parsed, base=_base(before)))
     assert [(str(finding.span), finding.rule.id, finding.number) for finding in found] == [
         ("envelope.proto:5:25", "ENV102", 3),
         ("envelope.proto:7:1", "ENV106", 9),
@@ -112,7 +117,7 @@ def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
     table = _table(tmp_path, _IMU + "  - {number: 2, name: wind, proto: Wind, topic: wind, direction: spare_to_ros}\n")
     gone = ((2, "gps", "Gps"), (3, "heat", "Heat"))
     earlier = [entry for file in ("mapping.lock", "mapping.yaml", "e.proto") for entry in _published(*gone, file=file)]
-    context = Context(table, Schema(), Ledger(_published(*gone)), earlier_entries=tuple(earlier))
+    context = Context(table, Schema(), Ledger(_published(*gone)), base=_base(earlier))
     assert _said(context, "ENV102", "ENV103") == [
         "mapping.yaml:8:14 field 2 was published for 'gps' (Gps), but is given to Wind here",
         "mapping.lock:6:3 field 3 was published as 'heat' (Heat), but is missing in mapping.yaml",
@@ -122,7 +127,7 @@ def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
 def test_an_earlier_state_is_not_where_a_number_is_missing(tmp_path: Path) -> None:
     """Nobody can mend the earlier state: the finding stands at the table, and names the place there."""
     earlier = _published((2, "gps", "Gps"), file="before/mapping.yaml")
-    (finding,) = _found(Context(_table(tmp_path, _IMU), Schema(), Ledger(), earlier_entries=earlier), "ENV103")
+    (finding,) = _found(Context(_table(tmp_path, _IMU), Schema(), Ledger(), base=_base(earlier)), "ENV103")
     assert str(finding.span) == "mapping.yaml"
     assert finding.also == ((Span("before/mapping.yaml", 5, 3), "published here"),)
 
@@ -132,7 +137,7 @@ def test_the_topics_of_a_row_are_said_once(tmp_path: Path) -> None:
     table = _table(tmp_path, _IMU + _GPS)
     old = _published((1, "imu", "Imu"), (2, "wind", "Wind"), topic="old")
     older = (*old, *_published((1, "imu", "Imu"), topic="older"), *_published((1, "imu", "Imu")))
-    said = _said(Context(table, Schema(), Ledger(old), earlier_entries=older), "TAB107")
+    said = _said(Context(table, Schema(), Ledger(old), base=_base(older)), "TAB107")
     assert said == ["mapping.yaml:7:47 'imu' has the topic 'imu'; it was published on 'old' and on 'older'"]
 
 

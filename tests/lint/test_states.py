@@ -182,15 +182,15 @@ def test_an_envelope_named_without_its_package(tree: Path, run: Run, found: Foun
 
 @pytest.mark.slow
 def test_a_state_that_does_not_compile(tree: Path, found: Found) -> None:
-    """A file that does not compile is named, in the other state as fatal; the rest is compared all the same."""
+    """A file that does not compile is named, in the other state as a hint; the rest is compared all the same."""
     (tree / "broken.proto").write_text('syntax = "proto3";\n\nmessage Broken {\n  Missing x = 1;\n}\n')
     _commit(tree)
     (tree / "broken.proto").unlink()
     _replace(tree, *_DELETED)
     code, all = found("protos", *_MAIN)
     assert (code, _said(all, "id", "severity", "path")) == (
-        2,
-        [("WIR102", "error", "imu.proto"), ("STA102", "fatal", "main:broken.proto")],
+        1,
+        [("WIR102", "error", "imu.proto"), ("STA102", "hint", "main:broken.proto")],
     )
     _commit(tree)
     _replace(tree, "imu.proto", "double latitude = 1;", "doubel latitude = 1;")
@@ -213,8 +213,12 @@ def test_binary_and_enormous_files(tree: Path, found: Found) -> None:
     _commit(tree)
     for name, _ in expected:
         (tree / name).unlink()
-    code, all = found("protos", *_MAIN)
-    assert (code, _said(all, "path", "message")) == (2, [(f"main:{name}", said) for name, said in expected])
+    code, (hint,) = found("protos", *_MAIN)  # removing them is no fault
+    assert (code, hint["severity"], hint["message"].endswith(": main:binary.proto, main:enormous.proto")) == (
+        0,
+        "hint",
+        True,
+    )
 
 
 def test_what_is_no_file(tree: Path, found: Found) -> None:

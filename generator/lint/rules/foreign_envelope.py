@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Set
 from dataclasses import replace
 
-from roverlink.generator.diagnostics import Diagnostic, Severity
+from roverlink.generator.diagnostics import Diagnostic
 from roverlink.generator.ir import LINK_FIELDS
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.history_diagnostics import use_of
@@ -78,7 +78,8 @@ class NumberUnreserved(LintRule, id="ENV107"):
     Boards that send the old payload may still be in use. If a new payload gets the number, the rover mistakes the old
     payload for the new one. This rule checks an envelope of another repository (`owner: proto`), and with `--history`
     that of a tree without a table. If the table owns the envelope (`owner: mapping`), an entry under `retired` reserves
-    the number.
+    the number. If the number was retired and free at the last `roverlink generate` already, the diagnostic is a hint:
+    the table then never gives the number to another row, also if nobody can change the envelope.
 
     Bad::
 
@@ -110,16 +111,20 @@ class NumberUnreserved(LintRule, id="ENV107"):
         published = {entry.number: entry for entry in reversed(context.published)}
         for number, entry in sorted(published.items()):
             if _is_free(number, envelope) and not _is_of_another_rule(number, table):
-                finding = _removal(envelope, number, entry.name, entry.proto)
-                yield replace(finding, also=((entry.span, "published here"),))
+                found = _removal(envelope, number, entry.name, entry.proto)
+                finding = replace(found, also=((entry.span, "published here"),))
+                # The ledger is a baseline, too: the number was free there already, and the table keeps it retired.
+                before = context.ledger.schema.messages.get(envelope.full_name)
+                known = entry.retired and before is not None and _is_free(number, before)
+                yield finding.as_known() if known else finding
         yield from _removed_in_history(context, envelope, published.keys())
 
 
 def _removed_in_history(context: Context, envelope: ProtoMessage, known: Set[int]) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each free number that a tree without a table once used, according to git's history.
 
-    A project with a table has a ledger, which knows the numbers that were published. It is a hint if the baseline had
-    removed the number already. The numbers ``known`` are left out.
+    A project with a table has a ledger, which knows the numbers that were published. The numbers ``known`` are left
+    out.
     """
     past = context.past
     if context.table.proto.root or past is None or not past.of_numbers:
@@ -130,8 +135,8 @@ def _removed_in_history(context: Context, envelope: ProtoMessage, known: Set[int
         if usage.oneof and number not in known and _is_free(number, envelope):
             found = _removal(envelope, number, usage.name, usage.type)
             finding = replace(found, uses=(use_of(context, usage),))
-            before = any(commit.id in past.before for commit in commits)
-            yield replace(finding, severity=Severity.HINT) if before else finding
+            # Both sides of a merge may have removed it: it was free in the baseline if one of them is not new.
+            yield finding.as_known() if any(map(past.is_known, commits)) else finding
 
 
 def _removal(envelope: ProtoMessage, number: int, name: str, type: str) -> Diagnostic:

@@ -121,7 +121,8 @@ class MessageNameNotUnique(LintRule, id="NAM101"):
     """Two .proto files declare messages with the same name.
 
     The table, the topics and the ROS 2 messages identify a message by its name. Sooner or later, a file imports the
-    wrong message. If the two files declare no package, they cannot be compiled together.
+    wrong message. If the two files declare no package, they cannot be compiled together. In a folder without a table,
+    messages of different packages may have the same name.
 
     Bad::
 
@@ -142,10 +143,12 @@ class MessageNameNotUnique(LintRule, id="NAM101"):
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each top-level message whose name is also declared in another file."""
         seen: dict[str, tuple[str, ProtoMessage]] = {}
+        of_table = context.table.proto.root != ""
         for files in (context.files, context.excluded_files):
             for path, file in sorted(files.items()):
                 for message in file.outermost:
-                    first, earlier = seen.setdefault(message.name, (path, message))
+                    name = message.name if of_table else message.full_name
+                    first, earlier = seen.setdefault(name, (path, message))
                     if first != path:
                         finding = cls.at(
                             context.place(path, message.span.line, message.span.column),

@@ -106,7 +106,8 @@ class NumberGivenOnTwoBranches(LintRule, id="HIS104"):
 
     The branch that is merged second takes the number from the first. Then the rover misreads boards with the firmware
     of the first branch. Before the merge, it is enough to change the number in one line. All messages that the envelope
-    can contain are compared. If the two perhaps mean the same, this is a warning.
+    can contain are compared. If the two perhaps mean the same, this is a warning. With `--against`, a collision that
+    your change has no part in is a hint.
 
     Bad::
 
@@ -138,7 +139,10 @@ class NumberGivenOnTwoBranches(LintRule, id="HIS104"):
                 number=number,
                 uses=[_use(context, number, allocation) for allocation in collision.allocations],
             )
-            yield finding if collision.certain else dataclasses.replace(finding, severity=Severity.WARNING)
+            if past.is_known(*(allocation.came for allocation in collision.allocations)):
+                yield finding.as_known()
+            else:
+                yield finding if collision.certain else dataclasses.replace(finding, severity=Severity.WARNING)
 
 
 def _use(context: Context, number: int, allocation: Allocation) -> Use:
