@@ -10,28 +10,30 @@ _FIRST_PORT, _PORTS, _FIRST_PARTICIPANT = 7400, 250, 10
 _DOMAINS = range(1, 101)
 UNTIL_EXIT = ExitStack()
 """Holds a domain as long as the process runs."""
-_claimed_before = set[int]()
+_claimed = list[int]()
 
 
 def claim_domain(held: ExitStack) -> int:
     """Return a DDS domain that is ours until ``held`` is closed.
 
     Two programs that call this function never get the same domain, and neither gets one that another program is in. A
-    domain that this process has given back comes last: Cyclone DDS keeps the configuration of a domain as long as an
-    entity in it exists.
+    domain that this process has given back waits until it has had the others: Cyclone DDS keeps the configuration of a
+    domain as long as an entity in it exists.
 
     Raises `OSError` if all of the domains are taken.
     """
     start = os.getpid()
-    numbers = (_DOMAINS[(start + step) % len(_DOMAINS)] for step in range(len(_DOMAINS)))
-    for number in sorted(numbers, key=_claimed_before.__contains__):
-        if _claimed(number, held):
-            _claimed_before.add(number)
+    fresh = (_DOMAINS[(start + step) % len(_DOMAINS)] for step in range(len(_DOMAINS)))
+    for number in [*(number for number in fresh if number not in _claimed), *_claimed]:
+        if _is_claimed(number, held):
+            if number in _claimed:
+                _claimed.remove(number)
+            _claimed.append(number)
             return number
     raise OSError("programs on this host are in all DDS domains from 1 to 100")
 
 
-def _claimed(domain: int, held: ExitStack) -> bool:
+def _is_claimed(domain: int, held: ExitStack) -> bool:
     """Try to hold the last port of a domain, and see whether its first participant's port is free."""
     first_port = _FIRST_PORT + _PORTS * domain
     with ExitStack() as opened:

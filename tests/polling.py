@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-PATIENCE_S = 60.0
+PATIENCE_S = 180.0
 """Far longer than anything takes, on a machine that is busy with other things."""
 
 T = TypeVar("T")
