@@ -16,7 +16,7 @@ from datetime import datetime, timedelta, timezone
 from itertools import islice
 from pathlib import Path
 
-from roverlink.generator.source_files import LARGEST, too_large
+from roverlink.generator.source_files import LARGEST, too_large, visible
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 # git sets these variables for a hook (githooks(5)). They select the hook's repository; the folder may be in another.
@@ -250,18 +250,14 @@ def environment() -> dict[str, str]:
 def commit_of(id: str, seconds: str, author: str, subject: str) -> Commit:
     """Return a commit, given its id, the author's time in seconds since 1970, the author's name, and its subject.
 
-    Unprintable characters of the texts are replaced: a terminal might obey them, and XML forbids some.
+    Unprintable characters of the texts are escaped: a terminal might obey them, and XML forbids some.
     """
-    return Commit(id, _date_of(seconds), _printable(subject), _printable(author))
+    return Commit(id, _date_of(seconds), visible(subject), visible(author))
 
 
 def shortened(text: str, most: int = _LONGEST_SUBJECT) -> str:
     """Return a text with at most ``most`` characters; if something is cut off, it ends with ``…``."""
     return text if len(text) <= most else f"{text[: most - 1].rstrip()}…"
-
-
-def _printable(text: str) -> str:
-    return "".join(letter if letter.isprintable() else "\ufffd" for letter in text)
 
 
 def _date_of(seconds: str) -> str:

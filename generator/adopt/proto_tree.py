@@ -17,7 +17,7 @@ from roverlink.generator.init_rules import NoSuchEnvelope, NothingToTakeOver
 from roverlink.generator.protos.files import read_protos
 from roverlink.generator.protos.parser import SCALARS, File
 from roverlink.generator.protos.parser.tokens import Kind, Lexer, Token
-from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
+from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile, UnimportableProtoPath
 from roverlink.generator.protos.protoc import compile_protos
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
@@ -175,7 +175,9 @@ def _faults(
     If protoc names none of the files, returns the files that import an excluded file.
     """
     by_file = {
-        finding.span.file: finding for finding in reversed(error.findings) if finding.rule == ProtoDoesNotCompile
+        finding.span.file: finding
+        for finding in reversed(error.findings)
+        if finding.rule in (ProtoDoesNotCompile, UnimportableProtoPath)
     }
     faults = {file: by_file[shown(shown_root, file)].message for file in kept if shown(shown_root, file) in by_file}
     if faults:

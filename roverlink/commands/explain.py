@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _print_rule(rule: type[Rule]) -> None:
-    print(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{rule.documentation.strip()}")
+    print(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{rule.explanation}")
 
 
 def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:

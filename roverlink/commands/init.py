@@ -35,11 +35,12 @@ from roverlink.console import (
     finish_interrupted,
     print_note,
 )
-from roverlink.diagnostic_text import Sources, show, show_error
+from roverlink.diagnostic_text import Sources, show_error, show_without_hints
 from roverlink.generator.adopt import Adoption, AdoptionRequest, adopt
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
 from roverlink.generator.emit.writer import Change, write
 from roverlink.generator.new_project import NewProject, new_project
+from roverlink.generator.source_files import visible
 from roverlink.installed_packages import git_source
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
@@ -150,7 +151,7 @@ def _print_adoption(adoption: Adoption) -> None:
     for row in draft.rows:
         print(f"  {row.number:>5} {row.name:<28} {row.direction:<24}{'  guessed' if row.doubt else ''}".rstrip())
     for file, why in draft.exclude.items():
-        print(f"left out: {file}: {why}")
+        print(f"left out: {visible(file)}: {why}")
     for row in draft.rows:
         for path, why in row.ignore.items():
             print(f"not bridged: {path} of {row.name}: {why}")
@@ -178,7 +179,7 @@ def _print_adoption(adoption: Adoption) -> None:
 
 
 def _print_findings(adoption: Adoption) -> None:
-    show(adoption.findings, Sources(Path.cwd()), sys.stdout)
+    show_without_hints(adoption.findings, Sources(Path.cwd()), sys.stdout)
     draft = adoption.draft
     if lowered := sorted({*draft.lint, *(rule for row in draft.rows for rule in row.lint)}):
         print(

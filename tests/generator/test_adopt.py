@@ -173,13 +173,14 @@ import "b/status.proto";
 import "c.proto";
 message E {
   oneof payload {
-    a.Status off = 1;
+    a.Status off = 1;  // \x1b[2J
     b.Status status = 2;
     motor_state motor = 3;
     a.Status again = 4;
   }
 }
 """,
+    "rtl\u202e\x1b.proto": "message",
 }
 
 
@@ -193,7 +194,7 @@ def test_names_that_ros_refuses_are_replaced(tmp_path: Path) -> None:
     assert routes["motor"].conversion.ros == "MotorState"
     assert {rows["off"].ros, rows["status"].ros} & {"AStatus", "BStatus"}
     assert rows["off"].ros == rows["again"].ros
-    assert 'name: "off"' in _table(adoption)
+    assert all(text in _table(adoption) for text in ('name: "off"', "# \\x1b[2J\n", '- "rtl\\u202e\\x1b.proto"\n'))
 
 
 _FAULTY = {"envelope.proto": """
