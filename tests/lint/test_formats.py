@@ -120,6 +120,7 @@ def test_junit_counts_rules_as_tests(project: Path, capsys: pytest.CaptureFixtur
 _STRANGE = ("-x", "@x", "new\nline", "two words::x.proto:1:1: y", "rtl\u202e\x1b[31m")
 
 
+@pytest.mark.slow
 def test_no_format_prints_what_a_terminal_obeys(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Escapes and marks of direction, in names and lines, are shown escaped; each file has the name that it has."""
     paths = [project / "proto" / f"{name}.proto" for name in _STRANGE]
