@@ -62,9 +62,10 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
     findings: list[Diagnostic] = []
     files = read_protos(root, shown_root, findings) if root.is_dir() else {}
     if findings or not files:
-        none = NothingToTakeOver.at(
-            Span(shown_root), "the folder contains no .proto file", "give the folder of your .proto files with --from"
+        help = (
+            "give the folder of your .proto files with --from; `git submodule update --init` gets those of a submodule"
         )
+        none = NothingToTakeOver.at(Span(shown_root), "the folder contains no .proto file", help)
         raise DiagnosticsError(findings or [none])
     candidates = dict(_envelopes(files, file, message))
     if not candidates:

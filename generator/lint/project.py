@@ -205,7 +205,9 @@ def _lint(
     past = _past(in_git, shown_root, question, findings) if question.of_the_past else None
     if not declared and not unread and not (past and past.history.messages):
         message = "the folder contains no .proto file"
-        help = "give the folder that contains your .proto files"
+        help = (
+            "give the folder that contains your .proto files; `git submodule update --init` gets those of a submodule"
+        )
         raise DiagnosticsError([*findings, NoProtos.at(Span(shown_root or "."), message, help)])
     kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
     left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
