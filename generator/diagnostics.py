@@ -12,6 +12,7 @@ from types import ModuleType
 from typing import ClassVar
 
 from roverlink.generator.git import Commit, shortened
+from roverlink.generator.source_files import visible
 
 _WIDEST = 72  # columns of the text about a use, where nothing else limits it
 _LONGEST_AUTHOR = 20  # characters of an author's name, so that the subject has room beside it
@@ -39,7 +40,8 @@ class Severity(str, Enum):
 class Span:
     """A place in a file.
 
-    Line and column count from 1. A line of 0 stands for the whole file.
+    Line and column count from 1. A line of 0 stands for the whole file. As text, unprintable characters of the file's
+    name are escaped.
     """
 
     file: str
@@ -47,7 +49,12 @@ class Span:
     column: int = 0
 
     def __str__(self) -> str:
-        return ":".join([self.file, *(str(part) for part in (self.line, self.column) if part)])
+        return ":".join([self.name, *(str(part) for part in (self.line, self.column) if part)])
+
+    @property
+    def name(self) -> str:
+        """The file's name for people: unprintable characters are escaped."""
+        return visible(self.file).replace("\n", "\\n")
 
 
 def shown(folder: str, path: str) -> str:
@@ -77,12 +84,15 @@ class Rule:
     name: ClassVar[str]
     severity: ClassVar[Severity]
     documentation: ClassVar[str]
+    explanation: ClassVar[str]
+    """The documentation for people, without the markup of reStructuredText."""
     summary: ClassVar[str]
     """The first line of the documentation."""
 
     def __init_subclass__(cls, id: str, severity: Severity = Severity.ERROR) -> None:
         cls.id, cls.severity, cls.documentation = id, severity, inspect.getdoc(cls) or ""
         cls.name = re.sub(r"(?<=.)([A-Z]|\d+)", r"-\1", cls.__name__).lower()
+        cls.explanation = re.sub(r"^(Bad|Good)::$", r"\1:", cls.documentation.strip(), flags=re.MULTILINE)
         cls.summary = cls.documentation.partition("\n")[0]
 
     @classmethod
@@ -103,10 +113,13 @@ class Rule:
         ``also`` lists related places, each with a text. ``type`` is the full name of the message or enum concerned.
         ``number`` is the number of the field or enum value, or of the payload in the envelope. ``uses`` are the
         meanings that the number had in history. ``rests_on`` are places that the diagnostic assumes to be right: if one
-        of them has an error itself, the diagnostic is dropped (see `independent`).
+        of them has an error itself, the diagnostic is dropped (see `independent`). Unprintable characters of the texts,
+        which may quote a stranger's file, are escaped.
         """
         rests = tuple(rests_on)
-        return Diagnostic(cls, span, message, help, tuple(also), type, number, cls.severity, tuple(uses), rests)
+        related = tuple((place, visible(text)) for place, text in also)
+        message, help = visible(message), visible(help)
+        return Diagnostic(cls, span, message, help, related, type, number, cls.severity, tuple(uses), rests)
 
 
 def rules_in(module: ModuleType) -> dict[str, type[Rule]]:
@@ -150,7 +163,7 @@ class Use:
         or fewer if that is more than anybody wants to read.
         """
         widest = min(widest, _WIDEST)
-        lines = [f"{file}:{self.place.line}"]
+        lines = [str(Span(file, self.place.line))]
         if self.came.id or not self.today:
             lines += _event("since", self.came, widest)
         if self.went:
@@ -159,7 +172,7 @@ class Use:
             lines.append(f"now {self.today}")
         if self.doubt:
             lines.append(f"in doubt: {self.doubt}")
-        return [*self.declaration, *(f"  {line}" for line in lines)]
+        return [*map(visible, self.declaration), *(f"  {line}" for line in lines)]
 
 
 def _event(word: str, commit: Commit, widest: int) -> list[str]:

@@ -16,7 +16,7 @@ from datetime import datetime, timedelta, timezone
 from itertools import islice
 from pathlib import Path
 
-from roverlink.generator.source_files import LARGEST, too_large
+from roverlink.generator.source_files import LARGEST, too_large, visible
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 # git sets these variables for a hook (githooks(5)). They select the hook's repository; the folder may be in another.
@@ -25,6 +25,7 @@ _FILES = ("100644", "100755")  # modes of regular files; a link has 120000
 SUBMODULE = "160000"
 """Mode of a submodule in a tree: its object id is a commit of another repository (gitsubmodules(7))."""
 _LONGEST_SUBJECT = 60  # characters of a subject in a line for people; git's own advice for subjects is 50
+_MAIN_BRANCHES = ("main", "master")
 _BATCH = (
     256  # ids per request: 256 * 41 bytes fit into the pipe (64 KiB on Linux), so git and this process never both wait
 )
@@ -123,14 +124,58 @@ class Repository:
         entries = (entry.split("\t", 1) for entry in listed if entry)
         return [(about.split()[0], about.split()[2], path.removeprefix(prefix)) for about, path in entries]
 
-    def contents(self, commit: str, wanted: Callable[[str], bool]) -> Iterator[tuple[str, bytes | str]]:
-        """Yield path and content of the files below the folder in a commit that ``wanted`` accepts by their path.
+    def contents(
+        self, entries: Iterable[tuple[str, str, str]], wanted: Callable[[str], bool]
+    ) -> Iterator[tuple[str, bytes | str]]:
+        """Yield path and content of those of the `entries` of a commit that ``wanted`` accepts by their path.
 
         Links and submodules are left out. Instead of a content that cannot be read, the reason is yielded, as a text.
         """
-        paths = [(path, id) for mode, id, path in self.entries(commit) if mode in _FILES and wanted(path)]
+        paths = [(path, id) for mode, id, path in entries if mode in _FILES and wanted(path)]
         for (path, _), (_, data) in zip(paths, self.blobs([id for _, id in paths])):
             yield path, data
+
+    def submodule_with(self, path: str, commit: str) -> Repository | None:
+        """Return the repository of the submodule that was at ``path``, if it has the commit that was pinned there.
+
+        A submodule that was moved since is found at its present path. Returns None if this clone has no such commit.
+        """
+        index = self._run("ls-files", "--stage", "-z").split("\0")
+        today = [entry.partition("\t")[2] for entry in index if entry.startswith(SUBMODULE)]
+        for place in dict.fromkeys([path, *today]):
+            repository = Repository(self.folder / place)
+            try:
+                # Without a folder of its own, git would find the repository around it, which has other commits.
+                if repository.resolve(commit):
+                    return repository
+            except GitError:
+                continue
+        return None
+
+    def holds(self, commit: str, suffix: str) -> bool:
+        """Return True if a file anywhere in a commit has a name with this end, or if it may be in a submodule."""
+        listed = self._run("ls-tree", "-r", "-z", "--full-tree", commit).split("\0")
+        return any(entry.endswith(suffix) or entry.startswith(SUBMODULE) for entry in listed)
+
+    def branch_to_compare(self) -> str:
+        """Return the branch into which changes are merged, such as ``origin/main``; empty if it is not known.
+
+        It is the default branch of the remote ``origin`` or else of another one. Without a remote, it is a local
+        branch: ``main``, ``master``, or else the current one, if it has a commit.
+        """
+        form = "--format=%(refname:lstrip=2) %(symref:lstrip=2)"
+        try:
+            remote = [line.split() for line in self._run("for-each-ref", form, "refs/remotes").splitlines()]
+            local = [line.split()[0] for line in self._run("for-each-ref", form, "refs/heads").splitlines()]
+            current = self._run("branch", "--show-current").strip()
+        except GitError:
+            return ""
+        # `git clone` notes the default branch of a remote as origin/HEAD; `git remote add` does not.
+        heads = [words[1] for words in remote if len(words) > 1]
+        names = [words[0] for words in remote if len(words) == 1]
+        likely = [*heads, *(f"{place}/{name}" for name in _MAIN_BRANCHES for place in _remotes(names)), *names[:1]]
+        own = [*_MAIN_BRANCHES, current] if not names else []
+        return next((name for name in (*likely, *own) if name in names or name in local), "")
 
     def blobs(self, ids: Sequence[str]) -> Iterator[tuple[str, bytes | str]]:
         """Yield id and content of blobs (file contents in git), in the order of ``ids``.
@@ -225,6 +270,11 @@ def _answers(git: subprocess.Popen[bytes], ids: Sequence[str]) -> Iterator[tuple
         yield id, too_large(size)
 
 
+def _remotes(branches: Iterable[str]) -> list[str]:
+    """Return the names of the remotes that have some branches, ``origin`` first."""
+    return sorted({branch.partition("/")[0] for branch in branches}, key=lambda name: (name != "origin", name))
+
+
 def command(folder: Path, *arguments: str) -> list[str]:
     """Return the command line that runs git in a folder."""
     # Files of a pull request can form a bare repository: HEAD, config, objects, refs. Without the option, git would use
@@ -250,18 +300,14 @@ def environment() -> dict[str, str]:
 def commit_of(id: str, seconds: str, author: str, subject: str) -> Commit:
     """Return a commit, given its id, the author's time in seconds since 1970, the author's name, and its subject.
 
-    Unprintable characters of the texts are replaced: a terminal might obey them, and XML forbids some.
+    Unprintable characters of the texts are escaped: a terminal might obey them, and XML forbids some.
     """
-    return Commit(id, _date_of(seconds), _printable(subject), _printable(author))
+    return Commit(id, _date_of(seconds), visible(subject), visible(author))
 
 
 def shortened(text: str, most: int = _LONGEST_SUBJECT) -> str:
     """Return a text with at most ``most`` characters; if something is cut off, it ends with ``…``."""
     return text if len(text) <= most else f"{text[: most - 1].rstrip()}…"
-
-
-def _printable(text: str) -> str:
-    return "".join(letter if letter.isprintable() else "\ufffd" for letter in text)
 
 
 def _date_of(seconds: str) -> str:

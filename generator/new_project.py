@@ -6,7 +6,7 @@ The project has one board, one message, and a GitHub workflow that checks the pr
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.emit.render import render
 from roverlink.generator.emit.writer import Change
+from roverlink.generator.git import Repository
 from roverlink.generator.init_rules import FileInTheWay, ProtosWithoutTable
 from roverlink.generator.pipeline import compile_table
 
@@ -21,11 +22,14 @@ _TABLE, _PROTOS = "mapping.yaml", "proto"
 _TEMPLATES = {
     _TABLE: "mapping.yaml.j2",
     f"{_PROTOS}/board.proto": "board.proto.j2",
+}
+"""Files of the example: path and template of each."""
+_ABOUT_REPOSITORY = {
     ".github/workflows/roverlink.yml": "workflow.yml.j2",
     ".pre-commit-config.yaml": "pre-commit-config.yaml.j2",
     ".gitignore": "gitignore.j2",
 }
-"""Files that the user edits after roverlink has created them: path and template of each."""
+"""Files of every new project that the user edits after roverlink has created them: path and template of each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +44,40 @@ class NewProject:
     """Argument of ``pip install`` in the GitHub workflow; empty if the user has to fill it in."""
 
 
+@dataclass(frozen=True, slots=True)
+class UserFiles:
+    """Files that a new project needs, and that the user edits from then on."""
+
+    texts: dict[str, str]
+    """Text of each file that does not exist yet, by path."""
+    kept: tuple[str, ...]
+    """Paths of files that exist already. They belong to the user, who may have edited them."""
+
+
+def files_about_repository(folder: Path, source: str) -> UserFiles:
+    """Return the workflow, the configuration for pre-commit and the .gitignore file of a project in a folder.
+
+    They fit the git repository: its default branch, its submodules, and the place of the project in it. ``source`` is
+    the argument of ``pip install`` in the workflow.
+    """
+    top = Path(source_files.repository_top(str(folder.resolve())) or folder.resolve())
+    place = folder.resolve().relative_to(top).as_posix()
+    return _rendered(
+        folder,
+        _ABOUT_REPOSITORY,
+        source=source,
+        place="" if place == "." else place,
+        branch=Repository(folder).branch_to_compare().rpartition("/")[2] or "main",
+        submodules=(top / ".gitmodules").exists(),
+    )
+
+
+def _rendered(folder: Path, templates: Mapping[str, str], **facts: object) -> UserFiles:
+    kept = tuple(path for path in templates if (folder / path).exists())
+    texts = {path: render(f"project/{template}", **facts) for path, template in templates.items() if path not in kept}
+    return UserFiles(texts, kept)
+
+
 def new_project(folder: Path, package: str, source: str = "") -> NewProject:
     """Return the files of a new project with one board and one message. Nothing is written.
 
@@ -49,13 +87,8 @@ def new_project(folder: Path, package: str, source: str = "") -> NewProject:
     """
     if findings := list(_foreign_protos(folder)):
         raise DiagnosticsError(findings)
-    # A file that exists belongs to the user, who may have edited it.
-    kept = tuple(path for path in _TEMPLATES if (folder / path).exists())
-    own = {
-        path: render(f"project/{template}", package=package, source=source)
-        for path, template in _TEMPLATES.items()
-        if path not in kept
-    }
+    example, about = _rendered(folder, _TEMPLATES, package=package), files_about_repository(folder, source)
+    own, kept = {**example.texts, **about.texts}, (*example.kept, *about.kept)
     with tempfile.TemporaryDirectory(
         prefix="roverlink-"
     ) as copy:  # so that an error does not leave half a project behind

@@ -67,16 +67,19 @@ def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iter
     return _compiled(table_path, text, further=(tuple(targets), tuple(templates)))
 
 
-def compile_text(table_path: Path, text: str, published: lock.Ledger | None = None) -> tuple[Compiled, list[Change]]:
+def compile_text(
+    table_path: Path, text: str, published: lock.Ledger | None = None, others: Mapping[str, str] | None = None
+) -> tuple[Compiled, list[Change]]:
     """Compile ``text`` as the new content of mapping.yaml. Nothing is written.
 
-    ``published`` is the ledger to use instead of the file mapping.lock.
+    ``published`` is the ledger to use instead of the file mapping.lock. ``others`` are the new texts of other files
+    that the user owns, by path.
 
     Returns the result, and the changes of all files on disk, including mapping.yaml. Raises `DiagnosticsError` like
     `compile_table`.
     """
     compiled = _compiled(table_path, text, published)
-    return compiled, compiled.changes(table_path.resolve().parent, {table_path.name: text})
+    return compiled, compiled.changes(table_path.resolve().parent, {table_path.name: text, **(others or {})})
 
 
 def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:

@@ -15,6 +15,7 @@ import errno
 import io
 import os
 import stat
+import unicodedata
 from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO
@@ -130,6 +131,24 @@ def printable(path: str) -> str:
     """Return a path as text for messages and files: bytes that are not UTF-8 are escaped."""
     # Python reads such bytes as lone surrogates (PEP 383). They cannot be written to JSON or to a terminal.
     return os.fsencode(path).decode("utf-8", errors="backslashreplace")
+
+
+def visible(text: str) -> str:
+    r"""Return a text without characters that a terminal would obey, or that a reader cannot see.
+
+    They are escaped as in Python and YAML: ``\x1b`` for an escape, ``\u202e`` for a mark that turns the direction of
+    writing. Line feeds, tabs and spaces of all widths stay.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        (
+            character
+            if character.isprintable() or character in "\n\t" or unicodedata.category(character) == "Zs"
+            else character.encode("unicode_escape").decode()
+        )
+        for character in text
+    )
 
 
 def repository_top(folder: str) -> str | None:

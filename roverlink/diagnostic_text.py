@@ -10,9 +10,11 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
+from roverlink.console import counted
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, Use
 from roverlink.generator.git import Commit
+from roverlink.generator.source_files import visible
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -67,9 +69,9 @@ class Sources:
             return ""
         if span.file not in self._read:
             text = self.texts.get(span.file)
-            self._read[span.file] = (
-                source_files.quoted_text(self.folder / span.file) if text is None else text
-            ).splitlines()
+            text = source_files.quoted_text(self.folder / span.file) if text is None else text
+            # Only a line feed ends a line for protoc; Python and YAML know other line ends.
+            self._read[span.file] = text.split("\n") if span.file.endswith(".proto") else text.splitlines()
         lines = self._read[span.file]
         return lines[span.line - 1].rstrip() if 0 < span.line <= len(lines) else ""
 
@@ -92,7 +94,17 @@ def show_error(error: DiagnosticsError, folder: Path) -> None:
 
     ``folder`` is the folder of the table or of the .proto files. The paths in the diagnostics are relative to it.
     """
-    show(error.findings, Sources(folder, error.texts), sys.stderr)
+    show_without_hints(error.findings, Sources(folder, error.texts), sys.stderr)
+
+
+def show_without_hints(findings: Iterable[Diagnostic], sources: Sources, stream: TextIO) -> None:
+    """Print diagnostics as `show` does, but of the hints only their number, so that they do not hide an error."""
+    findings = list(findings)
+    hints = [finding.rule.id for finding in findings if finding.severity is Severity.HINT]
+    show((finding for finding in findings if finding.severity is not Severity.HINT), sources, stream)
+    if hints:
+        rules = ", ".join(sorted(set(hints)))
+        print(f"{counted(len(hints), 'hint')} ({rules}), which `roverlink lint` shows", file=stream)
 
 
 def _lines(finding: Diagnostic, sources: Sources, width: int) -> Iterator[Text]:
@@ -107,8 +119,9 @@ def _lines(finding: Diagnostic, sources: Sources, width: int) -> Iterator[Text]:
     if (line := sources.line(finding.span)) and finding.span.column:
         # Tabs have other widths on other terminals, so the line is shown without them, and the caret stands below its
         # column.
-        number, before = str(finding.span.line), line[: finding.span.column - 1].replace("\t", _TAB)
-        yield Text(f"{number} | {line}".replace("\t", _TAB))
+        number = str(finding.span.line)
+        whole, before = (visible(part.replace("\t", _TAB)) for part in (line, line[: finding.span.column - 1]))
+        yield Text(f"{number} | {whole}")
         yield Text.assemble(f"{' ' * len(number)} | {' ' * len(before)}", ("^", style))
     yield from (Text(f"  {line}".rstrip()) for line in beside(finding.uses, sources, width - 2))
     for span, what in finding.also:

@@ -24,7 +24,7 @@ from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lock import Ledger
 from roverlink.generator.nanopb import read_bounds
-from roverlink.generator.new_project import refuse_overwriting
+from roverlink.generator.new_project import files_about_repository, refuse_overwriting
 from roverlink.generator.pipeline import Compiled, compile_text
 from roverlink.generator.protos.parser import parse
 from roverlink.generator.protos.protoc import compile_protos
@@ -45,6 +45,8 @@ class AdoptionRequest:
     oneof: str = ""
     package: str = "comms"
     """Name of the ROS 2 package to generate."""
+    source: str = ""
+    """Argument of ``pip install`` in the GitHub workflow; empty if the user has to fill it in."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +60,8 @@ class Adoption:
     """Diagnostics of the lint that remain after the drafted table has lowered the severity of some rules."""
     changes: tuple[Change, ...]
     """Files to write, including the table."""
+    kept: tuple[str, ...]
+    """Paths of files that exist already and are not overwritten."""
     scalars: tuple[str, ...]
     """Names of the oneof's members that are scalars. They get no row, because only messages can have rows."""
 
@@ -104,14 +108,15 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
     published, moved = _taken_over(project, root, shown_root)
     accepted = published.burned_in(draft.message)
     past = dataclasses.replace(past, reused=[number for number in past.reused if number not in accepted])
-    compiled, changes = compile_text(table_path, text, published)
+    about = files_about_repository(project, wanted.source)
+    compiled, changes = compile_text(table_path, text, published, about.texts)
     changes += moved
     envelope = shown(shown_root, tree.envelope.file)  # the table has all its content, so it may be replaced
     changes = [dataclasses.replace(change, foreign=False) if change.path == envelope else change for change in changes]
     refuse_overwriting(changes)
     findings += lint(dataclasses.replace(context, table=reader.parse(text, table_path.name, [])))
     found = tuple(in_order([*findings, *compiled.warnings]))
-    return Adoption(draft, past, compiled, found, tuple(changes), tuple(tree.scalars))
+    return Adoption(draft, past, compiled, found, tuple(changes), about.kept, tuple(tree.scalars))
 
 
 def _context(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnostic]) -> Context:

@@ -6,7 +6,7 @@ It also decides if `roverlink generate` may write the envelope's file.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,12 +14,15 @@ from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from roverlink.generator.emit.render import carries_header
 from roverlink.generator.init_rules import NoSuchEnvelope, NothingToTakeOver
+from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.files import read_protos
-from roverlink.generator.protos.parser import SCALARS, File
+from roverlink.generator.protos.parser import SCALARS, File, map_types, resolve_type
 from roverlink.generator.protos.parser.tokens import Kind, Lexer, Token
-from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
+from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile, UnimportableProtoPath
 from roverlink.generator.protos.protoc import compile_protos
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
+
+_MOST_NAMED = 3  # messages in a text that could name all of them
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,22 +62,34 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
     findings: list[Diagnostic] = []
     files = read_protos(root, shown_root, findings) if root.is_dir() else {}
     if findings or not files:
-        none = NothingToTakeOver.at(
-            Span(shown_root), "the folder contains no .proto file", "give the folder of your .proto files with --from"
+        help = (
+            "give the folder of your .proto files with --from; `git submodule update --init` gets those of a submodule"
         )
+        none = NothingToTakeOver.at(Span(shown_root), "the folder contains no .proto file", help)
         raise DiagnosticsError(findings or [none])
-    candidates = list(_envelopes(files, file, message))
+    candidates = dict(_envelopes(files, file, message))
     if not candidates:
         raise DiagnosticsError([_no_envelope(files, file, message, shown_root)])
-    path, name = candidates[0]
-    schema, exclude = _compiled_together(root, files, path, shown_root)
+    name = _outermost(candidates, files)
+    schema, exclude = _compiled_together(root, files, candidates[name], shown_root)
     envelope = schema.messages[name]
-    doubt = f"guessed: it could be {' or '.join(other for _, other in candidates[1:])}" if candidates[1:] else ""
-    return Tree(root, files, schema, exclude, envelope, _oneof(envelope, oneof, shown_root), doubt)
+    chosen, *oneofs = _oneofs(envelope, oneof, shown_root)
+    doubts = [
+        *_doubt("it", [other for other in candidates if other != name]),
+        *([] if oneof else _doubt("the oneof", oneofs)),
+    ]
+    doubt = f"guessed: {'; '.join(doubts)}" if doubts else ""
+    return Tree(root, files, schema, exclude, envelope, chosen, doubt)
+
+
+def _doubt(what: str, others: Sequence[str]) -> list[str]:
+    """Return a text about the others that a guess could have chosen, in a list that is empty if there are none."""
+    more = [f"{len(others) - _MOST_NAMED} others"] if len(others) > _MOST_NAMED else []
+    return [f"{what} could be {' or '.join([*others[:_MOST_NAMED], *more])}"] if others else []
 
 
 def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iterator[tuple[str, str]]:
-    """Yield file and full name of each message that may be the envelope; the message with the largest oneof first.
+    """Yield full name and file of each message that may be the envelope; the message with the largest oneof first.
 
     If ``wanted_file`` or ``wanted`` is set, only messages in this file or with this name are considered.
     """
@@ -85,7 +100,46 @@ def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iter
             size = _size_of_oneof(message)
             if (not wanted_file or path == wanted_file) and (named if wanted else size):
                 found.append((-size, path, message.full_name))
-    yield from ((path, name) for _, path, name in sorted(found))
+    yield from ((name, path) for _, path, name in sorted(found))
+
+
+def _outermost(candidates: Iterable[str], files: Mapping[str, File]) -> str:
+    """Return the first of the candidates for the envelope, or the outermost one whose oneof leads to it.
+
+    A oneof leads to the messages in it, and to all messages inside these. What arrives is the outermost message.
+    """
+    first, *others = candidates
+    if not others:
+        return first
+    holders: dict[str, list[str]] = {}
+    for name, inside in _messages_inside(files, of_oneofs=False).items():
+        for one in inside:
+            holders.setdefault(one, []).append(name)
+    payloads = _messages_inside(files, of_oneofs=True)
+    chosen = [first]
+    while True:
+        waiting, leading = [chosen[-1]], {chosen[-1]}  # messages that contain the one chosen last
+        while waiting:
+            new = [name for name in holders.get(waiting.pop(), ()) if name not in leading]
+            leading.update(new)
+            waiting += new
+        outer = next((name for name in others if payloads[name] & leading and name not in chosen), None)
+        if outer is None:
+            return chosen[-1]
+        chosen.append(outer)
+
+
+def _messages_inside(files: Mapping[str, File], *, of_oneofs: bool) -> dict[str, set[str]]:
+    """Return the messages and enums that are the types of each message's fields, or only of those in its oneofs."""
+    messages = [message for file in files.values() for message in file.messages]
+    names = frozenset(message.full_name for message in messages)
+    found: dict[str, set[str]] = {}
+    for message in messages:
+        fields = [field for field in message.fields if field.oneof or not of_oneofs]
+        types = {(map_types(field.type) or ("", field.type))[1] for field in fields}
+        resolved = {resolve_type(type, message.full_name, names) for type in types}
+        found.setdefault(message.full_name, set()).update(name for name in resolved if name)
+    return found
 
 
 def _size_of_oneof(message: ProtoMessage) -> int:
@@ -101,23 +155,40 @@ def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root:
         )
     known = sorted({message.full_name for name in files for message in files[name].messages if message.oneofs})
     fault = f"no message {message!r} is declared" if message else "no message with a oneof is declared"
-    help = f"messages with a oneof: {', '.join(known)}" if known else "the envelope is a message with a oneof"
+    help = f"messages with a oneof: {', '.join(known)}" if known else _beginning(files, shown_root)
     return NoSuchEnvelope.at(Span(shown(shown_root, file) if file else shown_root), fault, help)
 
 
-def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
-    """Return the name of the oneof with the payloads: ``wanted``, or if empty, the oneof with the most messages.
+def _beginning(files: Mapping[str, File], shown_root: str) -> str:
+    """Return the help for a tree that has no envelope yet: the text of one, with some of its messages."""
+    inside = {name for names in _messages_inside(files, of_oneofs=False).values() for name in names}
+    whole = [(path, message.full_name) for path, file in files.items() for message in file.outermost]
+    payloads = [(path, name) for path, name in whole if name not in inside][:_MOST_NAMED]
+    imports = " ".join(f'import "{path}";' for path in dict.fromkeys(path for path, _ in payloads))
+    members = " ".join(
+        f"{name} {ros_names.field_name(name.rpartition('.')[2])} = {number};"
+        for number, (_, name) in enumerate(payloads, 1)
+    )
+    text = f'syntax = "proto3"; {imports} message Envelope {{ oneof payload {{ {members} }} }}'
+    return (
+        f"the envelope is a message with a oneof of all payloads; to begin, write `{text}` into "
+        f"{shown(shown_root, 'envelope.proto')} and run this again; `roverlink lint {shown_root}` needs no envelope"
+    )
+
+
+def _oneofs(envelope: ProtoMessage, wanted: str, shown_root: str) -> list[str]:
+    """Return the names of the oneofs with messages: first ``wanted``, or if empty, the one with the most messages.
 
     Raises `DiagnosticsError` if the envelope has no such oneof.
     """
     counted = Counter(field.oneof for field in envelope.fields if field.oneof and field.type == "message")
-    found = wanted or next((name for name, _ in counted.most_common(1)), "")
-    if not counted[found]:
+    names = [name for name, _ in counted.most_common()]
+    if not names or (wanted and wanted not in names):
         named = f"no oneof {wanted!r}" if wanted else "no oneof"
         message = f"the message {envelope.full_name!r} has {named} that contains messages"
         help = "name the envelope with --message, and its oneof with --oneof"
         raise DiagnosticsError([NoSuchEnvelope.at(envelope.span or Span(shown_root), message, help)])
-    return found
+    return sorted(names, key=lambda name: name != wanted)  # the sort keeps the order of the others
 
 
 # --- files that compile together --------------------------------------------------------------------------------
@@ -175,7 +246,9 @@ def _faults(
     If protoc names none of the files, returns the files that import an excluded file.
     """
     by_file = {
-        finding.span.file: finding for finding in reversed(error.findings) if finding.rule == ProtoDoesNotCompile
+        finding.span.file: finding
+        for finding in reversed(error.findings)
+        if finding.rule in (ProtoDoesNotCompile, UnimportableProtoPath)
     }
     faults = {file: by_file[shown(shown_root, file)].message for file in kept if shown(shown_root, file) in by_file}
     if faults:

@@ -11,7 +11,6 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
@@ -19,10 +18,10 @@ from google.protobuf.message import DecodeError
 
 from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
-from roverlink.generator.git import Commit, Repository, commit_of_line
+from roverlink.generator.git import Commit, Repository
 from roverlink.generator.lint import bare_tree
 from roverlink.generator.lint.context import Context, since_last_generate
-from roverlink.generator.lint.git_states import checked_out, commit_of_ref
+from roverlink.generator.lint.git_states import Checkout, checked_out, commit_of_ref
 from roverlink.generator.lint.input_rules import UnreadableState
 from roverlink.generator.lock import Ledger
 from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
@@ -48,7 +47,7 @@ class Baseline:
     commit_of: Callable[[Span], Commit | None] = lambda _: None
     """Function that takes a place and returns the commit that last changed its line; None if this commit is unknown."""
     commit: str = ""
-    """The id of the state's commit; empty if a folder or a file holds the state."""
+    """The id of the commit with the .proto files; empty if a folder or a file holds the state."""
 
 
 def read_state(
@@ -122,7 +121,7 @@ def open_baseline(spec: str, project: Path, today: Table, findings: list[Diagnos
     """
     path = Path(spec)
     if path.is_dir():
-        return Baseline(_state_in(path.resolve(), spec.rstrip("/") or spec, today, [], findings))
+        return _baseline_in(Checkout(path.resolve(), spec.rstrip("/") or spec), today, [], findings)
     if path.is_file():
         return Baseline(_descriptor_set(path, spec, today))
     return _at_ref(spec, project, today, findings)
@@ -145,23 +144,30 @@ def _descriptor_set(path: Path, spec: str, today: Table) -> Context:
 def _at_ref(ref: str, project: Path, today: Table, findings: list[Diagnostic]) -> Baseline:
     repository = Repository(project)
     commit = commit_of_ref(repository, ref, "--against")
-    name = repository.in_commit(ref)
-    commits_of = cache(lambda file: repository.commits_of_lines(file, commit))
     faults: list[Diagnostic] = []
-    with checked_out(repository, commit, ref, faults) as folder:
+    with checked_out(repository, commit, ref, faults) as checkout:
+        try:
+            return _baseline_in(checkout, today, faults, findings)
+        except NothingToCompareError as error:
+            # A table that is new may stand beside the .proto files of others. A folder without a table may have moved.
+            if not today.proto.root and repository.holds(commit, ".proto"):
+                raise
+            message = "the earlier state has no .proto file, so nothing was compared"
+            hint = dataclasses.replace(UnreadableState.at(Span(ref), message), severity=Severity.HINT)
+            raise DiagnosticsError([hint]) from error
 
-        def commit_of(span: Span) -> Commit | None:
-            return commit_of_line(commits_of(span.file.removeprefix(shown(name, ""))), span.line)
 
-        return Baseline(_state_in(folder, name, today, faults, findings), commit_of, commit)
+class NothingToCompareError(DiagnosticsError):
+    """Raised if an earlier state has no .proto file."""
 
 
-def _state_in(folder: Path, name: str, today: Table, faults: list[Diagnostic], findings: list[Diagnostic]) -> Context:
-    """Read an earlier state from a folder; ``name`` is the beginning of its file names in diagnostics.
+def _baseline_in(checkout: Checkout, today: Table, faults: list[Diagnostic], findings: list[Diagnostic]) -> Baseline:
+    """Read an earlier state.
 
     The folder is a project, the folder of a project's .proto files, or any other folder with .proto files. ``faults``
     are the diagnostics about files that the folder lacks.
     """
+    folder, name = checkout.folder, checkout.name
     table = bare_tree.without_rows(today)
     if (folder / _TABLE).is_file():
         try:
@@ -170,12 +176,13 @@ def _state_in(folder: Path, name: str, today: Table, faults: list[Diagnostic], f
             faults += error.findings
     ledger = lock.ACCEPTED_NAME if (folder / lock.ACCEPTED_NAME).is_file() else lock.NAME
     published = lock.read(folder / ledger, faults, shown(name, ledger))
+    checkout.add_submodules(table.proto.root or today.proto.root, findings)
     root = table.proto.root or (today.proto.root if (folder / today.proto.root).is_dir() else "")
     shown_root = shown(name, root) if root else name
-    files = read_protos(folder / root, shown_root, faults)
+    files = read_protos(folder / root, shown_root, faults) if (folder / root).is_dir() else {}
     if not files:
         message = "the earlier state contains no .proto file"
-        raise DiagnosticsError([*faults, UnreadableState.at(Span(shown_root), message)])
+        raise NothingToCompareError([*faults, UnreadableState.at(Span(shown_root), message)])
     state = read_state(folder / root, shown_root, files, table, published, faults, name)
     if finding := bare_tree.missing_envelope(state.table, state.checkout or state.schema):
         state = dataclasses.replace(state, faults=(*state.faults, finding))
@@ -189,4 +196,4 @@ def _state_in(folder: Path, name: str, today: Table, faults: list[Diagnostic], f
         help = "look at them yourself; with --history, their numbers are checked as far as they can be read"
         hint = UnreadableState.at(Span(lost[0]), message, help)
         findings.append(dataclasses.replace(hint, severity=Severity.HINT))
-    return state
+    return Baseline(state, checkout.commit_of, checkout.commit_at(root))

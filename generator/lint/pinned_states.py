@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
-from roverlink.generator.git import Commit, GitError, Repository, name_of_repository
+from roverlink.generator.git import SUBMODULE, Commit, GitError, Repository, name_of_repository
 from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.consumer_pins import Pin
 from roverlink.generator.lint.git_states import checked_out
@@ -166,7 +166,7 @@ class StateReader:
 
         Raises `LookupError` if a file of the commit cannot be read, or if the commit does not declare the envelope.
         """
-        entries = tuple(entry for entry in self._repository.entries(commit.id) if entry[2].endswith(".proto"))
+        entries = tuple(entry for entry in self._repository.entries(commit.id) if _counts(entry))
         if entries not in self._schemas:
             self._schemas[entries] = self._schema(commit.id)
         schema = self._schemas[entries]
@@ -177,7 +177,9 @@ class StateReader:
     def _schema(self, commit: str) -> Schema:
         shown_root = self._repository.in_commit(commit[:10])
         unread: list[Diagnostic] = []
-        with checked_out(self._repository, commit, commit[:10], unread) as folder:
+        with checked_out(self._repository, commit, commit[:10], unread) as checkout:
+            folder = checkout.folder
+            checkout.add_submodules("", [])
             files = [file for file in proto_files(folder, shown_root, unread) if file not in self._exclude]
             schema, _ = compile_tree(folder, files, shown_root)
             texts = {file: read_proto(folder, file, shown_root, unread) for file in schema.uncompiled}
@@ -185,6 +187,11 @@ class StateReader:
             why = f"has a file that cannot be read, {finding.span.file!r}: {finding.message}"
             raise LookupError(why)  # the repository's fault, not a caller's
         return with_uncompiled(schema, {file: declarations(text or "") for file, text in texts.items()}, shown_root)
+
+
+def _counts(entry: tuple[str, str, str]) -> bool:
+    mode, _, path = entry
+    return mode == SUBMODULE or path.endswith(".proto")
 
 
 def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Diagnostic]:

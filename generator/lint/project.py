@@ -22,7 +22,7 @@ from roverlink.generator.lint.baseline import Baseline, open_baseline, read_stat
 from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past
 from roverlink.generator.lint.engine import lint
-from roverlink.generator.lint.git_states import checked_out, commit_of_ref
+from roverlink.generator.lint.git_states import Checkout, checked_out, commit_of_ref
 from roverlink.generator.lint.history import History, read_history
 from roverlink.generator.lint.history.uncommitted import CheckedOut
 from roverlink.generator.lint.input_rules import (
@@ -125,11 +125,13 @@ def lint_project(table_path: Path, question: Question) -> Linted:
     """
     project = table_path.parent.resolve()
     findings: list[Diagnostic] = []
-    with _state(project, question.newest, findings) as folder:
+    with _state(project, question.newest, findings) as checkout:
+        folder = checkout.folder
         table = reader.read(folder / table_path.name, findings, table_path.name)
         published = lock.read(folder / lock.NAME, findings)
         if not table.proto.root:  # `proto` is missing or misspelt: the project's folder is not what the user meant
             raise DiagnosticsError([*findings, *lint(Context(table, Schema(), published))])
+        checkout.add_submodules(table.proto.root, findings)
         return _lint(folder, project, table, published, question, findings)
 
 
@@ -141,28 +143,29 @@ def lint_tree(root: Path, envelope: bare_tree.TreeOptions, question: Question) -
     project, table = root.resolve(), bare_tree.table_of_tree(envelope)
     findings: list[Diagnostic] = []
     _must_be_folder(project, os.path.relpath(root), table, findings)
-    with _state(project, question.newest, findings) as folder:
-        published = lock.read(folder / lock.ACCEPTED_NAME, findings, lock.ACCEPTED_NAME)
-        return _lint(folder, project, table, published, question, findings)
+    with _state(project, question.newest, findings) as checkout:
+        checkout.add_submodules("", findings)
+        published = lock.read(checkout.folder / lock.ACCEPTED_NAME, findings, lock.ACCEPTED_NAME)
+        return _lint(checkout.folder, project, table, published, question, findings)
 
 
 @contextlib.contextmanager
-def _state(project: Path, newest: str, findings: list[Diagnostic]) -> Iterator[Path]:
-    """Yield the folder with the files to check: the project's folder, or a temporary folder with the files of a ref.
+def _state(project: Path, newest: str, findings: list[Diagnostic]) -> Iterator[Checkout]:
+    """Yield the files to check: those in the project's folder, or in a temporary folder those of a ref.
 
     In a hook of ``git commit``, these are the files that the commit will contain. A diagnostic for each file that is
     left out is added to ``findings``.
     """
     repository = CheckedOut(project)
     if not newest and project.is_dir() and (tree := _tree_of_hook(repository)):
-        with checked_out(repository, tree, "index", findings) as folder:
-            yield folder
+        with checked_out(repository, tree, "index", findings) as checkout:
+            yield checkout
         return
     if not newest or not project.is_dir():
-        yield project
+        yield Checkout(project)
         return
-    with checked_out(repository, commit_of_ref(repository, newest, "--history"), newest, findings) as folder:
-        yield folder
+    with checked_out(repository, commit_of_ref(repository, newest, "--history"), newest, findings) as checkout:
+        yield checkout
 
 
 def _tree_of_hook(repository: CheckedOut) -> str:
@@ -202,7 +205,9 @@ def _lint(
     past = _past(in_git, shown_root, question, findings) if question.of_the_past else None
     if not declared and not unread and not (past and past.history.messages):
         message = "the folder contains no .proto file"
-        help = "give the folder that contains your .proto files"
+        help = (
+            "give the folder that contains your .proto files; `git submodule update --init` gets those of a submodule"
+        )
         raise DiagnosticsError([*faults, *findings, NoProtos.at(Span(shown_root or "."), message, help)])
     today = read_state(root, shown_root, declared, table, published, faults)
     checkout = today.checkout or today.schema
@@ -217,7 +222,8 @@ def _lint(
         pinned = _pinned(in_git, today.table, checkout, past.history, question, findings)
         past = dataclasses.replace(past, pinned=pinned)
     if past and baseline and baseline.commit:
-        past = dataclasses.replace(past, change=_change(project, question.newest, baseline.commit))
+        with contextlib.suppress(GitError):  # today the .proto files are in another repository than in the baseline
+            past = dataclasses.replace(past, change=_change(in_git, question.newest, baseline.commit))
     context = dataclasses.replace(today, past=past, tree="" if shown_root else shown_to_user)
     if baseline is not None:
         context = context.compared_with(baseline.state)
@@ -347,8 +353,8 @@ def _blame(project: Path, newest: str | None, baseline: Baseline | None) -> Call
     ``newest``, or that of the disk if it is None, or that of the index if it is empty. The function returns None if the
     commit is unknown.
     """
-    repository = Repository(project)
-    commits_of = cache(lambda file: repository.commits_of_lines(file, newest))
+    # git finds the repository of a file's folder, which may be a submodule.
+    commits_of = cache(lambda path: Repository(path.parent).commits_of_lines(path.name, newest))
 
     def commit_of(span: Span) -> Commit | None:
         if not span.line:
@@ -358,6 +364,6 @@ def _blame(project: Path, newest: str | None, baseline: Baseline | None) -> Call
         # The name of a file of an earlier commit starts with the commit.
         if newest == "" or not (project / span.file).is_file():
             return None
-        return commit_of_line(commits_of(span.file), span.line)
+        return commit_of_line(commits_of(project / span.file), span.line)
 
     return commit_of

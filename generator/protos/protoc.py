@@ -152,7 +152,9 @@ def _protoc(staged: Path, files: Sequence[str], options: Sequence[str], inside: 
     options = [*options, "--include_imports", "--include_source_info"]
     # -I: no module of the user hides a standard one; -S: nor are packages looked for that are not needed. The folder is
     # empty, because of a file that is missing below the includes, protoc says something else if it is in the folder.
-    command = [sys.executable, "-I", "-S", "-c", _RUN, str(package.parent), *includes, *options, *files]
+    # protoc would take a file named `-x.proto` as an option, and `@x.proto` as a file with options.
+    named = [f"{staged}/{file}" if file.startswith(("-", "@")) else file for file in files]
+    command = [sys.executable, "-I", "-S", "-c", _RUN, str(package.parent), *includes, *options, *named]
     done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
     if done.returncode:
         output = done.stderr.decode("utf-8", errors="replace")
@@ -162,7 +164,8 @@ def _protoc(staged: Path, files: Sequence[str], options: Sequence[str], inside: 
 # protoc has no output for machines except GCC's form `file:line:column: text` (--error_format=gcc, its default). A file
 # that is missing has no line. An import that is broken or missing repeats in every file behind it: without the patterns
 # below, one typing error would give as many diagnostics as there are files.
-_PROTOC_MESSAGE = re.compile(r"(?P<file>[^:\s][^:]*\.proto):(?:(?P<line>\d+):(?P<column>\d+):)? *(?P<text>.*)")
+_PLAIN_NAME = r"[^:\s][^:\n]*\.proto"
+_PROTOC_MESSAGE = r"^(?P<file>%s):(?:(?P<line>\d+):(?P<column>\d+):)? *(?P<text>.*)$"
 _BROKEN_IMPORT = re.compile(r'Import "(?P<file>[^"]+)" was not found or had errors\.')
 _UNDEFINED = re.compile(r'"(?P<name>[^"]+)" (is not defined|seems to be defined)\b.*')
 _NOT_FOUND = "File not found."
@@ -201,11 +204,8 @@ def _protoc_findings(output: str, staged: Path, shown_root: str) -> list[Diagnos
                     continue  # one missing file is one error
             places.setdefault(span, []).append(error.text)
     if not places:
-        return [
-            ProtoDoesNotCompile.at(
-                Span(shown_root or "."), f"protoc failed: {output.strip() or 'it printed no message'}"
-            )
-        ]
+        said = _in_root(output, staged, shown_root) or "it printed no message"
+        return [ProtoDoesNotCompile.at(Span(shown_root or "."), f"protoc failed: {said}")]
     return [
         ProtoDoesNotCompile.at(
             span,
@@ -218,11 +218,20 @@ def _protoc_findings(output: str, staged: Path, shown_root: str) -> list[Diagnos
     ]
 
 
+def _in_root(text: str, staged: Path, shown_root: str) -> str:
+    """Return a text of protoc in which its copies of the files have the names of the user's files."""
+    return text.replace(f"{staged}/", shown(shown_root, "")).strip()
+
+
 def _errors(output: str, staged: Path) -> Iterator[_Error]:
-    for match in filter(None, map(_PROTOC_MESSAGE.fullmatch, output.splitlines())):
-        file = match["file"].removeprefix(f"{staged}/")  # protoc prints the path with the folder of its -I option
+    copies = (path.relative_to(staged).as_posix() for path in staged.rglob("*.proto"))
+    # protoc prints a name as it is, even with colons and line feeds, which otherwise end a name.
+    unusual = sorted((name for name in copies if not re.fullmatch(_PLAIN_NAME, name)), key=len, reverse=True)
+    form = re.compile(_PROTOC_MESSAGE % "|".join([*map(re.escape, unusual), _PLAIN_NAME]), re.MULTILINE)
+    # protoc prints the path with the folder of its -I option
+    for match in form.finditer(_in_root(output, staged, "")):
         if not match["text"].startswith("warning:"):
-            yield _Error(file, int(match["line"] or 0), int(match["column"] or 0), match["text"])
+            yield _Error(match["file"], int(match["line"] or 0), int(match["column"] or 0), match["text"])
 
 
 def _declared_in(files: Iterable[str], staged: Path) -> set[str]:

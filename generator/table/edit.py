@@ -8,6 +8,7 @@ import yaml
 from yaml.nodes import CollectionNode, MappingNode, Node, ScalarNode, SequenceNode
 
 from roverlink.generator.diagnostics import DiagnosticsError, Span
+from roverlink.generator.source_files import visible
 from roverlink.generator.table.edit_rules import NoPlaceForARow, NoSuchRow
 
 # `yaml.load` and `yaml.dump` would lose every comment, the order of keys and the style of each row; a library that
@@ -78,12 +79,13 @@ def scalar(text: str) -> str:
     """
     # `yes`, `012`, `1:30` and `2026-01-01` have no indicator, and are not strings in YAML 1.1. The parser itself is the
     # judge.
-    return quoted(text) if not text or set(text) & _MARKS or yaml.safe_load(text) != text else text
+    plain = text and not set(text) & _MARKS and visible(text) == text and yaml.safe_load(text) == text
+    return text if plain else quoted(text)
 
 
 def quoted(text: str) -> str:
-    """Return a string in double quotes for a YAML file; quotes and backslashes in it are escaped."""
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    """Return a string in double quotes for a YAML file; quotes, backslashes and unprintable characters are escaped."""
+    escaped = visible(text.replace("\\", "\\\\").replace('"', '\\"')).replace("\n", "\\n")
     return f'"{escaped}"'
 
 

@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _print_rule(rule: type[Rule]) -> None:
-    print(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{rule.documentation.strip()}")
+    print(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{rule.explanation}")
     if rule.id in lint_rules() and rule.severity in (Severity.ERROR, Severity.WARNING):
         print(
             f"\nTo make it a hint in a project, write `{rule.id}: {{severity: hint, reason: ...}}` under `lint` in "

@@ -27,10 +27,11 @@ from roverlink.console import (
     print_note,
     table_file,
 )
-from roverlink.diagnostic_text import Sources, show, show_error
+from roverlink.diagnostic_text import Sources, show_error, show_without_hints
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
 from roverlink.generator.emit.writer import Change, write
 from roverlink.generator.pipeline import Compiled, compile_table
+from roverlink.generator.source_files import visible
 
 
 def add(commands: Subparsers) -> None:
@@ -76,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
         folders = [os.path.relpath(folder, table.resolve().parent) for folder in arguments.template]
         compiled = compile_table(table, arguments.target, folders)
         changes = compiled.changes(table.resolve().parent)
-        show(compiled.warnings, Sources(table.parent), sys.stderr)
+        show_without_hints(compiled.warnings, Sources(table.parent), sys.stderr)
         if arguments.check:
             return _check(table, changes)
         write(table.resolve().parent, changes, arguments.overwrite)
@@ -96,7 +97,7 @@ def print_changes(compiled: Compiled, changes: list[Change]) -> None:
 
 def _check(table: Path, changes: list[Change]) -> int:
     for change in changes:
-        sys.stdout.write(change.diff())
+        sys.stdout.write(visible(change.diff()))
     if changes:
         print_note(f"{counted(len(changes), 'file')} out of date with {table}; run `roverlink generate`")
         return FINDINGS

@@ -3,12 +3,13 @@
 Start a project in this folder. A project has a table, mapping.yaml, with a row for each message that the
 bridge converts between protobuf and ROS 2. At the end, the command prints the next steps.
 
-Without --from, the command writes mapping.yaml with one message of one board, its .proto file, a GitHub
-workflow, a configuration for pre-commit and a .gitignore file, and runs `roverlink generate`.
+Without --from, the command writes mapping.yaml with one message of one board and its .proto file, and runs
+`roverlink generate`. It also writes a GitHub workflow, a configuration for pre-commit and a .gitignore file.
 
 With --from, the project starts with your .proto files. One of them declares the envelope, the protobuf
 message that holds each payload in a oneof. mapping.yaml gets a row for each member of this oneof. Values
-that the command had to guess have the comment `guessed`. Files that do not compile together with the others
+that the command had to guess have the comment `guessed`. If a message with a oneof is inside another one,
+the outermost one is the envelope. Files that do not compile together with the others
 are excluded. Numbers that git's history used and the envelope no longer uses are retired. Your .proto files
 do not change, with one exception: if the envelope's file contains nothing but the envelope,
 `roverlink generate` overwrites it from now on.
@@ -21,7 +22,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from roverlink.console import (
@@ -35,11 +36,13 @@ from roverlink.console import (
     finish_interrupted,
     print_note,
 )
-from roverlink.diagnostic_text import Sources, show, show_error
+from roverlink.diagnostic_text import Sources, show_error, show_without_hints
 from roverlink.generator.adopt import Adoption, AdoptionRequest, adopt
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
 from roverlink.generator.emit.writer import Change, write
+from roverlink.generator.git import Repository
 from roverlink.generator.new_project import NewProject, new_project
+from roverlink.generator.source_files import repository_top, visible
 from roverlink.installed_packages import git_source
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
@@ -68,7 +71,8 @@ def add(commands: Subparsers) -> None:
         "--message",
         default="",
         metavar="NAME",
-        help="with --from: name of the envelope's protobuf message (default: the message with the largest oneof)",
+        help="with --from: name of the envelope's protobuf message (default: the message with the largest oneof, or "
+        "the outermost one that contains it)",
     )
     parser.add_argument(
         "--oneof",
@@ -98,12 +102,17 @@ def run(arguments: argparse.Namespace) -> int:
                 _print_started(started)
             return OK
         wanted = AdoptionRequest(
-            arguments.root, arguments.envelope, arguments.message, arguments.oneof, arguments.package
+            arguments.root,
+            arguments.envelope,
+            arguments.message,
+            arguments.oneof,
+            arguments.package,
+            git_source("roverlink"),
         )
         with progress("reading history") as report:
             adoption = adopt(table, wanted, report)
         if _write(adoption.changes, arguments.dry_run):
-            _print_adoption(adoption)
+            _print_adoption(adoption, wanted.source)
     except DiagnosticsError as error:
         show_error(error, Path.cwd())
         print_note("nothing was written")
@@ -122,17 +131,10 @@ def _write(changes: Iterable[Change], dry_run: bool) -> bool:
 
 def _print_started(started: NewProject) -> None:
     """Print the files that were written, and the next steps."""
-    for path in started.kept:
-        print(f"kept the existing {path}")
+    _print_kept(started.kept)
     own = [change.path for change in started.changes if not change.path.startswith("generated/")]
     print(f"wrote {', '.join(own)} and {len(started.changes) - len(own)} files in generated/")
-    here = Path.cwd()
-    top = next((folder for folder in (here, *here.parents) if (folder / ".git").exists()), here)
-    if top != here:
-        print(f"GitHub and pre-commit look for {' and '.join(_IN_TOP_FOLDER)} in the top folder of the repository:")
-        print(f"move them to {top} and let their commands run in {here.relative_to(top)}")
-    if _WORKFLOW not in started.kept and not started.source:
-        print(f"GitHub has to know from where it installs roverlink: set ROVERLINK in {_WORKFLOW}")
+    _print_places(started.kept, started.source)
     print("next:")
     print("  roverlink run                                        run the bridge until Ctrl-C")
     print(
@@ -141,16 +143,34 @@ def _print_started(started: NewProject) -> None:
     print("  roverlink send board_status battery_voltage=11.7     in a third one: send a datagram as the board does")
 
 
-def _print_adoption(adoption: Adoption) -> None:
+def _print_kept(kept: Iterable[str]) -> None:
+    for path in kept:
+        print(f"kept the existing {path}")
+
+
+def _print_places(kept: Collection[str], source: str) -> None:
+    """Print what the user has to do before GitHub and pre-commit use their files."""
+    written = [path for path in _IN_TOP_FOLDER if path not in kept]
+    here = Path.cwd()
+    top = Path(repository_top(str(here)) or here)
+    if top != here and written:
+        print(f"GitHub and pre-commit look for {' and '.join(written)} in the top folder of the repository:")
+        print(f"move them to {top}")
+    if _WORKFLOW in written and not source:
+        print(f"GitHub has to know from where it installs roverlink: set ROVERLINK in {_WORKFLOW}")
+
+
+def _print_adoption(adoption: Adoption, source: str) -> None:
     """Print the rows, the guesses and the next steps of a project that was made from existing .proto files."""
     draft = adoption.draft
-    guessed = sum(bool(row.doubt) for row in draft.rows)
     print(f"{draft.message} in {draft.root}/{draft.file} has {counted(len(draft.rows), 'payload')} in {draft.oneof}")
+    if draft.oneof_doubt:
+        print(f"  {draft.oneof_doubt}")
     print(f"  {draft.owner_reason}")
     for row in draft.rows:
         print(f"  {row.number:>5} {row.name:<28} {row.direction:<24}{'  guessed' if row.doubt else ''}".rstrip())
     for file, why in draft.exclude.items():
-        print(f"left out: {file}: {why}")
+        print(f"left out: {visible(file)}: {why}")
     for row in draft.rows:
         for path, why in row.ignore.items():
             print(f"not bridged: {path} of {row.name}: {why}")
@@ -162,23 +182,34 @@ def _print_adoption(adoption: Adoption) -> None:
         numbers = ", ".join(map(str, adoption.past.reused))
         print(f"numbers that had another meaning before: {numbers}; see `roverlink lint --history`")
     _print_findings(adoption)
-    added = sum(change.verb == "added" for change in adoption.changes)
+    _print_kept(adoption.kept)
+    added = [change.path for change in adoption.changes if change.verb == "added"]
+    own = [path for path in added if path not in adoption.compiled.files]
     others = [change for change in adoption.changes if change.verb != "added"]
     print(
-        f"wrote {TABLE} and {added - 1} generated files"
+        f"wrote {', '.join(own)} and {len(added) - len(own)} generated files"
         + "".join(f"; {change.verb} {change.path}" for change in others)
     )
+    _print_places(adoption.kept, source)
     print("next:")
-    directions = f"{counted(guessed, 'direction')} and " if guessed else ""
-    print(f"  check {TABLE}: {directions}the peers' ports are guessed")
-    print("  roverlink generate                              run after each change of the table")
-    print("  roverlink lint                                  check numbers, names and sizes")
-    print("  roverlink lint --against origin/main --history  in CI, after `roverlink generate --check`")
-    print("  roverlink run                                   run the bridge")
+    guessed = sum(bool(row.doubt) for row in draft.rows)
+    guesses = ["the envelope"] * bool(draft.oneof_doubt) + [counted(guessed, "direction")] * bool(guessed)
+    listed = f"{', '.join(guesses)} and " if guesses else ""
+    print(f"  check {TABLE}: {listed}the peers' ports are guessed")
+    steps = {
+        "roverlink generate": "run after each change of the table",
+        "roverlink lint": "check numbers, names and sizes",
+        "roverlink run": "run the bridge",
+    }
+    if base := Repository(Path.cwd()).branch_to_compare():
+        steps[f"roverlink lint --against {base} --history"] = "in CI, after `roverlink generate --check`"
+    width = max(map(len, steps))
+    for command, what in steps.items():
+        print(f"  {command:<{width}}  {what}")
 
 
 def _print_findings(adoption: Adoption) -> None:
-    show(adoption.findings, Sources(Path.cwd()), sys.stdout)
+    show_without_hints(adoption.findings, Sources(Path.cwd()), sys.stdout)
     draft = adoption.draft
     if lowered := sorted({*draft.lint, *(rule for row in draft.rows for rule in row.lint)}):
         print(

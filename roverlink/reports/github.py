@@ -23,7 +23,7 @@ def write(reported: Reported) -> None:
 def _command(finding: Diagnostic, reported: Reported) -> str:
     # Without a file, GitHub shows the command on the page of the workflow's run.
     span, rule = main_place(finding, reported) or Span(""), finding.rule
-    properties = {"file": span.file, "line": span.line, "col": span.column, "title": f"{rule.id} {rule.name}"}
+    properties = {"file": span.name, "line": span.line, "col": span.column, "title": f"{rule.id} {rule.name}"}
     shown = ",".join(f"{name}={_escaped(str(value), ':,')}" for name, value in properties.items() if value)
     return f"::{_COMMANDS[finding.severity]} {shown}::{_escaped(whole_text(finding, reported, with_related=True))}"
 

@@ -52,7 +52,7 @@ def _rule(rule: type[Rule]) -> dict[str, Any]:
         "name": rule.name,
         "shortDescription": {"text": rule.summary},
         "fullDescription": {"text": rule.documentation.partition("\nBad::")[0].strip()},
-        "help": {"text": rule.documentation.strip()},
+        "help": {"text": rule.explanation},
         "defaultConfiguration": {"level": _LEVELS[rule.severity]},
     }
 

@@ -51,6 +51,19 @@ def test_all_commands_show_the_line(project: Path, command: list[str], capsys: p
     assert _SHOWN in said.out + said.err
 
 
+def test_known_hints_hide_no_error(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`generate` shows the error, and of what the table lowers to a hint only the number and the rules."""
+    row = "  - {number: 2, name: old, proto: Imu, topic: imu, direction: board_to_ros}\n"
+    lowered = "lint: {TAB102: {severity: hint, reason: two boards send it}}\n"
+    (project / "mapping.yaml").write_text(_TABLE.replace("bord_", "board_") + row + lowered, encoding="utf-8")
+    assert main(["generate"]) == 0
+    summed = "1 hint (TAB102), which `roverlink lint` shows\n"
+    assert capsys.readouterr().err == summed
+    (project / "mapping.yaml").write_text(_TABLE.replace("bord_", "board_") + row + lowered + "more: 1\n")
+    assert main(["generate"]) == 1
+    assert capsys.readouterr().err.endswith(f"{summed}1 error in mapping.yaml; nothing was written\n")
+
+
 def test_a_row_that_is_not_on_disk_is_quoted(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """`add` quotes the row that it would write."""
     assert main(["add", "wind", "--proto", "Imu", "--direction", "gale_to_ros"]) == 1

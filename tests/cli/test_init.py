@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
 from needs import NO_DDS
 from programs import Start
 from running import Bridge, Called
@@ -56,6 +60,58 @@ def test_from_protos_to_a_bridge_that_carries_a_message(
     assert program.interrupt() == 0
 
 
+def _git(folder: Path, *arguments: str) -> None:
+    people = {f"GIT_{who}_{what}": "a@example.com" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}
+    subprocess.run(["git", "-C", folder, *arguments], env={**os.environ, **people}, check=True, capture_output=True)
+
+
+def _repository(folder: Path, branch: str, *, cloned: bool = False, submodule: bool = False) -> None:
+    """Commit a tree of protos, in the folder itself or in a submodule of it, or clone it into the folder."""
+    protos = {name.removeprefix("protos/"): text for name, text in _FLAT.items()}
+    origin = folder.parent / "origin" if cloned or submodule else folder
+    plant(origin if submodule else origin / "protos", protos)
+    _git(origin.parent, "init", "--quiet", "--initial-branch", branch, str(origin))
+    _git(origin, "add", "--all")
+    _git(origin, "commit", "--quiet", "--message", "Begin")
+    if cloned:
+        _git(folder.parent, "clone", "--quiet", str(origin), str(folder))
+    elif submodule:
+        _git(folder.parent, "init", "--quiet", "--initial-branch", branch, str(folder))
+        _git(folder, "-c", "protocol.file.allow=always", "submodule", "add", str(origin), "protos")
+        _git(folder, "commit", "--quiet", "--message", "Begin")
+
+
+_PLACES: dict[str, tuple[dict[str, Any], str]] = {
+    "a clone of main": ({"branch": "main", "cloned": True}, "origin/main"),
+    "a clone of dev": ({"branch": "dev", "cloned": True}, "origin/dev"),
+    "no remote, master": ({"branch": "master"}, "master"),
+    "a submodule, trunk": ({"branch": "trunk", "submodule": True}, "trunk"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place", _PLACES)
+def test_the_printed_commands_run_in_this_tree(place: str, tmp_path: Path, called: Called) -> None:
+    """Each command but the bridge ends with 0; the one for CI names the branch that is here; CI's files are there."""
+    settings, base = _PLACES[place]
+    folder = tmp_path / "rover"
+    _repository(folder, **settings)
+    code, said, _ = called("init", "--from", "protos", folder=folder)
+    assert code == 0
+    commands = [re.split("  +", line.strip())[0] for line in said.partition("next:\n")[2].splitlines()[1:]]
+    assert commands == [
+        "roverlink generate",
+        "roverlink lint",
+        "roverlink run",
+        f"roverlink lint --against {base} --history",
+    ]
+    assert [called(*one.split()[1:], folder=folder)[0] for one in commands if one != "roverlink run"] == [0, 0, 0]
+    workflow = yaml.safe_load((folder / ".github" / "workflows" / "roverlink.yml").read_text())
+    assert workflow[True]["push"]["branches"] == [base.rpartition("/")[2]]  # YAML 1.1 reads `on` as true
+    (hook,) = yaml.safe_load((folder / ".pre-commit-config.yaml").read_text())["repos"][0]["hooks"]
+    assert called(*hook["entry"].split()[1:], folder=folder)[0] == 0
+
+
 _FLAT = {f"protos/{name}": text for name, text in FLAT.items()}
 _STARTED = {
     *(".github", ".gitignore", ".pre-commit-config.yaml", "docs", "generated", "mapping.lock", "mapping.yaml"),
@@ -92,7 +148,7 @@ def test_files_that_are_there_stay_as_they_are(tmp_path: Path, called: Called) -
     code, said, _ = called("init", folder=folder)
     assert code == 0
     assert "kept the existing proto/board.proto\nkept the existing .gitignore\n" in said
-    assert f"move them to {tmp_path} and let their commands run in software/rover\n" in said
+    assert f"move them to {tmp_path}\n" in said
     files = [path for path in (folder / "generated").rglob("*") if path.is_file()]
     assert f" and {len(files)} files in generated/\n" in said
     assert (folder / ".gitignore").read_text() == "*.bag\n"

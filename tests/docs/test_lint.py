@@ -1,7 +1,8 @@
-"""docs/lint.md names hooks that run, and its workflow works."""
+"""docs/lint.md names hooks that run; the action and the workflows do what they say."""
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -15,11 +16,14 @@ import pytest
 import yaml
 from page import ROOT
 
+from roverlink.generator.new_project import files_about_repository
+
 _PAGE = ROOT / "docs" / "lint.md"
 
 
 _HOOKS: list[dict[str, Any]] = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
-_WORKFLOW = yaml.safe_load((ROOT / "docs" / "workflows" / "lint-protos.yml").read_text(encoding="utf-8"))
+_ACTION = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
+_WORKFLOWS = sorted((ROOT / "docs" / "workflows").glob("*.yml"))
 
 
 def _run(command: str, folder: Path, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
@@ -33,8 +37,8 @@ def _run(command: str, folder: Path, env: dict[str, str] | None = None) -> subpr
 
 
 def _step(name: str) -> Any:
-    """A step of the workflow to copy."""
-    return next(step for step in _WORKFLOW["jobs"]["lint"]["steps"] if step.get("name") == name)
+    """A step of the action."""
+    return next(step for step in _ACTION["runs"]["steps"] if step.get("name") == name)
 
 
 @pytest.mark.parametrize("hook", _HOOKS, ids=lambda hook: hook["id"])
@@ -131,26 +135,83 @@ def test_the_hook_with_arguments_lints_a_repository_without_a_table(tmp_path: Pa
     assert "git fetch --unshallow" in said.stdout
 
 
+_BASES: dict[str, tuple[dict[str, object], str]] = {
+    "a pull request": ({"github.base_ref": "dev"}, "origin/dev"),
+    "a push": ({"github.event.before": "4c1f09ab27"}, "4c1f09ab27"),
+    "the first push of a branch": ({"github.event.created": True, "github.event.before": "0" * 40}, "origin/main"),
+    "started by hand": ({}, "origin/main"),
+}
+
+
+@pytest.mark.parametrize("event", _BASES)
+def test_each_event_has_its_base(event: str, tmp_path: Path) -> None:
+    """A push is not compared with itself: in the action, and in the workflow that `init` writes."""
+    text = files_about_repository(tmp_path, "").texts[".github/workflows/roverlink.yml"]
+    steps = [_step("Lint"), yaml.safe_load(text)["jobs"]["lint"]["steps"][-1]]
+    facts, base = _BASES[event]
+    known = {"github.event.repository.default_branch": "main", **facts}
+    for step in steps:
+        expression = step["env"]["BASE"].removeprefix("${{").removesuffix("}}").replace("!", " not ")
+        expression = expression.replace("&&", "and").replace("||", "or").replace("format(", "str.format(").strip()
+        value = re.sub(r"(?:github|inputs)[.][\w.]+", lambda name: repr(known.get(name[0])), expression)
+        assert eval(value) == base  # noqa: S307  # an expression of our own workflow, whose operators Python has
+
+
 @pytest.mark.slow
-def test_the_workflow_to_copy_lints_a_pull_request(tmp_path: Path) -> None:
-    """Its step, run in a clone of a repository of protos, finds what a branch breaks; the base branch's past passes."""
-    assert _step("Lint")["env"] == {"BASE": "origin/${{ github.base_ref }}"}
-    origin, clone, home = tmp_path / "origin", tmp_path / "clone", tmp_path / "home"
+def test_the_step_of_the_action_lints_a_push(tmp_path: Path) -> None:
+    """Run in a clone, it finds what a push breaks; the past passes; the commit before a forced push is fetched."""
+    origin, clone, runner = tmp_path / "origin", tmp_path / "clone", tmp_path / "runner"
     origin.mkdir()
     _start(origin)
-    _run(f"git clone {origin} {clone}", tmp_path)
-    (home / "roverlink").mkdir(parents=True)
-    (home / "roverlink" / "bin").symlink_to(Path(sys.executable).parent)
-    env = {**_WORKFLOW["env"], "PROTOS": "protos", "BASE": "origin/main", "HOME": str(home)}
-    said = _run(_step("Lint")["run"], clone, env)
-    assert said.returncode == 0, said.stdout + said.stderr
-    assert re.fullmatch(r"[0-9]+ known problems? not shown; .*\n", said.stdout)
+    _run("git checkout -b gone && git commit --allow-empty --message Gone && git checkout main", origin)
+    gone = _run("git rev-parse gone", origin).stdout.strip()
+    _run(f"git clone --branch main --single-branch 'file://{origin}' {clone}", tmp_path)
+    _run("git branch -D gone && git config uploadpack.allowAnySHA1InWant true", origin)  # as GitHub has it
+    (runner / "roverlink").mkdir(parents=True)
+    (runner / "roverlink" / "bin").symlink_to(Path(sys.executable).parent)
+    env = {"PROTOS": "protos", "MESSAGE": "PBEnvelope", "SARIF": "", "RUNNER_TEMP": str(runner)}
+    for base, warned in (("origin/main", False), (gone, False), ("1" * 40, True)):
+        said = _run(_step("Lint")["run"], clone, {**env, "BASE": base})
+        assert said.returncode == 0, said.stdout + said.stderr
+        assert ("::warning::the commit before this push" in said.stdout) == warned
+        assert "::error" not in said.stdout
     envelope = clone / "protos" / "components" / "common" / "envelope.proto"
     text = envelope.read_text()
     for subject, line in (("Drop the pressure", ""), ("Weigh thrice", "    SensorBoardLoadCellInfo thrice = 15;\n")):
         envelope.write_text(re.sub(r"^.* = 15;\n", line, text, flags=re.MULTILINE))
         _commit(clone, subject)
-    said = _run(_step("Lint")["run"], clone, env)
+    said = _run(_step("Lint")["run"], clone, {**env, "BASE": "origin/main"})
     assert said.returncode == 1
     assert "::error file=protos/components/common/envelope.proto,line=" in said.stdout
     assert "HIS101" in said.stdout
+    said = _run(_step("Lint")["run"], clone, {**env, "BASE": "origin/main", "SARIF": "roverlink.sarif"})
+    assert (said.returncode, said.stdout) == (1, "")
+    assert json.loads((clone / "roverlink.sarif").read_text())["runs"][0]["results"]
+
+
+@pytest.mark.slow
+def test_actions_and_workflows_are_what_github_reads(tmp_path: Path) -> None:
+    """GitHub's own schemas accept the action, the workflows to copy, and those that `init` writes."""
+    pytest.importorskip("check_jsonschema", reason="need check-jsonschema (pip install '.[full]')")
+    git = {"GIT_CONFIG_GLOBAL": os.devnull}
+    (tmp_path / "sub folder").mkdir()
+    (tmp_path / ".gitmodules").touch()
+    _run("git init --initial-branch dev && git commit --allow-empty --message Begin", tmp_path, git)
+    texts = files_about_repository(tmp_path / "sub folder", "git+https://example.com/r@1").texts
+    written = tmp_path / "workflow.yml"
+    written.write_text(texts[".github/workflows/roverlink.yml"])
+    workflow = yaml.safe_load(written.read_text())
+    assert workflow[True]["push"]["branches"] == ["dev"]  # YAML 1.1 reads `on` as true
+    job = workflow["jobs"]["lint"]
+    assert job["defaults"]["run"]["working-directory"] == "sub folder"
+    assert job["steps"][0]["with"] == {"fetch-depth": 0, "submodules": "recursive"}
+    (hook,) = yaml.safe_load(texts[".pre-commit-config.yaml"])["repos"][0]["hooks"]
+    assert shlex.split(hook["entry"])[-2:] == ["--table", "sub folder/mapping.yaml"]
+    assert hook["always_run"] is True
+    for schema, files in (("actions", [ROOT / "action.yml"]), ("workflows", [*_WORKFLOWS, written])):
+        done = subprocess.run(
+            [sys.executable, "-m", "check_jsonschema", "--builtin-schema", f"vendor.github-{schema}", *files],
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stdout

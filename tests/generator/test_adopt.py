@@ -5,6 +5,7 @@ After a change, `pytest tests/generator/test_adopt.py --update-cases` writes the
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -152,7 +153,7 @@ def _file_in_the_way(folder: Path) -> None:
         (_flat, {"message": "Missing"}, "no message 'Missing' is declared"),
         (_flat, {"message": "Wheels"}, "'Wheels' has no oneof that contains messages"),
         (_flat, {"oneof": "missing"}, "'Envelope' has no oneof 'missing' that contains messages"),
-        (_no_oneof, {}, "no message with a oneof is declared"),
+        (_no_oneof, {}, "no message with a oneof is declared\n  help: the envelope is a message with a oneof of all"),
         (_broken_envelope, {}, '"sint33" is not defined'),
         (_flat, {"package": "No_Package"}, "No_Package"),
         (_file_in_the_way, {}, "docs/messages.md: fatal[ADO103] the file exists and was not generated"),
@@ -168,6 +169,38 @@ def test_what_cannot_be_taken_over_is_told(
     assert expected in str(caught.value)
 
 
+def test_what_a_tree_without_an_envelope_is_told_to_write_is_one(tmp_path: Path) -> None:
+    """The text in the help, put where it says, is taken over."""
+    _no_oneof(tmp_path)
+    with pytest.raises(DiagnosticsError) as caught:
+        _adopted(tmp_path)
+    _, text, file, *_ = re.split("`| into | and run", caught.value.findings[0].help)
+    plant(tmp_path, {file or "protos/envelope.proto": text})
+    assert [(row.number, row.name, row.proto) for row in _adopted(tmp_path).draft.rows] == [(1, "a", "A")]
+
+
+_NESTED = """
+syntax = "proto3";
+message Imu { float x = 1; }
+message Gps { float x = 1; }
+message Body { oneof payload { Imu imu = 1; Gps gps = 2; Other other = 3; } }
+message Other { float x = 1; }
+message Batch { map<string, Body> bodies = 1; }
+message Frame { oneof kind { Batch batch = 1; Imu ping = 2; } oneof trailer { Gps place = 3; } }
+"""
+
+
+def test_the_outermost_message_is_the_envelope(tmp_path: Path) -> None:
+    """Also where a larger oneof is inside a payload of it; the table names what else it could be."""
+    plant(tmp_path / "protos", {"frame.proto": _NESTED})
+    adoption = _adopted(tmp_path)
+    assert "  message: Frame  # guessed: it could be Body; the oneof could be trailer\n" in _table(adoption)
+    assert (
+        "guessed"
+        not in _table(_adopted(tmp_path, message="Frame", oneof="kind")).partition("ros:")[0].partition("root:")[2]
+    )
+
+
 _AWKWARD = {
     "a/status.proto": 'syntax = "proto3";\npackage a;\nmessage Status { Part p = 1; }\nmessage Part { int32 x = 1; }\n',
     "b/status.proto": 'syntax = "proto3";\npackage b;\nmessage Status { int32 On = 1; int32 on_ = 2; }\n',
@@ -179,13 +212,14 @@ import "b/status.proto";
 import "c.proto";
 message E {
   oneof payload {
-    a.Status off = 1;
+    a.Status off = 1;  // \x1b[2J
     b.Status status = 2;
     motor_state motor = 3;
     a.Status again = 4;
   }
 }
 """,
+    "rtl\u202e\x1b.proto": "message",
 }
 
 
@@ -199,7 +233,7 @@ def test_names_that_ros_refuses_are_replaced(tmp_path: Path) -> None:
     assert routes["motor"].conversion.ros == "MotorState"
     assert {rows["off"].ros, rows["status"].ros} & {"AStatus", "BStatus"}
     assert rows["off"].ros == rows["again"].ros
-    assert 'name: "off"' in _table(adoption)
+    assert all(text in _table(adoption) for text in ('name: "off"', "# \\x1b[2J\n", '- "rtl\\u202e\\x1b.proto"\n'))
 
 
 _FAULTY = {"envelope.proto": """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -103,4 +104,6 @@ def test_every_rule_is_documented(rule: type[Rule], capsys: pytest.CaptureFixtur
     assert example(rule, "Bad")
     assert example(rule, "Good")
     assert main(["explain", rule.id]) == 0
-    assert capsys.readouterr().out.startswith(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{summary}\n")
+    said = capsys.readouterr().out
+    assert said.startswith(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{summary}\n")
+    assert re.findall(r"``|::$|:\w+:`", said, re.MULTILINE) == []  # reStructuredText

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from urllib.parse import quote
 from xml.etree import ElementTree
 
 import pytest
@@ -87,7 +88,7 @@ def test_sarif_names_rules_levels_and_places(project: Path, capsys: pytest.Captu
     rules = {rule["id"]: rule for rule in run["tool"]["driver"]["rules"]}
     assert log["version"] == "2.1.0"
     assert set(lint_rules()) <= set(rules)
-    assert rules["ENV101"]["help"]["text"] == lint_rules()["ENV101"].documentation
+    assert rules["ENV101"]["help"]["text"] == lint_rules()["ENV101"].explanation
     assert {result["ruleId"] for result in run["results"]} <= set(rules)
     (result,) = [result for result in run["results"] if result["ruleId"] == "ENV101"]
     assert result["level"] == "error"
@@ -112,6 +113,33 @@ def test_junit_counts_rules_as_tests(project: Path, capsys: pytest.CaptureFixtur
     assert failure is not None
     assert "mapping.yaml:8:14: error[ENV101]" in str(failure.text)
     assert cases["ENV104"].find("failure") is None
+
+
+_STRANGE = ("-x", "@x", "new\nline", "two words::x.proto:1:1: y", "rtl\u202e\x1b[31m")
+
+
+@pytest.mark.slow
+def test_no_format_prints_what_a_terminal_obeys(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Escapes and marks of direction, in names and lines, are shown escaped; each file has the name that it has."""
+    paths = [project / "proto" / f"{name}.proto" for name in _STRANGE]
+    for path in paths:
+        path.write_text('syntax = "proto3";\n// \f\nmessage M { Missing\u202e x = 1; /* \x1b[2J */ }\n')
+    said = {name: _said(capsys, "--format", name) for name in ("text", "github", "junit", "json", "sarif")}
+    assert [name for name, text in said.items() if not text.replace("\n", "").isprintable()] == []
+    lines = [finding["line"] for finding in json.loads(said["json"]) if finding["path"] == f"proto/{paths[-1].name}"]
+    assert set(lines) == {3}
+    shown = [f"proto/{name}.proto".encode("unicode_escape").decode() for name in _STRANGE]
+    assert [name for name in shown if f"\n{name}:3:20: error[PRO101] " not in said["text"]] == []
+    assert "\n3 | message M { Missing\\u202e x = 1; /* \\x1b[2J */ }\n  |                    ^\n" in said["text"]
+    failures = "".join(ElementTree.fromstring(said["junit"]).itertext())  # noqa: S314  # our own output
+    assert [name for name in shown if f"{name}:3:20: error[PRO101] " not in failures] == []
+    assert [name for name in shown if f"file={name.replace(':', '%3A')},line=3,col=20" not in said["github"]] == []
+    uris = {
+        place["physicalLocation"]["artifactLocation"]["uri"]
+        for result in json.loads(said["sarif"])["runs"][0]["results"]
+        for place in result["locations"]
+    }
+    assert {quote(path.relative_to(project).as_posix()) for path in paths} <= uris
 
 
 @pytest.mark.slow

@@ -114,6 +114,63 @@ def test_the_repository_is_that_of_the_folder(tree: Path, found: Found, monkeypa
     assert (code, one["id"], one["also"][0]["commit"]["subject"]) == (1, "WIR102", "0")
 
 
+# --- protos in a submodule ---
+
+_TABLE = """\
+version: 1
+proto: {root: protos}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload, owner: proto}
+ros: {package: probe}
+peers: {board: {}}
+messages:
+  - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros}
+  - {number: 2, name: gps, proto: Gps, topic: gps, direction: board_to_ros}
+"""
+
+
+@pytest.fixture
+def rover(tree: Path) -> Path:
+    """A project in a folder of a repository, with `tree` as a submodule; the current folder is the project's."""
+    project = RepositoryBuilder(tree.parent / "rover").commits({"README.md": ""}).write() / "software"
+    project.mkdir()
+    git(project, "-c", "protocol.file.allow=always", "submodule", "--quiet", "add", str(tree), "protos")
+    (project / "mapping.yaml").write_text(_TABLE)
+    _commit(project)
+    os.chdir(project)
+    return project
+
+
+@pytest.mark.slow
+def test_the_state_has_the_commit_that_it_pins(rover: Path, found: Found, run: Run) -> None:
+    """A change in the submodule is found at its place, and the commit of the line before is one of the submodule's."""
+    assert run("lint", "--against", "main", "--history") == (0, "No problems found.\n", "")
+    _replace(rover / "protos", *_DELETED)
+    _commit(rover / "protos")
+    code, (one,) = found("--against", "main", "--history")
+    assert (code, one["id"], one["path"]) == (1, "WIR102", "protos/imu.proto")
+    (before,) = one["also"]
+    assert (before["path"], before["commit"]["subject"]) == ("main:software/protos/imu.proto", "0")
+    git(rover, "mv", "protos", "moved")
+    (rover / "mapping.yaml").write_text(_TABLE.replace("root: protos", "root: moved"))
+    assert found("--against", "main")[1][0]["path"] == "moved/imu.proto"
+    _commit(rover)
+    assert [one["id"] for one in found("--history", "main", "--against", "main~1")[1]] == ["WIR102"]
+
+
+def test_a_state_whose_submodule_is_not_here_is_one_line(rover: Path, found: Found, run: Run) -> None:
+    """The line names the submodule and its commit; a state from before the project is nothing to compare with."""
+    pinned = "1" * 40
+    git(rover, "update-index", "--cacheinfo", f"160000,{pinned},software/protos")
+    git(rover, "-c", "user.name=A", "-c", "user.email=a@example.com", "commit", "--quiet", "--message", "Pin")
+    code, (one,) = found("--against", "HEAD")
+    assert (code, one["id"], one["path"]) == (2, "STA102", "HEAD:software/protos")
+    assert one["message"] == "the submodule's commit 1111111111 is not in this clone"
+    assert f"`git -C protos fetch origin {pinned}`" in one["help"]
+    code, (one,) = found("--against", "main~2")
+    message = "the earlier state has no .proto file, so nothing was compared"
+    assert (code, one["severity"], one["message"]) == (0, "hint", message)
+
+
 # --- bad input ---
 
 
