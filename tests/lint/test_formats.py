@@ -122,8 +122,8 @@ _STRANGE = ("-x", "@x", "new\nline", "two words::x.proto:1:1: y", "rtl\u202e\x1b
 def test_no_format_prints_what_a_terminal_obeys(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Escapes and marks of direction, in names and lines, are shown escaped; each file has the name that it has."""
     paths = [project / "proto" / f"{name}.proto" for name in _STRANGE]
-    for path in paths:
-        path.write_text('syntax = "proto3";\n// \f\nmessage M { Missing\u202e x = 1; /* \x1b[2J */ }\n')
+    for letter, path in zip("ABCDM", paths, strict=True):
+        path.write_text(f'syntax = "proto3";\n// \f\nmessage {letter} {{ Missing\u202e x = 1; /* \x1b[2J */ }}\n')
     said = {name: _said(capsys, "--format", name) for name in ("text", "github", "junit", "json", "sarif")}
     assert [name for name, text in said.items() if not text.replace("\n", "").isprintable()] == []
     lines = [finding["line"] for finding in json.loads(said["json"]) if finding["path"] == f"proto/{paths[-1].name}"]
