@@ -11,8 +11,8 @@ from typing import TypeVar
 import numpy as np
 
 from roverkit.vision import CameraParameters, MarkerSet
-from roverkit.vision.field.field_tracker import LandmarkResult
-from roverkit.vision.field.localization import FieldPose
+from roverkit.vision.localization.field_tracker import LandmarkResult
+from roverkit.vision.localization.pose_from_landmarks import FieldPose
 from roverkit.vision.markers.dictionaries import other_dictionary
 from roverkit.vision.markers.marker_set import TargetId
 from roverlink.console import counted

@@ -34,7 +34,7 @@ from roverlink.runtime.ros_arguments import ros_args
 
 _ROVERKIT = Path(__file__).parents[2] / "roverkit"
 _OPTIONAL = ("av", "cv2", "gtsam", "jax", "numpy", "onnxruntime", "scipy")
-_OPENS_ITSELF = {"vision/ros/rover_position.py"}  # extra topics of a row, which only the table knows
+_OPENS_ITSELF = {"aruco/rover_position_publisher.py"}  # extra topics of a row, which only the table knows
 
 
 def _commands(parser: ArgumentParser, words: tuple[str, ...] = ()) -> dict[str, ArgumentParser]:
