@@ -9,6 +9,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from importlib.metadata import metadata
 from pathlib import Path
 
 import pytest
@@ -50,6 +51,14 @@ def test_every_help_has_an_example(
         ros_args.parse(ros, "udp_forwarder")
 
 
+@pytest.mark.parametrize("group", ["number", "link", "recording"])
+def test_a_group_alone_lists_its_commands(group: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is not a success, as `roverlink` alone is none."""
+    assert exit_code(group, "--help") == 0
+    text = capsys.readouterr().out
+    assert (exit_code(group), capsys.readouterr()) == (2, (text, ""))
+
+
 def test_the_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     """The help lists all commands by their job; so does `roverlink` alone, which is not a success."""
     assert exit_code("--help") == 0
@@ -68,7 +77,7 @@ def test_a_command_of_a_package_that_is_not_installed_is_named(
     monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())
     assert exit_code("aruco", "track", "0") == 2
     assert (
-        "'aruco' is a command of roverkit; install it from roverlink's repository with `pip install ./rover`"
+        "'aruco' is a command of roverkit; install it in roverlink's repository with `pip install './rover[vision]'`"
         in capsys.readouterr().err
     )
     assert exit_code("--help") == 0
@@ -77,10 +86,9 @@ def test_a_command_of_a_package_that_is_not_installed_is_named(
 
 def test_the_packages_add_the_commands_that_roverlink_names() -> None:
     """What roverlink says about commands of other packages is what these packages declare."""
-    added = {
-        name: {entry.name for entry in entry_points(ENTRY_POINTS) if entry.dist.name == name} for name in ELSEWHERE
-    }
-    assert added == {name: set(commands) for name, commands in ELSEWHERE.items()}
+    for package, commands in ELSEWHERE.items():
+        assert {one.name for one in entry_points(ENTRY_POINTS) if one.dist.name == package} == set(commands)
+        assert {*commands.values(), ""} <= {*metadata(package).get_all("Provides-Extra", []), ""}
 
 
 def test_the_version_is_the_package_s(capsys: pytest.CaptureFixture[str]) -> None:
