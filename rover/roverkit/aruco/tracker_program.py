@@ -75,9 +75,8 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             stack.enter_context(publish_log(logger, connection.middleware, ros))
             outputs += [_publisher(camera, connection, arguments, logger) for camera in cameras]
             outputs.append(_rover_publisher(connection, arguments, logger, now=located))
-        log = stack.enter_context(
-            TrackingLog(logger, targets.markers, {camera.name: camera.parameters for camera in cameras})
-        )
+        parameters = {camera.name: camera.parameters for camera in cameras}
+        log = stack.enter_context(TrackingLog(logger, targets.markers, parameters, wanted.assumed_side))
         frames = frames_of(cameras, arguments, connection)
         for camera, frame in log.timed(with_progress(frames, [camera.source for camera in cameras], arguments)):
             if wanted.targets is not targets:
@@ -85,7 +84,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
                 for tracked in cameras:
                     mounted[tracked.name].tracker = tracker(tracked)
                 field_tracker.use(targets.landmarks)
-                log.look_for(targets.markers)
+                log.look_for(targets.markers, wanted.assumed_side)
             result = field_tracker.track(mounted[camera.name], frame)
             log.add(result)
             if arguments.json:
