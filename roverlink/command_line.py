@@ -12,7 +12,12 @@ import os
 import signal
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+    from roverlink.console import Subparsers
 
 GROUPS = {
     "the table": ("init", "add", "generate", "lint", "explain", "number"),
@@ -21,13 +26,17 @@ GROUPS = {
 }
 """Names of roverlink's own commands by their job, in the order in which ``roverlink --help`` lists them."""
 ELSEWHERE = {
-    "roverkit": (
-        *("aruco", "objects", "rocks", "video"),
-        *("drive", "odometry", "fuse", "mission", "simulate-rover"),
-    ),
-    "check-launch": ("check-launch",),
+    "roverkit": {
+        "aruco": "vision",
+        "objects": "detect",
+        "rocks": "vision",
+        "video": "video",
+        "fuse": "fusion",
+        **dict.fromkeys(("drive", "odometry", "mission", "simulate-rover"), ""),
+    },
+    "check-launch": {"check-launch": ""},
 }
-"""Names of the commands that other packages of this repository add."""
+"""Names of the commands that other packages of this repository add, each with the extra that it needs, if any."""
 FOLDERS = {"roverkit": "rover", "check-launch": "check_launch"}
 """Folders of these packages in the repository."""
 COMMANDS = tuple(name for names in (*GROUPS.values(), *ELSEWHERE.values()) for name in names)
@@ -52,6 +61,8 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     if not own:
         command_line(["--help"]).print_help()
         raise SystemExit(2)
+    if own[0] == "help":
+        command_line([]).error(f"unknown command 'help'; did you mean `{' '.join(['roverlink', *own[1:], '--help'])}`?")
     if "--ros-args" in own:
         from roverlink.runtime.ros_arguments import ros_args
 
@@ -129,6 +140,9 @@ class _Parser(argparse.ArgumentParser):
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         if self._is_parsing:  # parse_known_intermixed_args calls this method again
             return super().parse_known_args(args, namespace)
+        if self._commands is not None and not args:
+            self.print_help()
+            self.exit(2)
         self._refuse_unknown_options(args)
         self._is_parsing = True
         try:
@@ -146,7 +160,7 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: error: {message}\nrun `{self.prog} --help` for all arguments\n")
 
     def _refuse_unknown_options(self, arguments: Sequence[str]) -> None:
-        """Exit with an error that suggests a similar option if a long option is unknown.
+        """Exit with an error that suggests a similar option if a long option, or one before a command, is unknown.
 
         argparse would first report what is missing, and name no similar option.
         """
@@ -158,6 +172,8 @@ class _Parser(argparse.ArgumentParser):
             # Like argparse, take what has a space in it for a value, and the beginning of an option for the option.
             if name.startswith("--") and " " not in argument and not any(option.startswith(name) for option in known):
                 self.error(f"unknown option {_with_hint(name, known)}")
+            if self._commands is not None and argument[:2] not in ("--", *self._option_string_actions):
+                self.error(f"unknown option {_with_hint(argument, known)}")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Raise ArgumentError with a similar choice if a value or a subcommand is not one of the choices."""
@@ -166,9 +182,14 @@ class _Parser(argparse.ArgumentParser):
         if action is self._commands:
             package = next((name for name, commands in ELSEWHERE.items() if value in commands), None)
             if package and not self.prog.count(" "):
-                cure = f"install it from roverlink's repository with `pip install ./{FOLDERS[package]}`"
+                extra = ELSEWHERE[package][value]
+                source = f"'./{FOLDERS[package]}[{extra}]'" if extra else f"./{FOLDERS[package]}"
+                cure = (
+                    f"install it in roverlink's repository with `pip install {source}`, elsewhere as in docs/install.md"
+                )
                 raise argparse.ArgumentError(None, f"{value!r} is a command of {package}; {cure}")
-            raise argparse.ArgumentError(None, f"unknown command {_with_hint(value, action.choices)}")
+            known = [*action.choices, *(option for option in self._option_string_actions if option.startswith("--"))]
+            raise argparse.ArgumentError(None, f"unknown command {_with_hint(value, known)}")
         raise argparse.ArgumentError(action, f"unknown value {_with_hint(value, action.choices)}")
 
 
@@ -211,12 +232,16 @@ def _parser(arguments: Sequence[str] | None, parser_class: type[argparse.Argumen
 
     added = {entry.name: entry for entry in entry_points(ENTRY_POINTS)}
     if first in added:
-        added[first].load().add(commands)
+        if failure := _add(added[first], commands):
+            parser.exit(2, f"roverlink: the command {first} {failure}\n")
     elif arguments is None or any(_asks_for_help(argument) for argument in arguments):
+        from roverlink.console import SUMMARY
+
         for module in own.values():
             importlib.import_module(module).add(commands)
-        for entry in added.values():
-            entry.load().add(commands)
+        for name, entry in added.items():
+            if failure := _add(entry, commands):
+                (commands.choices.get(name) or commands.add_parser(name)).set_defaults(**{SUMMARY: failure})
         packages = {name: entry.dist.name if entry.dist else "" for name, entry in added.items()}
         parser.epilog = _lists(commands.choices, packages) + str(parser.epilog)
         parser.formatter_class = argparse.RawDescriptionHelpFormatter
@@ -225,6 +250,19 @@ def _parser(arguments: Sequence[str] | None, parser_class: type[argparse.Argumen
         for name in (*own, *added):
             commands.add_parser(name, help="")  # without a help, zsh would show the completion as `None`
     return parser
+
+
+def _add(entry: EntryPoint, commands: Subparsers) -> str:
+    """Add the command of another package, and return ""; if its module cannot be loaded, return why, in one line."""
+    from roverlink.installed_packages import cure
+    from roverlink.runtime.core.errors import SetupError
+
+    try:
+        entry.load().add(commands)
+    except (ImportError, SetupError) as error:
+        reason = cure(error) if isinstance(error, ImportError) else None
+        return f"cannot be loaded: {' '.join((reason or str(error)).split())}"  # numpy's text has many lines
+    return ""
 
 
 def _lists(parsers: Mapping[str, argparse.ArgumentParser], packages: Mapping[str, str]) -> str:

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from roverlink import doctor_link
-from roverlink.console import TABLE, project_folder
+from roverlink.console import TABLE, counted, project_folder
 from roverlink.generated_code import load_project
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.pipeline import compile_table
@@ -83,8 +83,8 @@ def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = ()) 
     examined = "generated code"
     try:
         registry = load_project(project_folder(project))
-        messages, fingerprint = len(registry.handlers), registry.fingerprint[:12]
-        found.append(CheckResult("ok", examined, f"{messages} messages, fingerprint of the table {fingerprint}"))
+        messages, fingerprint = counted(len(registry.handlers), "message"), registry.fingerprint[:12]
+        found.append(CheckResult("ok", examined, f"{messages}, fingerprint of the table {fingerprint}"))
         found += _table(project_folder(project))
         examined = "parameters"
         settings = parameters.read(registry, ros.parameters)

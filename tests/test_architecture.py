@@ -157,6 +157,12 @@ def test_the_renderer_does_not_use_what_it_judges() -> None:
     assert _imports("roverkit.vision.images.rendering") == {"roverkit.vision.opencv"}
 
 
+def test_the_vision_library_does_not_know_its_command() -> None:
+    """roverkit.aruco imports roverkit.vision, and not the other way round."""
+    known = {other for module in _modules() if module.startswith("roverkit.vision") for other in _imports(module)}
+    assert not any(name.startswith("roverkit.aruco") for name in known)
+
+
 @pytest.mark.parametrize("folder", LINKED)
 def test_a_folder_does_not_import_under_its_bare_name(folder: str) -> None:
     """`import runtime` in a checkout is an error that names the right import, never a second copy of the modules."""

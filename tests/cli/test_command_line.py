@@ -9,6 +9,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from importlib.metadata import metadata
 from pathlib import Path
 
 import pytest
@@ -51,7 +52,7 @@ def test_every_help_has_an_example(
 
 
 def test_the_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
-    """The help lists all commands by their job; so does `roverlink` alone, which is not a success."""
+    """The help lists all commands by their job; so does `roverlink` or a group alone, which is not a success."""
     assert exit_code("--help") == 0
     text = capsys.readouterr().out
     assert "example: " in text
@@ -59,6 +60,9 @@ def test_the_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> Non
     assert sorted(listed) == sorted(COMMANDS)
     assert listed[: len(_OWN)] == _OWN
     assert (exit_code(), capsys.readouterr().out) == (2, text)
+    assert (exit_code("number", "--help"), exit_code("number")) == (0, 2)
+    text = capsys.readouterr().out
+    assert text == 2 * text[: len(text) // 2]
 
 
 def test_a_command_of_a_package_that_is_not_installed_is_named(
@@ -68,7 +72,7 @@ def test_a_command_of_a_package_that_is_not_installed_is_named(
     monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())
     assert exit_code("aruco", "track", "0") == 2
     assert (
-        "'aruco' is a command of roverkit; install it from roverlink's repository with `pip install ./rover`"
+        "'aruco' is a command of roverkit; install it in roverlink's repository with `pip install './rover[vision]'`"
         in capsys.readouterr().err
     )
     assert exit_code("--help") == 0
@@ -77,10 +81,9 @@ def test_a_command_of_a_package_that_is_not_installed_is_named(
 
 def test_the_packages_add_the_commands_that_roverlink_names() -> None:
     """What roverlink says about commands of other packages is what these packages declare."""
-    added = {
-        name: {entry.name for entry in entry_points(ENTRY_POINTS) if entry.dist.name == name} for name in ELSEWHERE
-    }
-    assert added == {name: set(commands) for name, commands in ELSEWHERE.items()}
+    for package, commands in ELSEWHERE.items():
+        assert {one.name for one in entry_points(ENTRY_POINTS) if one.dist.name == package} == set(commands)
+        assert {*commands.values(), ""} <= {*metadata(package).get_all("Provides-Extra", []), ""}
 
 
 def test_the_version_is_the_package_s(capsys: pytest.CaptureFixture[str]) -> None:

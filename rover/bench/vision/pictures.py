@@ -18,11 +18,11 @@ from roverkit.objects.scenes import sequence
 from roverkit.objects.shipped_model import PATH
 from roverkit.vision import Landmarks, MarkerSet, Tracker, localize
 from roverkit.vision.camera.camera_model import Floats
-from roverkit.vision.field.field_tracker import FieldTracker, LandmarkResult, MountedCamera
 from roverkit.vision.frames import Frame
 from roverkit.vision.images.drawing import SEEN, draw
 from roverkit.vision.images.film import Film as Writer
 from roverkit.vision.images.object_drawing import draw_objects
+from roverkit.vision.localization.field_tracker import FieldTracker, LandmarkResult, MountedCamera
 from roverkit.vision.markers.detection import Detector, Image, MarkerDetection, to_grey
 
 from bench.report import draw as draw_charts

@@ -35,6 +35,7 @@ class TargetParameters(DeclaredParameters[Targets]):
         """Read the first values, and the files that they name. Raises `SetupError` if a file or a value is wrong."""
         boards = read_boards(arguments.boards) if arguments.boards else ()
         sides = dict(arguments.side)
+        self._side_is_given = None in sides or "side" in ros.parameters
         options = {
             "dictionary": arguments.dictionary,
             "side": sides.pop(None, SIDE),
@@ -47,6 +48,11 @@ class TargetParameters(DeclaredParameters[Targets]):
     def targets(self) -> Targets:
         """Markers and landmarks for which the tracker looks; another object after each change."""
         return self.meaning
+
+    @property
+    def assumed_side(self) -> float | None:
+        """Side in metres that markers are assumed to have, because the user has given none; None if one is given."""
+        return None if self._side_is_given or self.values["side"] != SIDE else SIDE
 
 
 def _targets(boards: tuple[Board, ...], values: Mapping[str, Any]) -> Targets:

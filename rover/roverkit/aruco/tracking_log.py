@@ -11,8 +11,8 @@ from typing import TypeVar
 import numpy as np
 
 from roverkit.vision import CameraParameters, MarkerSet
-from roverkit.vision.field.field_tracker import LandmarkResult
-from roverkit.vision.field.localization import FieldPose
+from roverkit.vision.localization.field_tracker import LandmarkResult
+from roverkit.vision.localization.pose_from_landmarks import FieldPose
 from roverkit.vision.markers.dictionaries import other_dictionary
 from roverkit.vision.markers.marker_set import TargetId
 from roverlink.console import counted
@@ -33,8 +33,15 @@ class TrackingLog:
     and each number that several markers share. If no marker is found, it names the dictionary of the visible ones.
     """
 
-    def __init__(self, logger: logging.Logger, markers: MarkerSet, cameras: Mapping[str, CameraParameters]) -> None:
-        self._logger, self._markers, self._cameras = logger, markers, cameras
+    def __init__(
+        self,
+        logger: logging.Logger,
+        markers: MarkerSet,
+        cameras: Mapping[str, CameraParameters],
+        assumed_side: float | None = None,
+    ) -> None:
+        """Log with a logger; `assumed_side` is the side in metres of markers if the user has given none."""
+        self._logger, self._markers, self._cameras, self._assumed_side = logger, markers, cameras, assumed_side
         self._frames = self._with_landmarks = 0
         self._seen: set[tuple[str, TargetId]] = set()
         self._rejected: tuple[TargetId, ...] = ()
@@ -50,9 +57,9 @@ class TrackingLog:
             self._begin = time.perf_counter()
             yield frame
 
-    def look_for(self, markers: MarkerSet) -> None:
+    def look_for(self, markers: MarkerSet, assumed_side: float | None = None) -> None:
         """Set other markers; the landmarks that are seen from now on are new ones."""
-        self._markers, self._hinted = markers, False
+        self._markers, self._assumed_side, self._hinted = markers, assumed_side, False
         self._seen.clear()
         self._shared.clear()
 
@@ -70,6 +77,7 @@ class TrackingLog:
                 self._seen.add((result.camera, detection.id))
                 distance = np.linalg.norm(detection.pose.translation)
                 self._logger.info("%sfound landmark %s at a distance of %.2f m", by, detection.id, distance)
+                self._tell_assumption(detection.id)
             if detection.shared and detection.id not in self._shared:
                 self._shared.add(detection.id)
                 self._logger.warning(
@@ -84,6 +92,18 @@ class TrackingLog:
             self._judge(result.rover.field_pose)
         elif not result.camera:
             self._judge(result.camera_pose)
+
+    def _tell_assumption(self, target: TargetId) -> None:
+        """Log once that the side of a marker is assumed, unless the landmark is a board or has a side of its own."""
+        has_own_side = isinstance(target, str) or target in self._markers.sides
+        if self._assumed_side is not None and not has_own_side:
+            self._logger.warning(
+                "no --side; assuming %g m for the black square of marker %s; measure it and give --side METRES, "
+                "because a wrong side makes all distances wrong",
+                self._assumed_side,
+                target,
+            )
+            self._assumed_side = None
 
     def _judge(self, pose: FieldPose | None) -> None:
         """Log the landmarks that do not fit a pose, if they are others than before."""

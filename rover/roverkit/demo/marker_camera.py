@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from roverkit.aruco.rover_position_publisher import position_publisher
 from roverkit.aruco.tracker_declaration import POSITION
 from roverkit.demo.camera_program import CameraProgram
 from roverkit.demo.demo_rover import DemoRover
@@ -19,7 +20,6 @@ from roverkit.demo.driven_path import Point
 from roverkit.demo.field import SIDE, landmarks, write_cameras, write_field
 from roverkit.demo.rover_images import RoverImages
 from roverkit.vision.camera.camera_model import Floats
-from roverkit.vision.ros.rover_position import position_publisher
 from roverlink.runtime.middleware import Middleware
 from roverlink.simulation.demo_parts import DemoSetting
 from roverlink.topic_types import full_topic

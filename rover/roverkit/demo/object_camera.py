@@ -65,7 +65,7 @@ class ObjectCamera(CameraProgram):
     def result(self) -> str:
         """Number of images, and the part of the objects that was found."""
         part = self._found / max(self._there, 1)
-        return f"another simulated camera searched {self._frames} frames for objects; it found {part:.0%} of them"
+        return f"a simulated camera searched {self._frames} frames for objects; it found {part:.0%} of them"
 
     def _take(self, view: dict[str, Any]) -> None:
         objects = [

@@ -32,7 +32,7 @@ from roverkit.node.program import connected, json_printer
 from roverkit.node.ros_connection import RosConnection
 from roverkit.odometry.odometry_messages import UNKNOWN_VARIANCE, pose_of
 from roverkit.vision.camera.cameras_file import read_cameras
-from roverkit.vision.field.landmarks import Landmarks, read_landmarks
+from roverkit.vision.localization.landmarks import Landmarks, read_landmarks
 from roverkit.vision.markers.marker_set import TargetId
 from roverkit.vision.poses.pose import Pose
 from roverkit.vision.poses.transform_tree import TransformError

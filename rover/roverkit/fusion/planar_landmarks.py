@@ -12,7 +12,7 @@ import numpy as np
 
 from roverkit.driving.arcs import PlanarPose
 from roverkit.fusion.planar_gaussian import PlanarGaussian, is_covariance, rotation
-from roverkit.vision.field.landmarks import Landmarks
+from roverkit.vision.localization.landmarks import Landmarks
 from roverkit.vision.markers.marker_set import TargetId
 from roverkit.vision.poses.pose import Pose, rotation_of_quaternion
 from roverlink.runtime.interfaces import geometry_msgs, vision_msgs

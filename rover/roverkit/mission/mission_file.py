@@ -25,7 +25,7 @@ from roverkit.driving.approach import LandmarkViewpoint, Waypoint
 from roverkit.driving.arcs import PlanarPose
 from roverkit.driving.geodesy import Datum
 from roverkit.mission.mission_declaration import DETECTIONS
-from roverkit.vision.field.landmarks import FRAME, Landmarks, read_landmarks
+from roverkit.vision.localization.landmarks import FRAME, Landmarks, read_landmarks
 from roverkit.vision.yaml_file import Item, read_file
 from roverlink.runtime.core.errors import nearest
 

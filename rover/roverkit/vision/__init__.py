@@ -11,8 +11,8 @@ from roverkit.vision.opencv import cv2 as _cv2  # noqa: F401  # first: it explai
 
 from roverkit.vision.camera.camera_model import CameraParameters
 from roverkit.vision.camera.parameters_file import read_parameters, write_parameters
-from roverkit.vision.field.landmarks import Landmark, Landmarks, read_landmarks
-from roverkit.vision.field.localization import FieldPose, localize
+from roverkit.vision.localization.landmarks import Landmark, Landmarks, read_landmarks
+from roverkit.vision.localization.pose_from_landmarks import FieldPose, localize
 from roverkit.vision.markers.marker_set import Board, MarkerSet, TargetId
 from roverkit.vision.markers.tracker import LandmarkDetection, Tracker
 from roverkit.vision.poses.pose import Pose

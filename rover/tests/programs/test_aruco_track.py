@@ -101,6 +101,20 @@ def test_another_dictionary_is_suggested(field: Field, capsys: pytest.CaptureFix
     assert told.count(expected) == 1
 
 
+@pytest.mark.parametrize(
+    ("sides", "assumed"),
+    [(["7=0.15"], "no --side; assuming 0.05 m for the black square of marker 8"), (["0.05"], ""), (["0.15"], "")],
+)
+def test_an_assumed_side_is_told_once(
+    sides: list[str], assumed: str, field: Field, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without `--side`, for the first marker that has no side of its own."""
+    images = ("--parameters", str(field.folder / "camera.yml"), "--count", "2", "--json")
+    options = [word for side in sides for word in ("--side", side)]
+    _, told = lines(capsys, ["aruco", "track", str(field.folder / "frames"), *images, *options])
+    assert (told.count("no --side"), assumed in told) == (int(bool(assumed)), True)
+
+
 @pytest.mark.slow
 def test_new_markers_are_searched_for_as_often_as_asked(
     field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]

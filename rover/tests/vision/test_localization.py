@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from roverkit.vision import Landmark, Landmarks, Pose, TargetId, localize
-from roverkit.vision.field.localization import CameraDetections, localize_rover
+from roverkit.vision.localization.pose_from_landmarks import CameraDetections, localize_rover
 from roverkit.vision.poses.pose import rotation_of
 
 from rover.tests.vision.seen import camera_on_field, view, wall

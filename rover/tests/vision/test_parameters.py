@@ -168,6 +168,7 @@ _DISTORTION = "distortion_coefficients: "
     ("old", "new", "words"),
     [
         ("camera_matrix:", "camera_matrx:", r"missing key 'camera_matrix'; did you mean 'camera_matrx'\?"),
+        ("camera_matrix:", "frame:", r"missing key 'camera_matrix'; camera parameters come from `roverlink aruco cal"),
         ("   rows: 3\n", "", r":3:16: camera_matrix is not a matrix"),
         ("rows: 3", "rows: 2", r":7:10: camera_matrix is 2x3, but has 9 numbers"),
         (" 0.,\n", " zero,\n", r":7:64: a number of camera_matrix is zero"),

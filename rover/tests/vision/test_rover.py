@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 from polling import wait_until
+from roverkit.aruco.landmark_publisher import LandmarkPublisher
+from roverkit.aruco.rover_pose_publisher import RoverFrames, RoverPosePublisher
+from roverkit.aruco.rover_position_publisher import FUSED_S, position_publisher
 from roverkit.aruco.tracker_declaration import POSITION
 from roverkit.vision import Landmark, Landmarks, Pose
-from roverkit.vision.field.field_tracker import LandmarkResult
-from roverkit.vision.field.localization import CameraDetections, FieldPose
-from roverkit.vision.field.rover import SLOP_NS, RoverLocalizer, RoverPose
 from roverkit.vision.frames import Frame
+from roverkit.vision.localization.field_tracker import LandmarkResult
+from roverkit.vision.localization.pose_from_landmarks import CameraDetections, FieldPose
+from roverkit.vision.localization.rover_localizer import SLOP_NS, RoverLocalizer, RoverPose
 from roverkit.vision.poses.pose import quaternion_of, rotation_of
 from roverkit.vision.poses.transform_tree import TransformTree
-from roverkit.vision.ros.publishing import Publishing
-from roverkit.vision.ros.rover_pose import RoverFrames, RoverPublishing
-from roverkit.vision.ros.rover_position import FUSED_S, position_publisher
 from roverkit.vision.ros.transform_listener import TransformListener
 
 from generated.interfaces.nav_msgs import Odometry
@@ -137,7 +137,7 @@ def test_the_rover_s_pose_and_the_transform_of_its_odometry(node: MemoryMiddlewa
     tree = TransformTree()
     poses = _heard(node, "/aruco/pose", geometry_msgs.PoseWithCovarianceStamped)
     transforms = _heard(node, "/tf", tf2_msgs.TFMessage)
-    publishing = RoverPublishing(node, RoverFrames("base_link", "odom"), tree, _topic, said.append)
+    publishing = RoverPosePublisher(node, RoverFrames("base_link", "odom"), tree, _topic, said.append)
     pose = Pose(rotation_of(np.array([0, 0, 0.5])), np.array([4.0, 5, 0.1]))
     rover = RoverPose(7 * _S, FieldPose("map", pose, np.eye(6) * 0.01, (1, 2), ()))
     for _ in range(3):
@@ -167,7 +167,7 @@ def test_markers_that_share_a_number_are_in_the_detections_alone(node: MemoryMid
     )
     transforms, detections = _heard(node, "/tf", tf2_msgs.TFMessage), _heard(node, "/aruco/detections", _DETECTIONS)
     poses = [_heard(node, f"/aruco/aruco_{number}/pose", geometry_msgs.PoseWithCovarianceStamped) for number in (7, 9)]
-    publishing = Publishing(node, camera_of(lens()), "aruco_", _topic)
+    publishing = LandmarkPublisher(node, camera_of(lens()), "aruco_", _topic)
     publishing.publish(LandmarkResult(Frame(np.zeros((480, 640), np.uint8), 5, 0, "eye"), seen))
     assert list(map(len, poses)) == [0, 1]
     assert [one.child_frame_id for one in transforms[0].transforms] == ["aruco_9"]

@@ -12,8 +12,8 @@ import pytest
 from roverkit.vision import CameraParameters, LandmarkDetection, MarkerSet, Tracker, read_parameters, write_parameters
 from roverkit.vision.camera import uncertainty
 from roverkit.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_by_camera, pixels_to_rays
-from roverkit.vision.field.landmarks import Landmark, Landmarks
-from roverkit.vision.field.localization import localize
+from roverkit.vision.localization.landmarks import Landmark, Landmarks
+from roverkit.vision.localization.pose_from_landmarks import localize
 
 from rover.bench.vision.contestants import camera_of
 from rover.bench.vision.scenes import SIDE, DriveFrame, drive, lens

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -24,15 +26,17 @@ raise ImportError('numpy.core.multiarray failed to import')
 """
 
 
-def _python(program: str, *options: str, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, *options, "-c", program]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+def _python(
+    program: str, folder: Path = ROOT, env: Mapping[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", program]
+    return subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=False)
 
 
-def _main(words: list[str], missing: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run the command line in a Python that lacks a package."""
-    start = f"import sys; sys.modules[{missing!r}] = None\nfrom roverlink.__main__ import main\n"
-    return _python(f"{start}sys.exit(main({words}))", folder=folder)
+def _main(words: list[str], missing: str, folder: Path, **completion: str) -> subprocess.CompletedProcess[str]:
+    """Run the command line in a Python that lacks some modules."""
+    start = f"import sys; sys.modules.update(dict.fromkeys({missing.split()}))\nfrom roverlink.__main__ import main\n"
+    return _python(f"{start}sys.exit(main({words}))", folder=folder, env={**os.environ, **completion})
 
 
 @pytest.mark.parametrize(
@@ -62,16 +66,41 @@ def test_an_opencv_that_does_not_fit_is_told_so(module: str, told: str, tmp_path
     ],
 )
 def test_commands_say_what_they_need(command: str, missing: str, told: str, tmp_path: Path) -> None:
-    """A command names the extra that it needs, with exit code 2; its help is there all the same."""
+    """A command names the extra that it needs, with exit code 2."""
     if missing == "av":
         pytest.importorskip("cv2", reason=NO_OPENCV)
     done = _main(command.split(), missing, tmp_path)
     assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
     assert told in done.stderr
-    group, name, *_ = command.split()
-    helped = _main([group, name, "--help"], missing, tmp_path)
-    assert (helped.returncode, helped.stderr) == (0, "")
-    assert f"usage: roverlink {group}" in helped.stdout
+
+
+_NO_EXTRA = "numpy cv2 av gtsam onnxruntime scipy jax"
+_BROKEN = "aruco           cannot be loaded: import of roverkit.aruco.board_options halted"
+
+
+@pytest.mark.parametrize(
+    ("words", "missing", "code", "told"),
+    [
+        ("--help", _NO_EXTRA, 0, "aruco           track ArUco markers"),
+        ("aruco --help", _NO_EXTRA, 0, "usage: roverlink aruco"),
+        ("aruco track --help", _NO_EXTRA, 0, "usage: roverlink aruco track"),
+        ("video send --help", _NO_EXTRA, 0, "usage: roverlink video send"),
+        ("--help", "roverkit.aruco.board_options", 0, _BROKEN),
+        ("aruco track 0", "roverkit.aruco.board_options", 2, " ".join(_BROKEN.split())),
+    ],
+)
+def test_the_command_line_needs_no_extra(words: str, missing: str, code: int, told: str, tmp_path: Path) -> None:
+    """All commands are listed without the packages of the extras; one whose module is missing says so in one line."""
+    done = _main(words.split(), missing, tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (code, int(code > 0))
+    assert told in done.stdout + done.stderr
+
+
+def test_completion_needs_no_extra(tmp_path: Path) -> None:
+    """A shell completes the commands below `aruco` without OpenCV and NumPy."""
+    asked = {"COMP_LINE": "roverlink aruco tr", "COMP_POINT": "18", "_ARGCOMPLETE": "1", "_ARGCOMPLETE_SHELL": "bash"}
+    done = _main([], _NO_EXTRA, tmp_path, **asked, _ARGCOMPLETE_STDOUT_FILENAME=str(tmp_path / "words"))
+    assert (done.returncode, done.stderr, (tmp_path / "words").read_text().split()) == (0, "", ["track"])
 
 
 @pytest.mark.slow

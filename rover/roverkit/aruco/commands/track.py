@@ -132,7 +132,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Track markers until the source of frames ends or a signal comes; the exit code is 0 in both cases."""
     ros, logger = node_arguments(arguments, NODE.name)
     arguments.middleware = middleware_of(arguments)
-    from roverkit.aruco.tracking import track  # only here, so that the help needs no OpenCV
+    from roverkit.aruco.tracker_program import track  # only here, so that the help needs no OpenCV
 
     return track(arguments, ros, logger)
 

@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Track objects until the source of frames ends or a signal comes; the exit code is 0 in both cases."""
     ros, logger = node_arguments(arguments, TRACKER.name)
     arguments.middleware = middleware_of(arguments)
-    from roverkit.objects.object_tracking import track  # only here, so that the help needs no OpenCV
+    from roverkit.objects.object_tracker_program import track  # only here, so that the help needs no OpenCV
 
     return track(arguments, ros, logger)
 

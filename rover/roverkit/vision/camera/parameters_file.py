@@ -148,7 +148,8 @@ class _Entries:
         """Return the matrix of a key: in OpenCV's form, which has a tag, or in the form of ROS, which has none."""
         item = self._items.get(key)
         if item is None:
-            raise SetupError(f"{self._path}: missing key {key!r}; {nearest(key, map(str, self._items))}")
+            otherwise = "camera parameters come from `roverlink aruco calibrate`"
+            raise SetupError(f"{self._path}: missing key {key!r}; {nearest(key, map(str, self._items), otherwise)}")
         parts = item.entries() if item.is_mapping else {}
         data = parts["data"].items(f"a number of {key}") if {"rows", "cols", "data"} <= parts.keys() else None
         if data is None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
-from roverkit.vision.field.localization import FieldPose
+from roverkit.vision.localization.pose_from_landmarks import FieldPose
 from roverkit.vision.markers.detection import Image, to_colour
 from roverkit.vision.markers.tracker import LandmarkDetection
 from roverkit.vision.opencv import cv2

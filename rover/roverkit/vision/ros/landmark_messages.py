@@ -14,7 +14,7 @@ import numpy as np
 
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.camera.parameters_file import model_name
-from roverkit.vision.field.localization import FieldPose
+from roverkit.vision.localization.pose_from_landmarks import FieldPose
 from roverkit.vision.markers.marker_set import TargetId
 from roverkit.vision.markers.tracker import LandmarkDetection
 from roverkit.vision.poses.pnp import Solution

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from roverkit.vision.field.landmarks import Landmarks
-from roverkit.vision.field.localization import CameraDetections, FieldPose, localize_rover
+from roverkit.vision.localization.landmarks import Landmarks
+from roverkit.vision.localization.pose_from_landmarks import CameraDetections, FieldPose, localize_rover
 
 SLOP_NS = 50_000_000
 """Largest difference in nanoseconds of the stamps of frames that belong together: one frame at 20 Hz."""

@@ -1,4 +1,4 @@
-"""Implementation of ``roverlink objects track``: reads frames, and writes objects to ROS 2, JSON and a video."""
+"""Program of ``roverlink objects track``: it reads frames, and writes objects to ROS 2, JSON and a video."""
 
 from __future__ import annotations
 

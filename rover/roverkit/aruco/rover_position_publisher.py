@@ -1,4 +1,4 @@
-"""Publishing of the rover's position on the topic from which a bridge sends it to the basestation.
+"""Publisher of the rover's position on the topic from which a bridge sends it to the basestation.
 
 The row can have extra topics (table key ``also``) with the position that a filter fuses from all sensors. The bridge
 sends these itself. While messages come on one of them, the position from the markers alone is not published, so the

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from roverkit.vision.camera.camera_model import Floats
-from roverkit.vision.field.landmarks import Landmarks
-from roverkit.vision.field.localization import CameraDetections, FieldPose, localize
-from roverkit.vision.field.rover import RoverLocalizer, RoverPose
 from roverkit.vision.frames import Frame
+from roverkit.vision.localization.landmarks import Landmarks
+from roverkit.vision.localization.pose_from_landmarks import CameraDetections, FieldPose, localize
+from roverkit.vision.localization.rover_localizer import RoverLocalizer, RoverPose
 from roverkit.vision.markers.tracker import LandmarkDetection, Tracker
 from roverkit.vision.poses.pose import Pose, quaternion_of
 

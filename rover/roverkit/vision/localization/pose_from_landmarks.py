@@ -1,4 +1,4 @@
-"""Localization: computes the pose of a camera, or of a rover with several cameras, on a field with known landmarks.
+"""Pose of a camera, or of a rover with several cameras, on a field with known landmarks.
 
 All visible landmarks are used together. The pose predicts where their corners are seen. The differences to the
 observed corners are weighted by the image noise and by the accuracy with which each landmark was surveyed. A landmark
@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from roverkit.vision.camera.camera_model import Floats
-from roverkit.vision.field.landmarks import Landmark, Landmarks
+from roverkit.vision.localization.landmarks import Landmark, Landmarks
 from roverkit.vision.markers.marker_set import TargetId
 from roverkit.vision.markers.tracker import LandmarkDetection
 from roverkit.vision.poses.chi_squared import chi2_limit

@@ -1,4 +1,4 @@
-"""Publishing of a camera's results on ROS 2 topics.
+"""Publisher of a camera's results on ROS 2 topics.
 
 A landmark is a marker or a board. A flat marker has two possible poses. A message is made only if its topic has a
 subscriber, because making some of the messages takes long. Markers that share a number are only in the detections and
@@ -20,8 +20,8 @@ from roverkit.aruco.tracker_declaration import (
     TRANSFORMS,
 )
 from roverkit.vision.camera.camera_model import CameraParameters
-from roverkit.vision.field.field_tracker import LandmarkResult
 from roverkit.vision.images.drawing import draw
+from roverkit.vision.localization.field_tracker import LandmarkResult
 from roverkit.vision.ros import landmark_messages
 from roverkit.vision.ros.image_messages import compressed_of
 from roverkit.vision.ros.landmark_messages import FrameNames
@@ -29,8 +29,8 @@ from roverkit.vision.ros.outputs import Output, Outputs
 from roverlink.runtime.middleware import Middleware
 
 
-class Publishing:
-    """Publishers for the results of one camera: poses of landmarks, the drawn image, and the camera's pose."""
+class LandmarkPublisher:
+    """Publisher of the results of one camera: poses of landmarks, the drawn image, and the camera's pose."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""Implementation of ``roverlink aruco track``: reads frames, and writes poses to ROS 2, JSON and a video."""
+"""Program of ``roverlink aruco track``: it reads frames, and writes poses to ROS 2, JSON and a video."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ from dataclasses import fields
 from functools import cache
 from pathlib import Path
 
+from roverkit.aruco.landmark_publisher import LandmarkPublisher
+from roverkit.aruco.rover_pose_publisher import RoverFrames, RoverPosePublisher
+from roverkit.aruco.rover_position_publisher import position_publisher
 from roverkit.aruco.target_parameters import TargetParameters
 from roverkit.aruco.tracked_cameras import CameraOpener, TrackedCamera, described, frames_of
 from roverkit.aruco.tracking_log import TrackingLog
@@ -24,18 +27,15 @@ from roverkit.node.ros_connection import RosConnection
 from roverkit.vision import Tracker
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.camera.uncertainty import Uncertainty
-from roverkit.vision.field.field_tracker import FieldTracker, LandmarkResult, MountedCamera
 from roverkit.vision.frames import Frame
 from roverkit.vision.frames.open_source import TOPIC
 from roverkit.vision.images.drawing import draw, write_above
 from roverkit.vision.images.film import Film
+from roverkit.vision.localization.field_tracker import FieldTracker, LandmarkResult, MountedCamera
 from roverkit.vision.markers.detection import Image
 from roverkit.vision.poses.pose import Pose
 from roverkit.vision.poses.transform_tree import TransformTree
 from roverkit.vision.ros.mounts import MountOnTf
-from roverkit.vision.ros.publishing import Publishing
-from roverkit.vision.ros.rover_pose import RoverFrames, RoverPublishing
-from roverkit.vision.ros.rover_position import position_publisher
 from roverlink.console import OK, NoProjectError
 from roverlink.node_log import publish_log
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
@@ -75,9 +75,8 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             stack.enter_context(publish_log(logger, connection.middleware, ros))
             outputs += [_publisher(camera, connection, arguments, logger) for camera in cameras]
             outputs.append(_rover_publisher(connection, arguments, logger, now=located))
-        log = stack.enter_context(
-            TrackingLog(logger, targets.markers, {camera.name: camera.parameters for camera in cameras})
-        )
+        parameters = {camera.name: camera.parameters for camera in cameras}
+        log = stack.enter_context(TrackingLog(logger, targets.markers, parameters, wanted.assumed_side))
         frames = frames_of(cameras, arguments, connection)
         for camera, frame in log.timed(with_progress(frames, [camera.source for camera in cameras], arguments)):
             if wanted.targets is not targets:
@@ -85,7 +84,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
                 for tracked in cameras:
                     mounted[tracked.name].tracker = tracker(tracked)
                 field_tracker.use(targets.landmarks)
-                log.look_for(targets.markers)
+                log.look_for(targets.markers, wanted.assumed_side)
             result = field_tracker.track(mounted[camera.name], frame)
             log.add(result)
             if arguments.json:
@@ -152,7 +151,7 @@ def _publisher(
 
     # A frame has one parent on /tf, so a marker that two cameras see needs two frames.
     prefix = f"{camera.name}_{arguments.marker_frame}" if camera.name else arguments.marker_frame
-    return _of(camera, Publishing(ros.middleware, camera.parameters, prefix, topic, logger.warning).publish)
+    return _of(camera, LandmarkPublisher(ros.middleware, camera.parameters, prefix, topic, logger.warning).publish)
 
 
 def _rover_publisher(ros: RosConnection, arguments: argparse.Namespace, logger: logging.Logger, *, now: bool) -> Output:
@@ -162,10 +161,10 @@ def _rover_publisher(ros: RosConnection, arguments: argparse.Namespace, logger: 
     """
 
     @cache
-    def publishers() -> tuple[RoverPublishing, Callable[[Floats], None]]:
+    def publishers() -> tuple[RoverPosePublisher, Callable[[Floats], None]]:
         frames = RoverFrames(arguments.base_frame, arguments.odom_frame or "")
         tree = ros.transforms if frames.odom else TransformTree()
-        poses = RoverPublishing(ros.middleware, frames, tree, ros.topic, logger.warning)
+        poses = RoverPosePublisher(ros.middleware, frames, tree, ros.topic, logger.warning)
         try:
             registry = project_registry(arguments)
         except NoProjectError as error:  # tracking works without a bridge

@@ -1,4 +1,4 @@
-"""Publishing of the rover's pose on ROS 2 topics (REP 105)."""
+"""Publisher of the rover's pose on ROS 2 topics (REP 105)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from roverkit.aruco.tracker_declaration import ROVER_POSE, TRANSFORMS
-from roverkit.vision.field.rover import RoverPose
+from roverkit.vision.localization.rover_localizer import RoverPose
 from roverkit.vision.poses.transform_tree import TransformError, TransformTree
 from roverkit.vision.ros.landmark_messages import field_pose_of, transform_of
 from roverlink.runtime.core import cdr
@@ -23,8 +23,8 @@ class RoverFrames(NamedTuple):
     """Frame of the odometry, to which a transform from the field's frame is published; empty for none."""
 
 
-class RoverPublishing:
-    """Publishers of the rover's pose."""
+class RoverPosePublisher:
+    """Publisher of the rover's pose, and of the transform to the frame of the odometry."""
 
     def __init__(
         self,
