@@ -8,20 +8,33 @@ from __future__ import annotations
 import importlib.metadata
 import json
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 _PACKAGES = {
-    **{name: name for name in ("argcomplete", "black", "jinja2", "mcap", "pyarrow", "rich", "rosbags")},
-    "foxglove": "foxglove-sdk",
+    **{name: name for name in ("argcomplete", "black", "jinja2", "rich")},
     "google": "protobuf",
     "grpc_tools": "grpcio-tools",
     "yaml": "pyyaml",
-    "lz4": "mcap",
-    "prometheus_client": "prometheus-client",
-    "zstandard": "mcap",
 }
-"""Packages that roverlink imports, by the first part of a module's name."""
+"""Packages that roverlink always needs, by the first part of a module's name."""
+EXTRAS = {
+    "mcap": "record",
+    "foxglove-sdk": "foxglove",
+    "prometheus-client": "metrics",
+    "pyarrow": "parquet",
+    "rosbags": "standard",
+    "nanopb": "nanopb",
+}
+"""Extras of roverlink's package, by the package that each one installs."""
+_MODULES_OF_EXTRAS = {
+    **dict.fromkeys(("lz4", "mcap", "zstandard"), "record"),
+    "foxglove": "foxglove",
+    "prometheus_client": "metrics",
+    "pyarrow": "parquet",
+    "rosbags": "standard",
+}
+"""Extras of roverlink's package, by the first part of the name of a module that is imported only with the extra."""
 
 
 def installed_version(package: str) -> str | None:
@@ -64,6 +77,9 @@ def cure(error: ImportError) -> str | None:
             f"{link} should be a symbolic link and is a file, because git has cloned without symbolic links; run "
             "`git config core.symlinks true` and `git checkout .` in the clone, or install the wheel"
         )
+    missing = f"the Python module {first} cannot be imported ({error})"
+    if first in _MODULES_OF_EXTRAS:
+        return f"{missing}; {with_extras([_MODULES_OF_EXTRAS[first]])}"
     if first not in _PACKAGES:
         return None
     package = _PACKAGES[first]
@@ -73,4 +89,13 @@ def cure(error: ImportError) -> str | None:
     except importlib.metadata.PackageNotFoundError:  # running from the source files
         needed = []
     requirement = next((match[0].strip() for match in map(wanted.match, needed) if match), package)
-    return f"the Python package {package} cannot be imported ({error}); install it with `pip install '{requirement}'`"
+    return f"{missing}; install its package with `pip install '{requirement}'`"
+
+
+def with_extras(extras: Iterable[str]) -> str:
+    """Return the advice to install some extras of roverlink's package, as docs/install.md explains them."""
+    names = ",".join(extras)
+    return (
+        f"install roverlink with {names!r}: `pip install 'SOURCE[{names}]'`, where SOURCE is the wheel or the checkout "
+        "of roverlink"
+    )
