@@ -29,8 +29,10 @@ from roverlink.console import (
 )
 from roverlink.diagnostic_text import Sources, show, show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
+from roverlink.generator.emit import targets
 from roverlink.generator.emit.writer import Change, write
 from roverlink.generator.pipeline import Compiled, compile_table
+from roverlink.runtime.core.errors import SetupError, nearest
 
 
 def add(commands: Subparsers) -> None:
@@ -52,7 +54,9 @@ def add(commands: Subparsers) -> None:
         action="append",
         default=[],
         metavar="NAME",
-        help="write this kind of output too: cpp (C++ handlers), jsonschema, nanopb (.options files); may be repeated",
+        help="write this kind of output too: cpp (C++ handlers), jsonschema, nanopb (.options files); may be repeated; "
+        "the next run without this option removes the files, so list the target under `targets` in mapping.yaml to "
+        "keep them",
     )
     parser.add_argument(
         "--template",
@@ -60,7 +64,8 @@ def add(commands: Subparsers) -> None:
         default=[],
         type=Path,
         metavar="DIR",
-        help="also render your own Jinja templates in the folder DIR, into generated/DIR; may be repeated",
+        help="also render your own Jinja templates in the folder DIR, into generated/DIR; may be repeated; as with --target, "
+        "`templates` in mapping.yaml keeps the files",
     )
     parser.set_defaults(run=run)
 
@@ -70,6 +75,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     The exit code is 1 if there are diagnostics, or if ``--check`` finds a file that is out of date.
     """
+    known = targets.names()
+    if unknown := next((name for name in arguments.target if name not in known), None):
+        raise SetupError(f"--target: unknown target {unknown!r}; {nearest(unknown, known)}")
     table = table_file(arguments.table)
     try:
         # Relative to the table: generated files name their templates and must not contain machine paths.
@@ -109,5 +117,5 @@ def report(table: Path, error: DiagnosticsError) -> int:
     severities = [finding.severity for finding in error.findings]
     errors = sum(severity.rank <= Severity.ERROR.rank for severity in severities)
     show_error(error, table.parent)
-    print_note(f"{counted(errors, 'error')} in {table}; nothing was written")
+    print_note(f"{counted(errors, 'error')}; nothing was written")
     return UNABLE if Severity.FATAL in severities else FINDINGS
