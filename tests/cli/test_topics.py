@@ -27,6 +27,8 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces.std_msgs import String
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
+_ROOT = Path(__file__).parents[2]
+
 
 @pytest.mark.slow
 @needs_dds
@@ -76,9 +78,9 @@ def test_echo_adapts_to_the_publisher(called: Called, reliability: str, durabili
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
-        (f"echo imu_data --project {Path(__file__).parents[2]} --middleware memory", "0 messages came on imu_data\n"),
-        ("echo /chatter --type std_msgs/msg/String --middleware memory", "0 messages came on /chatter\n"),
-        (f"listen --port 0 --project {Path(__file__).parents[2]}", "0 datagrams came\n"),
+        (f"echo imu_data --project {_ROOT} --middleware memory", "0 messages came on imu_data"),
+        ("echo /chatter --type std_msgs/msg/String --middleware memory", "0 messages came on /chatter"),
+        (f"listen --port 0 --project {_ROOT}", "0 datagrams came"),
     ],
 )
 def test_silence_for_too_long_is_exit_code_1(line: str, expected: str, tmp_path: Path, called: Called) -> None:
