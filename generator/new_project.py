@@ -99,7 +99,9 @@ def _foreign_protos(folder: Path) -> Iterable[Diagnostic]:
 def _foreign(path: str) -> Diagnostic:
     """Return the diagnostic for a .proto file of the user, which the table of a new project does not fit."""
     help = f"use `roverlink init --from {_PROTOS}`, which drafts a table for the files in the folder"
-    return ProtosWithoutTable.at(Span(path), "the file exists already, and a new project would have no row for it", help)
+    return ProtosWithoutTable.at(
+        Span(path), "the file exists already, and a new project would have no row for it", help
+    )
 
 
 def refuse_overwriting(changes: Iterable[Change]) -> None:

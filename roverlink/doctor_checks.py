@@ -110,7 +110,6 @@ def _python() -> Iterator[CheckResult]:
         yield CheckResult("ok", "extras", says, f"if you need them, {with_extras(missing.values())}")
 
 
-
 # --- the table --------------------------------------------------------------------------------------------------
 
 

@@ -12,12 +12,16 @@ from collections.abc import Collection, Iterable
 from pathlib import Path
 
 _PACKAGES = {
-    **{name: name for name in ("argcomplete", "black", "jinja2", "rich")},
+    **{name: name for name in ("argcomplete", "black", "jinja2", "mcap", "pyarrow", "rich", "rosbags")},
+    "foxglove": "foxglove-sdk",
     "google": "protobuf",
     "grpc_tools": "grpcio-tools",
     "yaml": "pyyaml",
+    "lz4": "mcap",
+    "prometheus_client": "prometheus-client",
+    "zstandard": "mcap",
 }
-"""Packages that roverlink always needs, by the first part of a module's name."""
+"""Packages that roverlink imports, by the first part of a module's name."""
 EXTRAS = {
     "mcap": "record",
     "foxglove-sdk": "foxglove",
@@ -27,14 +31,6 @@ EXTRAS = {
     "nanopb": "nanopb",
 }
 """Extras of roverlink's package, by the package that each one installs."""
-_MODULES_OF_EXTRAS = {
-    **dict.fromkeys(("lz4", "mcap", "zstandard"), "record"),
-    "foxglove": "foxglove",
-    "prometheus_client": "metrics",
-    "pyarrow": "parquet",
-    "rosbags": "standard",
-}
-"""Extras of roverlink's package, by the first part of the name of a module that is imported only with the extra."""
 
 
 def installed_version(package: str) -> str | None:
@@ -77,12 +73,11 @@ def cure(error: ImportError) -> str | None:
             f"{link} should be a symbolic link and is a file, because git has cloned without symbolic links; run "
             "`git config core.symlinks true` and `git checkout .` in the clone, or install the wheel"
         )
-    missing = f"the Python module {first} cannot be imported ({error})"
-    if first in _MODULES_OF_EXTRAS:
-        return f"{missing}; {with_extras([_MODULES_OF_EXTRAS[first]])}"
     if first not in _PACKAGES:
         return None
-    package = _PACKAGES[first]
+    package, missing = _PACKAGES[first], f"the Python module {first} cannot be imported ({error})"
+    if package in EXTRAS:
+        return f"{missing}; {with_extras([EXTRAS[package]])}"
     wanted = re.compile(rf"{package}(?![\w-])[^;]*", re.IGNORECASE)
     try:
         needed = importlib.metadata.requires("roverlink") or []

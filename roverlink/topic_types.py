@@ -96,7 +96,9 @@ def endpoint(registry: Registry | None, topic: str, type_name: str | None) -> tu
     if type_name is not None:
         return _named_type(registry, type_name), Qos()
     known = registry.by_topic if registry else {}
-    handler = next((handler for handler in known.values() if full_topic(handler.route.topic) == full_topic(topic)), None)
+    handler = next(
+        (handler for handler in known.values() if full_topic(handler.route.topic) == full_topic(topic)), None
+    )
     if handler is None:
         for declared in declared_topics().values():
             if full_topic(declared.name) == full_topic(topic) and len(declared.types) == 1:

@@ -75,7 +75,7 @@ def holds(type: Type) -> str:
     if isinstance(type, MapOf):
         values = "" if isinstance(type.value, (Object, Named)) else f" to {holds(type.value)}"
         return f"mapping of {type.key.noun}s{values}"
-    names: dict[type[Type], str] = {Boolean: "`true` or `false`", Number: "number", Scalar: "value", Object: "mapping"}
+    names: dict[object, str] = {Boolean: "`true` or `false`", Number: "number", Scalar: "value", Object: "mapping"}
     return names[type.__class__]
 
 

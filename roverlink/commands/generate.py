@@ -3,8 +3,9 @@
 Read mapping.yaml and the .proto files, and write all files that are made from them: the Python handlers
 that convert messages, the envelope's .proto file, a ROS 2 package with .msg files, mapping.lock, and
 docs. Run it after each change of mapping.yaml or of a .proto file. The output lists the changed files.
-If there is an error in mapping.yaml or in a .proto file that a row needs, the command prints it and writes
-nothing (exit code 1); `roverlink lint` checks all other .proto files, too. A file that roverlink did not generate is never replaced, unless you give --overwrite.
+If there is an error in mapping.yaml or in a .proto file that a row needs, the command prints it and
+writes nothing (exit code 1); `roverlink lint` checks all other .proto files, too. A file that roverlink
+did not generate is never replaced, unless you give --overwrite.
 
 Example: roverlink generate --check
 """
@@ -64,8 +65,8 @@ def add(commands: Subparsers) -> None:
         default=[],
         type=Path,
         metavar="DIR",
-        help="also render your own Jinja templates in the folder DIR, into generated/DIR; may be repeated; as with --target, "
-        "`templates` in mapping.yaml keeps the files",
+        help="also render your own Jinja templates in the folder DIR, into generated/DIR; may be repeated; as with "
+        "--target, `templates` in mapping.yaml keeps the files",
     )
     parser.set_defaults(run=run)
 

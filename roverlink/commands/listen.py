@@ -59,7 +59,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the envelopes that arrive until Ctrl-C, or until ``--count`` datagrams have arrived; the exit code is then 0.
+    """Print the envelopes that arrive until Ctrl-C, or until ``--count`` datagrams have come; the exit code is then 0.
 
     If the time ``--timeout`` ends before, the exit code is 1.
     """

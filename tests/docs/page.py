@@ -39,6 +39,8 @@ _READY = {
     "roverlink drive": "is AUTO",
 }
 """What a command shows as soon as it waits; `roverlink echo` shows nothing before a message comes."""
+_ACTIVATE = ". .venv/bin/activate"
+"""What a reader types first; the `roverlink` of this reader is on the PATH."""
 _WAITING = ("roverlink run", "roverlink echo", "roverlink listen", "roverlink drive")
 """What stays in its terminal; the camera's program does where its recording is played in a loop."""
 _ENDLESS = ("roverlink run", "roverlink aruco", "roverlink drive")
@@ -195,9 +197,7 @@ class Reader:
             if command == "echo $?":
                 assert shown == f"{code}\n", f"line {block.line}: the exit code is {code}"
                 code = 0
-            elif command == ". .venv/bin/activate":  # the reader's `roverlink` is on the PATH
-                continue
-            elif command.startswith("git ") and shutil.which("git") is None:
+            elif command == _ACTIVATE or (command.startswith("git ") and shutil.which("git") is None):
                 continue
             else:
                 assert code == 0, f"line {block.line}: exit code {code}, which the page does not show"

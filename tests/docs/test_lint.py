@@ -79,7 +79,7 @@ def test_a_taken_number_is_reported_as_the_pages_show_it(tmp_path: Path) -> None
     table.write_text(text, encoding="utf-8")
     _run("git init --initial-branch main", tmp_path)
     _commit(tmp_path, "Add the IMU", {f"GIT_{who}_DATE": "2026-03-02T12:00:00Z" for who in ("AUTHOR", "COMMITTER")})
-    row = "  - number: 13\n    name: spare\n    proto: SensorBoardIMUInfo\n    topic: spare\n    direction: hardware_to_ros\n"
+    row = "  - number: 13\n    name: two\n    proto: SensorBoardIMUInfo\n    topic: b\n    direction: hardware_to_ros\n"
     table.write_text(text.replace("\n\nretired:", f"\n{row}\nretired:"), encoding="utf-8")
     said = re.sub(r"\([0-9a-f]{10} ", "(commit ", _run("roverlink lint", tmp_path).stdout)
     for page in (_PAGE, ROOT / "README.md"):

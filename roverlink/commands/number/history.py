@@ -1,9 +1,10 @@
 """Show every payload that has or had a number in the envelope, with the first and the last commit of each.
 
-Show every payload that has or had the number NUMBER in the envelope (the protobuf message that holds each
-payload in a oneof), or the number of the row ROW of mapping.yaml, or every field or value that has or had a number of another message or of an enum. The
-command reads all commits of all branches in git. Use it if `roverlink lint` reports a reused number, or to
-find out which payload an old recording or an old firmware means.
+Show every payload that has or had the number NUMBER, or that of the row ROW of mapping.yaml, in the
+envelope (the protobuf message that holds each payload in a oneof); or every field or value that has or had
+a number of another message or of an enum. The command reads all commits of all branches in git. Use it if
+`roverlink lint` reports a reused number, or to find out which payload an old recording or an old firmware
+means.
 
 For each payload, the output has its type and name, then the commits that added and removed it, and the
 branches that still have it. Exit code 1: no commit ever used the number.

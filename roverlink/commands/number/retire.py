@@ -30,7 +30,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Retire the number of a row, and generate the code. If the table without the row does not compile, nothing is written."""
+    """Retire the number of a row, and generate the code. If the table then does not compile, nothing is written."""
     table = table_file(arguments.table)
     try:
         compiled, changes = retire(table, arguments.row)
