@@ -24,7 +24,7 @@ _SHOWN = """\
 mapping.yaml:7:63: error[TAB103] unknown direction 'bord_to_ros' (known: board_to_ros, ros_to_board)
 7 |   - {number: 1, name: imu, proto: Imu, topic: imu, direction: bord_to_ros}
   |                                                               ^
-  help: did you mean 'board'?
+  help: did you mean 'board_to_ros'?
 """
 
 

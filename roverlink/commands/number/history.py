@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _number_of(name: str, table: Table) -> int:
     """Return the number of a row of the table, or of a retired row. Raises `SetupError` if there is none."""
-    found = {row.name: row.number for row in (*table.retired, *table.rows)}
+    found = {row.name: row.number for row in table.retired} | {row.name: row.number for row in table.rows}
     if name not in found:
         hint = nearest(name, found) if found else "give the number"
         raise SetupError(f"no row of mapping.yaml is named {name!r}; {hint}")
