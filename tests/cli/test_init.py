@@ -111,12 +111,7 @@ def test_files_that_are_there_stay_as_they_are(tmp_path: Path, called: Called) -
             ["docs/messages.md: fatal[ADO103] the file exists and was not generated"],
         ),
         ({"proto/arm.proto": _BOARD}, "", 2, ["fatal[ADO104]", "use `roverlink init --from proto`"]),
-        (
-            {"proto/board.proto": "message Board {}"},
-            "",
-            2,
-            ["proto/board.proto: fatal[ADO104] the file exists already"],
-        ),
+        ({"proto/board.proto": "message B {}"}, "", 2, ["proto/board.proto: fatal[ADO104] the file exists already"]),
         ({}, "--message Envelope", 2, ["--from"]),
         ({"mapping.yaml": "version: 1\n", **_FLAT}, "--from protos", 2, ["mapping.yaml exists already"]),
         ({}, "--from nowhere", 2, ["nothing was written"]),
