@@ -18,10 +18,10 @@ from roverlink.generator.git import Repository
 from roverlink.generator.init_rules import FileInTheWay, ProtosWithoutTable
 from roverlink.generator.pipeline import compile_table
 
-_TABLE, _PROTOS = "mapping.yaml", "proto"
+_TABLE, _PROTOS, _PROTO = "mapping.yaml", "proto", "proto/board.proto"
 _TEMPLATES = {
     _TABLE: "mapping.yaml.j2",
-    f"{_PROTOS}/board.proto": "board.proto.j2",
+    _PROTO: "board.proto.j2",
 }
 """Files of the example: path and template of each."""
 _ABOUT_REPOSITORY = {
@@ -97,7 +97,12 @@ def new_project(folder: Path, package: str, source: str = "") -> NewProject:
                 _put(Path(copy, path), _content(folder, path))
         for path, text in own.items():
             _put(Path(copy, path), text.encode())
-        compiled = compile_table(Path(copy, _TABLE))
+        try:
+            compiled = compile_table(Path(copy, _TABLE))
+        except DiagnosticsError as error:
+            if _PROTO in kept and any(finding.span.file == _TABLE for finding in error.findings):
+                raise DiagnosticsError([_foreign(_PROTO)]) from error  # the table does not fit the user's file
+            raise DiagnosticsError(error.findings, own) from error
     changes = compiled.changes(folder, own)
     refuse_overwriting(changes)
     return NewProject(tuple(changes), kept, source)
@@ -121,8 +126,15 @@ def _foreign_protos(folder: Path) -> Iterable[Diagnostic]:
     for path in sorted((folder / _PROTOS).rglob("*.proto")):
         name = path.relative_to(folder).as_posix()
         if name not in _TEMPLATES:
-            help = f"`roverlink init --from {_PROTOS}` drafts a table for the files in the folder"
-            yield ProtosWithoutTable.at(Span(name), "the file exists, and a new project would have no row for it", help)
+            yield _foreign(name)
+
+
+def _foreign(path: str) -> Diagnostic:
+    """Return the diagnostic for a .proto file of the user, which the table of a new project does not fit."""
+    help = f"use `roverlink init --from {_PROTOS}`, which drafts a table for the files in the folder"
+    return ProtosWithoutTable.at(
+        Span(path), "the file exists already, and a new project would have no row for it", help
+    )
 
 
 def refuse_overwriting(changes: Iterable[Change]) -> None:

@@ -82,13 +82,13 @@ def compile_text(
     return compiled, compiled.changes(table_path.resolve().parent, {table_path.name: text, **(others or {})})
 
 
-def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
-    """Move the row with a field number to `retired` in the table's text, and compile the result. Nothing is written.
+def retire(table_path: Path, row: str) -> tuple[Compiled, list[Change]]:
+    """Move a row to `retired` in the table's text, and compile the result. Nothing is written.
 
-    Returns the result, and the changes of all files on disk, including mapping.yaml. Raises `DiagnosticsError` if no
-    row has the number, or if the changed table does not compile.
+    ``row`` is the row's number or name. Returns the result, and the changes of all files on disk, including
+    mapping.yaml. Raises `DiagnosticsError` if there is no such row, or if the changed table does not compile.
     """
-    return _edited(table_path, lambda text, file: with_retired(text, number, file))
+    return _edited(table_path, lambda text, file: with_retired(text, row, file))
 
 
 def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[Change]]:

@@ -68,7 +68,12 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
 
         own, ros = ros_args.split(own)
     parser = command_line(own)
-    arguments = parser.parse_args(own)
+    arguments, unknown = parser.parse_known_args(own)
+    if unknown:
+        parser.prog += f" {own[0]}"  # its help has the arguments
+        of_ros = next((word for word in unknown if word in ("-p", "-r")), "") if arguments.takes_ros_args else ""
+        hint = f"; write --ros-args before {of_ros}" if of_ros else ""
+        parser.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
     arguments.ros_args = ros
     if ros and not arguments.takes_ros_args:
         parser.error(f"{own[0]} does not take --ros-args")

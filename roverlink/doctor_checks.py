@@ -23,7 +23,7 @@ from roverlink.console import TABLE, counted, project_folder
 from roverlink.generated_code import load_project
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.pipeline import compile_table
-from roverlink.installed_packages import installed_version
+from roverlink.installed_packages import EXTRAS, installed_version, with_extras
 from roverlink.runtime import MiddlewareError, Registry, RoverlinkError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
@@ -36,14 +36,6 @@ from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.runtime.text.host_names import LEARN
 
 _NEEDED = ("protobuf", "pyyaml", "jinja2", "black", "rich", "grpcio-tools")
-_EXTRAS = {
-    "mcap": "record",
-    "foxglove-sdk": "foxglove",
-    "prometheus-client": "metrics",
-    "pyarrow": "parquet",
-    "rosbags": "standard",
-    "nanopb": "nanopb",
-}
 _GROUP = "239.255.0.1"  # multicast group in which DDS participants announce themselves (RTPS 2.2, 9.6.1)
 _PROC = Path("/proc")
 _COMMAND_S = 5.0
@@ -112,11 +104,10 @@ def _python() -> Iterator[CheckResult]:
                 "roverlink needs this Python package, but it is not installed",
                 f"{sys.executable} -m pip install {package}",
             )
-    missing = [f"{extra} ({package})" for package, extra in _EXTRAS.items() if installed_version(package) is None]
-    if missing:
-        names = " ".join(package for package in _EXTRAS if installed_version(package) is None)
-        says = f"these optional parts of roverlink (and packages) are not installed: {', '.join(missing)}"
-        yield CheckResult("ok", "extras", says, f"if you need them: {sys.executable} -m pip install {names}")
+    if missing := {package: extra for package, extra in EXTRAS.items() if installed_version(package) is None}:
+        names = ", ".join(f"{extra} ({package})" for package, extra in missing.items())
+        says = f"these extras of roverlink (and their packages) are not installed: {names}"
+        yield CheckResult("ok", "extras", says, f"if you need them, {with_extras(missing.values())}")
 
 
 # --- the table --------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib.metadata
 import json
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 _PACKAGES = {
@@ -22,6 +22,15 @@ _PACKAGES = {
     "zstandard": "mcap",
 }
 """Packages that roverlink imports, by the first part of a module's name."""
+EXTRAS = {
+    "mcap": "record",
+    "foxglove-sdk": "foxglove",
+    "prometheus-client": "metrics",
+    "pyarrow": "parquet",
+    "rosbags": "standard",
+    "nanopb": "nanopb",
+}
+"""Extras of roverlink's package, by the package that each one installs."""
 
 
 def installed_version(package: str) -> str | None:
@@ -66,11 +75,22 @@ def cure(error: ImportError) -> str | None:
         )
     if first not in _PACKAGES:
         return None
-    package = _PACKAGES[first]
+    package, missing = _PACKAGES[first], f"the Python module {first} cannot be imported ({error})"
+    if package in EXTRAS:
+        return f"{missing}; {with_extras([EXTRAS[package]])}"
     wanted = re.compile(rf"{package}(?![\w-])[^;]*", re.IGNORECASE)
     try:
         needed = importlib.metadata.requires("roverlink") or []
     except importlib.metadata.PackageNotFoundError:  # running from the source files
         needed = []
     requirement = next((match[0].strip() for match in map(wanted.match, needed) if match), package)
-    return f"the Python package {package} cannot be imported ({error}); install it with `pip install '{requirement}'`"
+    return f"{missing}; install its package with `pip install '{requirement}'`"
+
+
+def with_extras(extras: Iterable[str]) -> str:
+    """Return the advice to install some extras of roverlink's package, as docs/install.md explains them."""
+    names = ",".join(extras)
+    return (
+        f"install roverlink with {names!r}: `pip install 'SOURCE[{names}]'`, where SOURCE is the wheel or the checkout "
+        "of roverlink"
+    )

@@ -15,7 +15,7 @@ def nearest(word: str, known: Iterable[str], otherwise: str | None = None) -> st
     If no known word is similar, the hint is ``otherwise``. Without it, the hint lists the known words, at most 30:
     ``known: gps_info, imu_info``.
     """
-    choices = list(known)
+    choices = list(dict.fromkeys(known))
     found = difflib.get_close_matches(word, choices, 1)
     if found:
         return f"did you mean {found[0]!r}?"

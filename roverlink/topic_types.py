@@ -16,7 +16,8 @@ import yaml
 
 from roverlink import standard_types
 from roverlink.completion import complete, topics_of_nodes
-from roverlink.console import print_note, seconds
+from roverlink.console import NoProjectError, print_note, project_folder, seconds
+from roverlink.generated_code import load_project
 from roverlink.nodes.installed import declared_topics
 from roverlink.runtime import NODE, Qos, Registry, SetupError
 from roverlink.runtime.core.errors import nearest
@@ -66,8 +67,23 @@ def wait_for_subscriber(publishers: Collection[Publisher], seconds: float, note:
         time.sleep(_LOOK_S)
 
 
-def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[type[Message], Qos]:
-    """Return the message type and the QoS of a topic.
+def endpoint_of(arguments: argparse.Namespace) -> tuple[type[Message], Qos]:
+    """Return the message type and the QoS of the topic that a command line names; see `endpoint`.
+
+    ``arguments`` has the options of `add_topic` and `add_project`. Without a project, ``--type`` has to name a standard
+    type. Raises `NoProjectError` if there is neither a project nor ``--type``.
+    """
+    registry: Registry | None = None
+    try:
+        registry = load_project(project_folder(arguments.project))
+    except NoProjectError:
+        if arguments.type is None:
+            raise
+    return endpoint(registry, arguments.topic, arguments.type)
+
+
+def endpoint(registry: Registry | None, topic: str, type_name: str | None) -> tuple[type[Message], Qos]:
+    """Return the message type and the QoS of a topic; ``registry`` is None if there is no project.
 
     If ``type_name`` is given, such as ``std_msgs/msg/String``, they are this type and the default QoS. Otherwise they
     are those of the row that has the topic, or the type that a node of an installed package declares for it. Raises
@@ -79,13 +95,15 @@ def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[typ
         )
     if type_name is not None:
         return _named_type(registry, type_name), Qos()
-    known = registry.by_topic.values()
-    handler = next((handler for handler in known if full_topic(handler.route.topic) == full_topic(topic)), None)
+    known = registry.by_topic if registry else {}
+    handler = next(
+        (handler for handler in known.values() if full_topic(handler.route.topic) == full_topic(topic)), None
+    )
     if handler is None:
         for declared in declared_topics().values():
             if full_topic(declared.name) == full_topic(topic) and len(declared.types) == 1:
                 return declared.message_type, Qos()
-        hint = nearest(topic.removeprefix("/"), registry.by_topic)
+        hint = nearest(topic.removeprefix("/"), known)
         raise SetupError(
             f"no row of mapping.yaml has the topic {topic!r} ({hint}); for a topic without a row, give its message "
             "type with --type PKG/msg/NAME"
@@ -93,9 +111,9 @@ def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[typ
     return handler.message_type, handler.route.qos
 
 
-def _named_type(registry: Registry, type_name: str) -> type[Message]:
+def _named_type(registry: Registry | None, type_name: str) -> type[Message]:
     wanted = standard_types.full_name(type_name)
-    for handler in registry.by_topic.values():
+    for handler in registry.by_topic.values() if registry else ():
         if handler.message_type.__msgtype__ == wanted:
             own: type[Message] = handler.message_type
             return own

@@ -17,24 +17,10 @@ from class_sections import attributes, class_definition
 from roverkit.simulation import simulation_declaration
 
 from generated.registry import REGISTRY
-from roverlink.generator.table.edit import scalar
+from roverlink.generator.table import key_text
 from roverlink.generator.table.keys import Table
-from roverlink.generator.table.parts import Part, object_of
-from roverlink.generator.table.value_types import (
-    AnyOf,
-    Boolean,
-    Duration,
-    Integer,
-    Key,
-    ListOf,
-    MapOf,
-    Named,
-    Number,
-    Object,
-    Scalar,
-    Text,
-    Type,
-)
+from roverlink.generator.table.parts import object_of
+from roverlink.generator.table.value_types import Key, Object
 from roverlink.nodes import ExtraTopics, NodeDeclaration, Parameter, RowTopic, Topic
 from roverlink.nodes.installed import declared_nodes
 from roverlink.runtime.bridge.account import Account
@@ -81,7 +67,7 @@ def _rows(found: re.Match[str]) -> Iterator[str]:
         keys = object_of(Table).keys
         yield from ("| key | holds | meaning | default |", "|---|---|---|---|")
         for name in names.split(", "):
-            yield from _key(name, keys[name])
+            yield from (_key(path, key) for path, key in key_text.keys_below(Object({name: keys[name]})))
 
 
 # --- nodes ---
@@ -142,72 +128,12 @@ def _attributes(declared: type) -> Iterator[str]:
 # --- the table's keys ---
 
 
-def _key(path: str, key: Key) -> Iterator[str]:
-    """Return the row of a key, and those of the keys below it."""
+def _key(path: str, key: Key) -> str:
+    """Return the row of a key."""
     see = f" ([{key.meaning.see.partition('#')[0]}]({key.meaning.see}))" if key.meaning.see else ""
     text = key.meaning.text
     meaning = f"{text[:-1]}{see}." if see else text
-    yield f"| `{path}` | {_holds(key.type)} | {meaning} | {_default(key)} |"
-    yield from _below(path, key.type)
-
-
-def _below(path: str, type: Type) -> Iterator[str]:
-    if isinstance(type, Object):
-        for name, key in type.keys.items():
-            yield from _key(f"{path}.{name}", key)
-    elif isinstance(type, ListOf):
-        yield from _below(f"{path}[]", type.item)
-    elif isinstance(type, MapOf):
-        yield from _below(f"{path}.<{type.key.noun.split()[0]}>", type.value)
-
-
-def _default(key: Key) -> str:
-    if key.required:
-        return "required"
-    if key.meaning.default:
-        return key.meaning.default
-    if key.default is None or key.default in ((), {}) or isinstance(key.default, Part):
-        return "none"
-    if isinstance(key.type, Duration):
-        return f"`{_duration(key.default)}`"
-    if isinstance(key.default, tuple):
-        return f"`[{', '.join(key.default)}]`"
-    return f"`{str(key.default).lower()}`" if isinstance(key.default, (bool, str)) else str(key.default)
-
-
-def _duration(milliseconds: int) -> str:
-    return f"{milliseconds}ms" if milliseconds % 1000 else f"{milliseconds // 1000}s"
-
-
-def _holds(type: Type) -> str:
-    """Return what may stand at a key, in a few words."""
-    if isinstance(type, Named):
-        return _holds(type.definition())
-    if isinstance(type, Text):
-        return _alternatives([f"`{scalar(choice)}`" for choice in type.choices]) if type.choices else type.noun
-    if isinstance(type, Integer):
-        return f"{type.minimum} to {type.maximum}" if type.minimum < type.maximum else str(type.minimum)
-    if isinstance(type, Duration):
-        return f"time, `{_duration(type.minimum)}` to `{_duration(type.maximum)}`"
-    if isinstance(type, AnyOf):
-        return _alternatives([_holds(form) for form in type.forms])
-    if isinstance(type, ListOf):
-        return f"list of {_plural(type.item)}"
-    if isinstance(type, MapOf):
-        values = "" if isinstance(type.value, (Object, Named)) else f" to {_holds(type.value)}"
-        return f"mapping of {type.key.noun}s{values}"
-    names: dict[type[Type], str] = {Boolean: "`true` or `false`", Number: "number", Scalar: "value", Object: "mapping"}
-    return names[type.__class__]
-
-
-def _plural(type: Type) -> str:
-    found = _holds(type)
-    return f"{found}es" if found.endswith("s") else f"{found}s"
-
-
-def _alternatives(words: list[str]) -> str:
-    *others, last = dict.fromkeys(words)
-    return f"{', '.join(others)} or {last}" if others else last
+    return f"| `{path}` | {key_text.holds(key.type)} | {meaning} | {key_text.default_of(key)} |"
 
 
 if __name__ == "__main__":

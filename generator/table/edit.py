@@ -53,18 +53,19 @@ def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:
     return _edited(lines, [_row(end, margin, entries, flow=bool(last.flow_style))])
 
 
-def with_retired(text: str, number: int, file: str) -> str:
-    """Return the table's text with a row moved from `messages` to `retired`; ``number`` is its field number.
+def with_retired(text: str, retiring: int | str, file: str) -> str:
+    """Return the table's text with a row moved from `messages` to `retired`; ``retiring`` is its number or its name.
 
-    ``file`` is the table's name in diagnostics. Raises `DiagnosticsError` if no row has the number.
+    ``file`` is the table's name in diagnostics. Raises `DiagnosticsError` if no row has the number or the name.
     """
     root = yaml.compose(text, Loader=yaml.SafeLoader)
     messages, retired = _value_of(root, "messages"), _value_of(root, "retired")
     rows = messages.value if isinstance(messages, SequenceNode) else []
-    row = next((row for row in rows if _scalar_of(row, "number") == str(number)), None)
+    key, shown = ("number", str(retiring)) if str(retiring).isdecimal() else ("name", repr(retiring))
+    row = next((row for row in rows if _scalar_of(row, key) == str(retiring)), None)
     if row is None:
-        known = f"known numbers: {', '.join(_scalar_of(row, 'number') for row in rows)}" if rows else ""
-        raise DiagnosticsError([NoSuchRow.at(Span(file), f"no row under `messages` has the number {number}", known)])
+        known = f"known {key}s: {', '.join(_scalar_of(row, key) for row in rows)}" if rows else ""
+        raise DiagnosticsError([NoSuchRow.at(Span(file), f"no row under `messages` has the {key} {shown}", known)])
     entry = "{" + ", ".join(f"{key}: {_scalar_of(row, key)}" for key in _KEPT) + "}"
     lines = text.splitlines(keepends=True)
     removal = row.start_mark.line, _last_line(row) + 1, list[str]()

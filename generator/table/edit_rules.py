@@ -6,9 +6,9 @@ from roverlink.generator.diagnostics import Rule, Severity
 
 
 class NoSuchRow(Rule, id="RET101"):
-    """`roverlink number retire` names a number that no row has.
+    """`roverlink number retire` names a number or a row that the table does not have.
 
-    No row is changed, because the number may be a typing error.
+    No row is changed, because the argument may be a typing error.
 
     Bad::
 

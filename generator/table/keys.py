@@ -843,9 +843,15 @@ class Table(Part):
         return row.board or (peer.board_for(row.proto) if peer is not None else "")
 
     def and_further(self, targets: tuple[str, ...], templates: tuple[str, ...]) -> Table:
-        """Return a copy of the table with further targets and template folders, without duplicates."""
+        """Return a copy of the table with further targets and template folders, without duplicates.
+
+        The place of each is the option of `roverlink generate` that names it.
+        """
+        options = {f"targets.{name}": Span(f"--target {name}") for name in targets}
+        options |= {f"templates.{folder}": Span(f"--template {folder}") for folder in templates}
         return replace(
             self,
+            spans={**options, **self.spans},
             targets=tuple(dict.fromkeys((*(self.targets or USUAL_TARGETS), *targets))),
             templates=tuple(dict.fromkeys((*self.templates, *templates))),
         )

@@ -27,10 +27,8 @@ from roverlink.console import (
     counted,
     documented_command,
     print_note,
-    project_folder,
     seconds,
 )
-from roverlink.generated_code import load_project
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import Endpoint, Middleware, open_middleware
 from roverlink.runtime.middleware.following import matching_qos
@@ -68,8 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     If the time ``--timeout`` ends before, the exit code is 1.
     """
-    registry = load_project(project_folder(arguments.project))
-    message_type, _ = topic_types.endpoint(registry, arguments.topic, arguments.type)
+    message_type, _ = topic_types.endpoint_of(arguments)
     topic = topic_types.full_topic(arguments.topic)
     arrived: queue.Queue[bytes] = queue.Queue()
     seen = 0

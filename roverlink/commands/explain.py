@@ -1,4 +1,4 @@
-"""Show all facts about a row, or the documentation of a rule.
+"""Show all facts about a row, or the documentation of a rule or of a key of the table.
 
 Show all facts about a row of mapping.yaml: its sizes, the conversion of each field, its topic, its
 peers, and the bytes of an example. ROW is the row's name, number, topic or message. Use it to see how a
@@ -7,6 +7,9 @@ protobuf message becomes a ROS 2 message, or to compare the bytes with those of 
 With the ID of a rule of `roverlink lint` or `roverlink check-launch`, such as ENV101, show the rule's
 documentation: what the rule finds, why that is a problem, and how to solve it.
 
+With a key of mapping.yaml, such as max_rate or qos.depth, show what the key means, which values it takes,
+and its default.
+
 Example: roverlink explain imu_info
 """
 
@@ -14,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from functools import cache
 from typing import Any
 
 from roverlink.completion import complete, rows, topics
@@ -23,6 +27,9 @@ from roverlink.generator.diagnostics import DiagnosticsError, Rule, Severity
 from roverlink.generator.lint.rules import lint_rules
 from roverlink.generator.lock import ACCEPTED_NAME
 from roverlink.generator.rule_catalogue import rules as own_rules
+from roverlink.generator.table import Table, key_text
+from roverlink.generator.table.parts import object_of
+from roverlink.generator.table.value_types import Key
 from roverlink.installed_packages import entry_points
 from roverlink.runtime.core.errors import SetupError, nearest
 
@@ -34,7 +41,7 @@ def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
     parser = documented_command(commands, __name__, __doc__)
     what = parser.add_argument(
-        "what", nargs="?", metavar="ROW|ID", help="a row, or the ID of a rule (default: list all rules)"
+        "what", nargs="?", metavar="ROW|ID|KEY", help="a row, the ID of a rule, or a key (default: list all rules)"
     )
     complete(what, rows, topics, lambda _: all_rules())
     parser.add_argument("--json", action="store_true", help="with a row: print the facts as a JSON object")
@@ -51,7 +58,7 @@ def all_rules() -> dict[str, type[Rule]]:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the facts about a row, or the documentation of a rule, or without an argument one line for each rule."""
+    """Print the facts about a row, or the documentation of a rule or a key, or without an argument a list of rules."""
     rules = all_rules()
     if arguments.what is None:
         for rule in rules.values():
@@ -76,17 +83,38 @@ def _print_rule(rule: type[Rule]) -> None:
         )
 
 
+def _print_keys(word: str) -> bool:
+    """Print the documentation of each key whose path is ``word`` or ends with it; return false if there is none."""
+    paths = [path for path in _keys() if f".{path.replace('[]', '')}".endswith(f".{word.replace('[]', '')}")]
+    for path in paths:
+        key = _keys()[path]
+        print(f"{path}: {key_text.holds(key.type)} (default: {key_text.default_of(key)})\n  {key.meaning.text}")
+        if key.meaning.see:
+            print(f"  see docs/{key.meaning.see}")
+    return bool(paths)
+
+
+@cache
+def _keys() -> dict[str, Key]:
+    """Return the keys of the table by their paths."""
+    return dict(key_text.keys_below(object_of(Table)))
+
+
 def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
     # Imported here: documentation of a rule does not need the slow import of the compiler.
     from roverlink.row_explanation import Project
 
     table, what = table_file(arguments.table), arguments.what
     if not table.exists():
+        if _print_keys(what):
+            return OK
         hint = nearest(what, rules)
         raise SetupError(f"unknown rule {what!r} ({hint}), and no rows to look up: {table} does not exist")
     try:
         project = Project(table, history=arguments.history)
     except DiagnosticsError as error:
+        if _print_keys(what):
+            return OK
         show_error(error, table.parent)
         return FINDINGS
     row = project.find(what)
@@ -94,9 +122,11 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
         print(f"{what} {taken}")
         return FINDINGS
     if row is None:
-        hint = nearest(what, [*project.known(), *rules])
+        if _print_keys(what):
+            return OK
+        hint = nearest(what, [*project.known(), *rules, *(path.rpartition(".")[2] for path in _keys())])
         raise SetupError(
-            f"{what!r} is neither a row of {table} nor a rule ({hint}); `roverlink explain` lists the rules"
+            f"{what!r} is neither a row or key of {table} nor a rule ({hint}); `roverlink explain` lists the rules"
         )
     said = project.explain(row)
     print(json.dumps(said, indent=2)) if arguments.json else _print_row(said)

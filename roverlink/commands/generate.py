@@ -3,8 +3,9 @@
 Read mapping.yaml and the .proto files, and write all files that are made from them: the Python handlers
 that convert messages, the envelope's .proto file, a ROS 2 package with .msg files, mapping.lock, and
 docs. Run it after each change of mapping.yaml or of a .proto file. The output lists the changed files.
-If there is an error in mapping.yaml or in a .proto file, the command prints it and writes nothing (exit
-code 1). A file that roverlink did not generate is never replaced, unless you give --overwrite.
+If there is an error in mapping.yaml or in a .proto file that a row needs, the command prints it and
+writes nothing (exit code 1); `roverlink lint` checks all other .proto files, too. A file that roverlink
+did not generate is never replaced, unless you give --overwrite.
 
 Example: roverlink generate --check
 """
@@ -29,9 +30,11 @@ from roverlink.console import (
 )
 from roverlink.diagnostic_text import Sources, show_error, show_without_hints
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
+from roverlink.generator.emit import targets
 from roverlink.generator.emit.writer import Change, write
 from roverlink.generator.pipeline import Compiled, compile_table
 from roverlink.generator.source_files import visible
+from roverlink.runtime.core.errors import SetupError, nearest
 
 
 def add(commands: Subparsers) -> None:
@@ -53,7 +56,9 @@ def add(commands: Subparsers) -> None:
         action="append",
         default=[],
         metavar="NAME",
-        help="write this kind of output too: cpp (C++ handlers), jsonschema, nanopb (.options files); may be repeated",
+        help="write this kind of output too: cpp (C++ handlers), jsonschema, nanopb (.options files); may be repeated; "
+        "the next run without this option removes the files, so list the target under `targets` in mapping.yaml to "
+        "keep them",
     )
     parser.add_argument(
         "--template",
@@ -61,7 +66,8 @@ def add(commands: Subparsers) -> None:
         default=[],
         type=Path,
         metavar="DIR",
-        help="also render your own Jinja templates in the folder DIR, into generated/DIR; may be repeated",
+        help="also render your own Jinja templates in the folder DIR, into generated/DIR; may be repeated; as with "
+        "--target, `templates` in mapping.yaml keeps the files",
     )
     parser.set_defaults(run=run)
 
@@ -71,6 +77,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     The exit code is 1 if there are diagnostics, or if ``--check`` finds a file that is out of date.
     """
+    known = targets.names()
+    if unknown := next((name for name in arguments.target if name not in known), None):
+        raise SetupError(f"--target: unknown target {unknown!r}; {nearest(unknown, known)}")
     table = table_file(arguments.table)
     try:
         # Relative to the table: generated files name their templates and must not contain machine paths.
@@ -110,5 +119,5 @@ def report(table: Path, error: DiagnosticsError) -> int:
     severities = [finding.severity for finding in error.findings]
     errors = sum(severity.rank <= Severity.ERROR.rank for severity in severities)
     show_error(error, table.parent)
-    print_note(f"{counted(errors, 'error')} in {table}; nothing was written")
+    print_note(f"{counted(errors, 'error')}; nothing was written")
     return UNABLE if Severity.FATAL in severities else FINDINGS

@@ -14,9 +14,23 @@ from __future__ import annotations
 
 import argparse
 import json
+import select
+import time
 from typing import Any
 
-from roverlink.console import OK, Subparsers, add_project, count, documented_command, port, print_note, project_folder
+from roverlink.console import (
+    FINDINGS,
+    OK,
+    Subparsers,
+    add_project,
+    count,
+    counted,
+    documented_command,
+    port,
+    print_note,
+    project_folder,
+    seconds,
+)
 from roverlink.generated_code import load_project
 from roverlink.runtime import DatagramError, Registry, Translator
 from roverlink.runtime.core.envelope import payload_numbers, restore
@@ -40,17 +54,26 @@ def add(commands: Subparsers) -> None:
         help="IPv4 address of this machine to listen on (default: all its addresses)",
     )
     parser.add_argument("--count", type=count, metavar="N", help="stop after N datagrams")
+    parser.add_argument("--timeout", type=seconds, metavar="S", help="stop after S seconds, with exit code 1")
     parser.set_defaults(run=run, runs_until_stopped=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the envelopes that arrive until Ctrl-C, or until ``--count`` datagrams have arrived."""
+    """Print the envelopes that arrive until Ctrl-C, or until ``--count`` datagrams have come; the exit code is then 0.
+
+    If the time ``--timeout`` ends before, the exit code is 1.
+    """
     registry = load_project(project_folder(arguments.project))
     translator = Translator(registry)
     seen = 0
     with udp.bind(arguments.address, arguments.port, _RECEIVE_BUFFER) as sock:
         print_note(f"listening on UDP port {sock.getsockname()[1]}")
+        deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
         while arguments.count is None or seen < arguments.count:
+            wait = None if deadline is None else max(0.0, deadline - time.monotonic())
+            if not select.select([sock], [], [], wait)[0]:
+                print_note(f"stopped after {arguments.timeout} s: only {counted(seen, 'datagram')} came")
+                return FINDINGS
             datagram, (host, port) = sock.recvfrom(udp.LARGEST)
             print(json.dumps({"from": f"{host}:{port}", **_line(registry, translator, datagram)}), flush=True)
             seen += 1

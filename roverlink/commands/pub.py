@@ -20,10 +20,8 @@ from roverlink.console import (
     add_project,
     count,
     documented_command,
-    project_folder,
     rate,
 )
-from roverlink.generated_code import load_project
 from roverlink.runtime import SetupError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import open_middleware
@@ -54,8 +52,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Wait for a subscriber of the topic, and publish the message ``--count`` times, or until Ctrl-C."""
-    registry = load_project(project_folder(arguments.project))
-    message_type, qos = topic_types.endpoint(registry, arguments.topic, arguments.type)
+    message_type, qos = topic_types.endpoint_of(arguments)
     data = cdr.encode(message_from_values(message_type, _values(arguments.values)))
     with open_middleware(arguments.middleware, topic_types.identity("pub")) as middleware:
         publisher = middleware.publisher(topic_types.full_topic(arguments.topic), message_type, qos)

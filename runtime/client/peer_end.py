@@ -138,7 +138,7 @@ class PeerEnd(ABC):
         self._opened().sendto(self._session.outgoing(datagram), self._remote)
         self._session.traffic.sent += 1
 
-    def repeat(self, payload: ProtoMessage, rate: float, row: str | None = None) -> Repetition:
+    def repeat(self, payload: ProtoMessage, row: str | None = None, *, rate: float) -> Repetition:
         """Send a payload now and then ``rate`` times a second, until it is stopped, replaced, or the peer is closed.
 
         The next `send` or `repeat` of the same row replaces the payload. Refused datagrams are counted, because a later

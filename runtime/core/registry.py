@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import itertools
 import sys
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from google.protobuf.message import EncodeError
-from google.protobuf.runtime_version import VersionError
 
 from roverlink.runtime.core.errors import ConversionError, RegistryError, SetupError
 from roverlink.runtime.core.handler import Handler, Route
@@ -198,18 +198,30 @@ def load_registry(project: str | Path | None = None, package: str = "generated")
     try:
         registry = importlib.import_module(f"{package}.registry").REGISTRY
         check: Callable[[], None] = importlib.import_module(f"{package}.checks").check
-    # VersionError: the protobuf runtime is older than the one that generated the modules. TypeError: descriptors clash.
-    except (ImportError, SyntaxError, TypeError, AttributeError, VersionError) as error:
+    except Exception as error:  # the code may be edited, or of another version, so that anything may be raised
         if isinstance(error, ModuleNotFoundError) and _concerns(str(error.name), package):
             if project is not None:
                 raise RegistryError(f"no generated code in {project} ({error}); run `roverlink generate`") from error
             help = "give the folder of mapping.yaml, load_registry(folder), and run `roverlink generate` there"
             raise RegistryError(f"no generated code in the import path ({error}); {help}") from error
-        raise RegistryError(f"the generated code cannot be imported: {error}; run `roverlink generate`") from error
+        raise RegistryError(
+            f"the generated code cannot be imported: {_place(error, package)}{type(error).__name__}: {error}; "
+            "run `roverlink generate`"
+        ) from error
     if not isinstance(registry, Registry):
         raise RegistryError(f"{package}.registry.REGISTRY is not a Registry; run `roverlink generate`")
     check()
     return registry
+
+
+def _place(error: Exception, package: str) -> str:
+    """Return the file and the line of the package that raised an error, such as ``/rover/generated/registry.py:7: ``.
+
+    The place is empty if no line of the package was running: a `SyntaxError` names its place itself.
+    """
+    folder = f"/{package.replace('.', '/')}/"
+    lines = [frame for frame in traceback.extract_tb(error.__traceback__) if folder in Path(frame.filename).as_posix()]
+    return f"{lines[-1].filename}:{lines[-1].lineno}: " if lines and not isinstance(error, SyntaxError) else ""
 
 
 def _concerns(module: str, package: str) -> bool:

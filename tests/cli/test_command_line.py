@@ -209,15 +209,16 @@ for line in ([name] for names in command_line.GROUPS.values() for name in names)
         ("google", "lint", "'protobuf<8,>=7.35.1'"),
         ("grpc_tools", "lint", "'grpcio-tools==1.85.1'"),
         ("jinja2", "init", "'jinja2>=3.1.6'"),
-        ("mcap", "recording info {run}", "'mcap>=1.3'"),
+        ("mcap", "recording info {run}", "'SOURCE[record]'"),
+        ("lz4", "recording info {run}", "'SOURCE[record]'"),
         (
             "prometheus_client",
             "run --middleware memory --metrics 0 --ros-args -p listen_port:=0",
-            "'prometheus-client>=0.21'",
+            "'SOURCE[metrics]'",
         ),
-        ("pyarrow", "recording export {run} --topic imu_data --to parquet", "'pyarrow>=17'"),
+        ("pyarrow", "recording export {run} --topic imu_data --to parquet", "'SOURCE[parquet]'"),
         ("rich", "recording info {run}", "'rich>=14'"),
-        ("rosbags", "echo spoken --type std_msgs/msg/String", "'rosbags>=0.11'"),
+        ("rosbags", "echo spoken --type std_msgs/msg/String", "'SOURCE[standard]'"),
         ("yaml", "lint", "'pyyaml>=6'"),
         ("cyclonedds", "simulate --bridge dds --seconds 1", "cyclonedds"),
     ],
@@ -232,7 +233,7 @@ def test_a_missing_package_is_named(
     folder = tmp_path / "empty" if line == "init" else _ROOT
     done = subprocess.run(command, env=environment, cwd=folder, capture_output=True, text=True)
     assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 1)
-    assert f"install it with `pip install {install}`" in done.stderr
+    assert f"`pip install {install}`" in done.stderr
 
 
 def test_a_clone_without_symbolic_links_is_told(tmp_path: Path, environment: dict[str, str]) -> None:

@@ -18,7 +18,7 @@ _SHOWN = f"""\
 mapping.yaml:7:63: error[TAB103] unknown direction 'bord_to_ros' (known: board_to_ros, ros_to_board)
 7 | {_ROW}
   |                                                               ^
-  help: did you mean 'board'?
+  help: did you mean 'board_to_ros'?
 """
 
 

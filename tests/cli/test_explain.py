@@ -68,7 +68,7 @@ def test_the_history_of_the_number(called: Called) -> None:
 @pytest.mark.slow
 def test_what_is_missing_is_told_beside_what_is_there(project: Path, called: Called) -> None:
     """A number that is retired says so; without generated code there is no example; a wrong table is told instead."""
-    assert called("number", "retire", "13", folder=project)[0] == 0
+    assert called("number", "retire", "imu_info", folder=project)[0] == 0
     said = "13 is retired: it was 'imu_info' (SensorBoardIMUInfo)"
     assert called("explain", "13", folder=project) == (1, said, "")
     shutil.rmtree(project / "generated")
@@ -82,7 +82,8 @@ def test_what_is_missing_is_told_beside_what_is_there(project: Path, called: Cal
 
 
 def test_rules_need_no_table(tmp_path: Path, called: Called) -> None:
-    """A rule is explained anywhere; a row, where there is none, is not."""
+    """A rule and a key are explained anywhere; a row, where there is none, is not."""
+    assert called("explain", "max_rate", folder=tmp_path)[1].startswith("messages[].max_rate: 1 to 1000000 (")
     assert called("explain", "ENV101", folder=tmp_path)[1].startswith("ENV101 field-number-taken (error)")
     code, _, errors = called("explain", "imu_info", folder=tmp_path)
     assert (code, "mapping.yaml does not exist" in errors) == (2, True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from contextlib import nullcontext
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -25,6 +26,8 @@ from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces.std_msgs import String
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
+
+_ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.slow
@@ -72,10 +75,18 @@ def test_echo_adapts_to_the_publisher(called: Called, reliability: str, durabili
     assert json.loads(output)["distance_to_go"] == 2.5
 
 
-def test_silence_for_too_long_is_exit_code_1(capsys: pytest.CaptureFixture[str]) -> None:
-    """With `--timeout`, too few messages in time are told, and exit code 1."""
-    assert main(["echo", "imu_data", "--timeout", "0.1", "--middleware", "memory"]) == 1
-    assert capsys.readouterr() == ("", "stopped after 0.1 s: only 0 messages came on imu_data\n")
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (f"echo imu_data --project {_ROOT} --middleware memory", "0 messages came on imu_data"),
+        ("echo /chatter --type std_msgs/msg/String --middleware memory", "0 messages came on /chatter"),
+        (f"listen --port 0 --project {_ROOT}", "0 datagrams came"),
+    ],
+)
+def test_silence_for_too_long_is_exit_code_1(line: str, expected: str, tmp_path: Path, called: Called) -> None:
+    """With `--timeout`, too few messages in time are told, and exit code 1; `echo --type` needs no project."""
+    code, output, errors = called(*line.split(), "--timeout", "0.1", folder=tmp_path)
+    assert (code, output, errors.endswith(f"stopped after 0.1 s: only {expected}")) == (1, "", True)
 
 
 def test_publishing_to_nobody_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 - ``proto``: a file to create; its first line, a comment, names it.
 - ``diff``: an edit of the file that ``---`` names; the lines of a hunk say where, since a page counts no lines.
+- ``yaml``: a row to add at the end of `messages` in mapping.yaml.
 - ``console``: commands after ``$``, each with the output that the page shows. A ``...`` in it stands for any text.
   Commands that wait for others (``roverlink run``, ``echo``, ``listen``, ``drive``, ``aruco track --loop``) stay in
   their terminal until the next heading; what they show is compared there, and what has no end is stopped by what Ctrl-C
@@ -38,6 +39,8 @@ _READY = {
     "roverlink drive": "is AUTO",
 }
 """What a command shows as soon as it waits; `roverlink echo` shows nothing before a message comes."""
+_ACTIVATE = ". .venv/bin/activate"
+"""What a reader types first; the `roverlink` of this reader is on the PATH."""
 _WAITING = ("roverlink run", "roverlink echo", "roverlink listen", "roverlink drive")
 """What stays in its terminal; the camera's program does where its recording is played in a loop."""
 _ENDLESS = ("roverlink run", "roverlink aruco", "roverlink drive")
@@ -155,7 +158,8 @@ class Reader:
 
     def follow(self, page: list[Block]) -> None:
         """Do what each block says, and compare what it shows."""
-        do = {"#": self._leave_terminals, "proto": self._create, "diff": self._edit, "console": self._type}
+        do = {"#": self._leave_terminals, "console": self._type}
+        do |= {"proto": self._create, "diff": self._edit, "yaml": self._add_row}
         for block in page:
             assert block.language in do, f"line {block.line}: nobody can follow a block of {block.language!r}"
             do[block.language](block)
@@ -179,6 +183,12 @@ class Reader:
             text = text.replace(before, _side(hunk, " +"))
         path.write_text(text, encoding="utf-8")
 
+    def _add_row(self, block: Block) -> None:
+        path, end = self.project / "mapping.yaml", "\n\nretired:"
+        text = path.read_text(encoding="utf-8")
+        assert text.count(end) == 1, f"line {block.line}: `messages` does not end before `retired`"
+        path.write_text(text.replace(end, f"\n{block.text}{end[1:]}"), encoding="utf-8")
+
     # --- terminals ---
 
     def _type(self, block: Block) -> None:
@@ -187,7 +197,7 @@ class Reader:
             if command == "echo $?":
                 assert shown == f"{code}\n", f"line {block.line}: the exit code is {code}"
                 code = 0
-            elif command.startswith("git ") and shutil.which("git") is None:
+            elif command == _ACTIVATE or (command.startswith("git ") and shutil.which("git") is None):
                 continue
             else:
                 assert code == 0, f"line {block.line}: exit code {code}, which the page does not show"

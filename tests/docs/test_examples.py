@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import doctest
+import sys
 from importlib.util import find_spec
 from pathlib import Path
+from subprocess import PIPE, Popen
 
 import pytest
 from case_file import usual_table
-from needs import NO_OPENCV
+from needs import NO_OPENCV, needs_dds
 from page import ROOT, blocks
+from polling import PATIENCE_S, wait_until
+from repeating import repeated
 
+from generated.registry import REGISTRY
 from roverlink.generator.pipeline import compile_table
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
 _DOCS, _DOCS_OF_ROVERKIT = ROOT / "docs", ROOT / "rover" / "docs"
 _NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
@@ -27,6 +33,29 @@ def test_the_session_with_a_handler_runs() -> None:
     runner = doctest.DocTestRunner()
     runner.run(test)
     assert (runner.failures, runner.tries) == (0, len(test.examples))
+
+
+@pytest.mark.slow
+@needs_dds
+def test_the_node_of_the_page_prints_what_arrives(
+    environment: dict[str, str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """It runs as it stands, hears another node, and ends at Enter."""
+    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.setenv(name, environment[name])
+    (code,) = (one.text for one in blocks(_DOCS / "targets.md") if one.language == "python" and "input(" in one.text)
+    handler, node, log = REGISTRY.by_name["imu_info"], NodeIdentity("imu"), tmp_path / "output"
+    with (
+        log.open("w") as output,
+        Popen([sys.executable, "-c", code], stdin=PIPE, stdout=output, env=environment, cwd=ROOT, text=True) as program,
+        open_middleware("dds", node) as middleware,
+    ):
+        publisher = middleware.publisher(node.topic("imu_data"), handler.message_type, handler.route.qos)
+        message = handler.to_cdr(handler.payload_type(accel_x=0.5))
+        with repeated(lambda _: publisher.publish([message])):
+            wait_until(lambda: "accel_x 0.5" in log.read_text() or program.poll() is not None, "a printed message")
+        program.communicate("\n", PATIENCE_S)
+    assert (program.returncode, "accel_x 0.5\n" in log.read_text()) == (0, True)
 
 
 @pytest.mark.parametrize(

@@ -74,6 +74,23 @@ def _start(repository: Path) -> None:
         _commit(repository, subject)
 
 
+@pytest.mark.slow
+def test_a_taken_number_is_reported_as_the_pages_show_it(tmp_path: Path) -> None:
+    """The place, the commit and the help are those of a row at the end of the table of this repository."""
+    shutil.copytree(ROOT / "proto", tmp_path / "proto")
+    shutil.copy(ROOT / "mapping.lock", tmp_path)
+    text, table = (ROOT / "mapping.yaml").read_text(encoding="utf-8"), tmp_path / "mapping.yaml"
+    table.write_text(text, encoding="utf-8")
+    _run("git init --initial-branch main", tmp_path)
+    _commit(tmp_path, "Add the IMU", {f"GIT_{who}_DATE": "2026-03-02T12:00:00Z" for who in ("AUTHOR", "COMMITTER")})
+    row = "  - number: 13\n    name: two\n    proto: SensorBoardIMUInfo\n    topic: b\n    direction: hardware_to_ros\n"
+    table.write_text(text.replace("\n\nretired:", f"\n{row}\nretired:"), encoding="utf-8")
+    said = re.sub(r"\([0-9a-f]{10} ", "(commit ", _run("roverlink lint", tmp_path).stdout)
+    for page in (_PAGE, ROOT / "README.md"):
+        shown = re.findall(r"^```text\n(.*?ENV101.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+        assert re.sub(r"\([0-9a-f]{10} ", "(commit ", shown[0]) in said
+
+
 _ROVER = """\
 syntax = "proto3";
 message Imu {{ float heading = 1; float pitch = 2;{roll} }}

@@ -59,9 +59,8 @@ def test_a_target_that_fails_is_named(project: Path, install: Install) -> None:
     before = snapshot(project)
     outcome = generate(project, "--target", "numbers")
     assert outcome.code == 1
-    assert (
-        "error[OUT103] the target 'numbers' of the package 'rover-numbers' failed: KeyError: 'depth'" in outcome.stderr
-    )
+    failed = "error[OUT103] the target 'numbers' of the package 'rover-numbers' failed: KeyError: 'depth'"
+    assert f"--target numbers: {failed}" in outcome.stderr
     assert snapshot(project) == before
 
 
@@ -76,11 +75,10 @@ def test_a_target_of_another_package_stays_in_the_folder(project: Path, install:
     assert snapshot(project) == before
 
 
-def test_a_target_that_is_not_installed_is_a_finding(project: Path) -> None:
-    """A name that nobody brings gets the list of those that there are."""
+def test_an_option_with_a_target_that_is_not_installed_is_a_mistake_of_the_command_line(project: Path) -> None:
+    """A name that nobody brings gets the list of those that there are, and no place in the table."""
     outcome = generate(project, "--target", "fortran")
-    assert outcome.code == 1
-    assert "error[OUT102] unknown target 'fortran'" in outcome.stderr
+    assert (outcome.code, outcome.stderr[:58]) == (2, "roverlink: --target: unknown target 'fortran'; known: cpp,")
 
 
 @pytest.mark.slow

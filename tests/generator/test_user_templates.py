@@ -42,7 +42,7 @@ def _refused(project: Path) -> str:
     before = snapshot(project)
     outcome = generate(project)
     first, _, rest = outcome.stderr.partition("\n")
-    assert (outcome.code, rest.splitlines()[-1]) == (1, "1 error in mapping.yaml; nothing was written")
+    assert (outcome.code, rest.splitlines()[-1]) == (1, "1 error; nothing was written")
     assert "error[" not in rest
     assert "the secret" not in outcome.stderr + outcome.stdout
     assert snapshot(project) == before

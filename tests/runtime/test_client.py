@@ -149,7 +149,7 @@ def test_a_payload_that_no_row_carries_is_an_error_that_names_the_row(
 ) -> None:
     """Nothing is sent, neither once nor repeatedly."""
     with _basestation(bridge, registry=_TWO_FRONTS) as peer:
-        for send in (lambda: peer.send(payload, row), lambda: peer.repeat(payload, 10, row)):
+        for send in (lambda: peer.send(payload, row), lambda: peer.repeat(payload, row, rate=10)):
             with pytest.raises(SetupError) as caught:
                 send()
             assert str(caught.value) == expected
@@ -171,7 +171,7 @@ def test_a_network_that_refuses_is_an_error_of_send_and_a_count_of_repeat(bridge
     with _basestation(bridge, host="255.255.255.255") as peer:
         with pytest.raises(OSError, match="Permission denied"):
             peer.send(_MODE)
-        peer.repeat(_MODE, 10)
+        peer.repeat(_MODE, rate=10)
         assert (peer.traffic.sent, peer.traffic.unsent) == (0, 1)
 
 
@@ -204,14 +204,14 @@ def test_a_blocking_peer_repeats_in_its_methods_only(bridge: socket, monkeypatch
             peer.arrived()
             return waiting(bridge)
 
-        repetition = peer.repeat(_MODE, 50)
+        repetition = peer.repeat(_MODE, rate=50)
         assert waiting(bridge) == [_AUTO]
         assert [after(0.011), after(0.011), after(0.011), after(5)] == [[], [_AUTO], [], [_AUTO]]
         peer.send(BasestationControlMode())
         assert [waiting(bridge), after(0.021)] == [[_MANUAL]] * 2
-        assert peer.repeat(_MODE, 50) is not repetition
+        assert peer.repeat(_MODE, rate=50) is not repetition
         assert [waiting(bridge), after(0.021)] == [[_AUTO]] * 2
-        peer.repeat(_MODE, 50).stop()
+        peer.repeat(_MODE, rate=50).stop()
         assert [waiting(bridge), after(0.021)] == [[_AUTO], []]
 
 
@@ -219,14 +219,14 @@ def test_a_blocking_peer_repeats_in_its_methods_only(bridge: socket, monkeypatch
 def test_peers_repeat_while_they_wait(bridge: socket) -> None:
     """In `receive`, or with asyncio whatever the tasks do; a closed peer sends no more."""
     with _basestation(bridge) as peer:
-        peer.repeat(_MODE, 50)
+        peer.repeat(_MODE, rate=50)
         with pytest.raises(TimeoutError):
             peer.receive(timeout=0.4)
         assert 2 <= len(waiting(bridge)) <= 21
 
     async def main() -> None:
         async with _async_basestation(bridge) as peer:
-            repetition = peer.repeat(_MODE, 50)
+            repetition = peer.repeat(_MODE, rate=50)
             assert [await asyncio.to_thread(bridge.recv, 100) for _ in range(3)] == [_AUTO] * 3
             peer.send(BasestationControlMode())
             while await asyncio.to_thread(bridge.recv, 100) != _MANUAL:
@@ -236,7 +236,7 @@ def test_peers_repeat_while_they_wait(bridge: socket) -> None:
             waiting(bridge)
             await asyncio.sleep(0.05)
             assert waiting(bridge) == []
-            peer.repeat(_MODE, 50)
+            peer.repeat(_MODE, rate=50)
         waiting(bridge)
         await asyncio.sleep(0.05)
         assert waiting(bridge) == []
@@ -359,7 +359,7 @@ def test_a_peer_that_is_not_open_says_so(bridge: socket, was_open: bool) -> None
     if was_open:
         with peer:
             peer.close()
-    uses: list[Callable[[], object]] = [lambda: peer.send(_MODE), lambda: peer.repeat(_MODE, 1), peer.receive]
+    uses: list[Callable[[], object]] = [lambda: peer.send(_MODE), lambda: peer.repeat(_MODE, rate=1), peer.receive]
     for use in (*uses, lambda: next(iter(peer))):
         with pytest.raises(ClosedError, match="basestation is not open; use it inside its `with` block"):
             use()

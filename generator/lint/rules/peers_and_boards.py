@@ -73,7 +73,8 @@ def _unknown_direction(row: Row, peers: list[str], malformed: bool) -> _Fault:
     if malformed:
         return "direction", message, nearest(row.direction, known, "write `<peer>_to_ros` or `ros_to_<peer>`"), []
     other = f"{'write a known direction, or ' if peers else ''}add the peer {row.peer!r} under `peers`"
-    return "direction", message, nearest(row.peer, peers, other), []
+    similar = nearest(row.peer, peers, "") and nearest(row.direction, known, "")
+    return "direction", message, similar or other, []
 
 
 def _unknown_targets(row: Row, peers: list[str]) -> Iterator[_Fault]:

@@ -13,8 +13,8 @@ from __future__ import annotations
 import argparse
 
 from roverlink.commands.generate import print_changes, report
-from roverlink.completion import complete, numbers
-from roverlink.console import OK, Subparsers, add_table, count, documented_command, table_file
+from roverlink.completion import complete, numbers, rows
+from roverlink.console import OK, Subparsers, add_table, documented_command, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
 from roverlink.generator.pipeline import retire
@@ -23,17 +23,17 @@ from roverlink.generator.pipeline import retire
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
     parser = documented_command(commands, __name__, __doc__)
-    number = parser.add_argument("number", type=count, metavar="NUMBER", help="number of the payload in the envelope")
-    complete(number, numbers)
+    row = parser.add_argument("row", metavar="NUMBER|ROW", help="number of the payload in the envelope, or its row")
+    complete(row, numbers, rows)
     add_table(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Retire a number, and generate the code. If the table without the row does not compile, nothing is written."""
+    """Retire the number of a row, and generate the code. If the table then does not compile, nothing is written."""
     table = table_file(arguments.table)
     try:
-        compiled, changes = retire(table, arguments.number)
+        compiled, changes = retire(table, arguments.row)
         write(table.resolve().parent, changes)
     except DiagnosticsError as error:
         return report(table, error)
