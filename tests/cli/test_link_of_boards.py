@@ -7,7 +7,6 @@ import json
 import socket
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from linked import linked_registry, write_project
@@ -40,25 +39,18 @@ def _board(hashes: dict[int, int]) -> Iterator[list[str]]:
             yield ["listen_port:=6100", f"listen_address:='{address}'", f"dst_b_port:={port}"]
 
 
-def _schemas(done: Start, project: Path, hashes: dict[int, int], *options: object) -> tuple[int, dict[str, Any]]:
-    """The exit code of `doctor` beside a board with these hashes, and what it found about schemas, by its subject."""
-    with _board(hashes) as board:
-        words = [word for one in board for word in ("-p", one)]
-        code, output, errors = done("doctor", "--json", "--project", project, *options, "--ros-args", *words)
-    assert errors == ""
-    found = {one["check"]: (one["verdict"], one["says"]) for one in json.loads(output)}
-    return code, {check: one for check, one in found.items() if "schema" in check}
-
-
 @pytest.mark.slow
 def test_doctor_names_the_board_with_another_schema(done: Start, tmp_path: Path) -> None:
     """It exchanges link messages: a row that differs is an error, and a peer that tells nothing is none."""
     registry = linked_registry()
     assert registry.link is not None
     project = write_project(tmp_path / "rover")
-    code, found = _schemas(done, project, {2: registry.link.hashes[2], 3: 99})
-    assert code == 1
-    assert found == {
+    with _board({2: registry.link.hashes[2], 3: 99}) as board:
+        words = [word for one in board for word in ("-p", one)]
+        code, output, errors = done("doctor", "--json", "--project", project, "--ros-args", *words)
+    assert (code, errors) == (1, "")
+    found = {one["check"]: (one["verdict"], one["says"]) for one in json.loads(output)}
+    assert {check: one for check, one in found.items() if "schema" in check} == {
         "schema of Drive of hardware": ("error", "another schema of drive_command"),
         "schema of Arm of hardware": ("ok", "not known: no link message came within 2.5 s"),
         "schema of base": ("ok", "not known: no link message came within 2.5 s"),

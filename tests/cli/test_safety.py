@@ -1,18 +1,16 @@
-"""What moves the rover, as processes over ROS 2's wire: publishers that die, hang or leave, floods, slow readers."""
+"""What moves the rover, as processes over ROS 2's wire: publishers that die, hang or leave."""
 
 from __future__ import annotations
 
-import contextlib
+import itertools
 import signal
 import socket
-import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from needs import needs_dds
-from polling import wait_until
 from programs import Start
 from running import Bridge
 
@@ -20,63 +18,16 @@ from generated.registry import REGISTRY
 
 pytestmark = needs_dds
 
-_STOP = REGISTRY.envelope(drive_motor={"distance_to_go": 0.0}).SerializeToString()
+_COMMAND = 1.5
 _AFTER_S = 0.5  # as mapping.yaml says
 
 
-class _Board:
-    """The drive board: which distances it was told, and when."""
-
-    def __init__(self) -> None:
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 * 1024 * 1024)
-        self._socket.bind(("127.0.0.1", 0))
-        self._socket.settimeout(0.1)
-        self.parameter = f"dst_b_port:={self._socket.getsockname()[1]}"
-        self.told: list[tuple[float, float]] = []
-        self._open = True
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-
-    def _run(self) -> None:
-        while self._open:
-            with contextlib.suppress(TimeoutError):
-                datagram = self._socket.recv(2048)
-                now = time.monotonic()
-                if datagram[0] == _STOP[0]:
-                    envelope: Any = REGISTRY.envelope.FromString(datagram)
-                    self.told.append((now, envelope.drive_motor.distance_to_go))
-
-    def wait_for(self, what: Callable[[float], bool], since: float = 0.0) -> float:
-        """When it was told something, after a moment."""
-
-        def told() -> float | None:
-            return next((at for at, distance in list(self.told) if at > since and what(distance)), None)
-
-        return wait_until(told, "what the board is to be told") or 0.0
-
-    def wait_for_commands(self, count: int) -> None:
-        """Wait until it was told so many distances more."""
-        before = len(self.told)
-        wait_until(lambda: len(self.told) >= before + count, f"{count} commands")
-
-    def close(self) -> None:
-        """Listen no more."""
-        self._open = False
-        self._thread.join()
-        self._socket.close()
-
-
-@pytest.fixture
-def board() -> Iterator[_Board]:
-    """A drive board."""
-    board = _Board()
-    yield board
-    board.close()
-
-
-def _is_stop(distance: float) -> bool:
-    return distance == 0.0
+def _heard(board: socket.socket) -> Iterator[tuple[float, float]]:
+    """Yield each distance that the drive board is told, behind the time at which it was told."""
+    while True:
+        envelope: Any = REGISTRY.envelope.FromString(board.recv(2048))
+        if envelope.WhichOneof(REGISTRY.oneof) == "drive_motor":
+            yield time.monotonic(), envelope.drive_motor.distance_to_go
 
 
 @pytest.mark.parametrize(
@@ -88,20 +39,20 @@ def _is_stop(distance: float) -> bool:
     ],
 )
 def test_a_rover_whose_commander_is_gone_stops(
-    start: Start, bridge: Bridge, board: _Board, number: signal.Signals
+    start: Start, bridge: Bridge, peer: socket.socket, number: signal.Signals
 ) -> None:
     """Half a second after the last command where its publisher was killed or hangs; at once where it left."""
-    bridge(parameters=[board.parameter], middleware="dds")
-    commander = start("pub", "drive_motor", "{distance_to_go: 1.5}", "--rate", 50)
-    first = board.wait_for(lambda distance: distance == 1.5)
-    board.wait_for_commands(50)  # a second of them
-    assert not [at for at, distance in board.told if at > first and _is_stop(distance)]
+    bridge(parameters=[f"dst_b_port:={peer.getsockname()[1]}"], middleware="dds")
+    commander = start("pub", "drive_motor", f"{{distance_to_go: {_COMMAND}}}", "--rate", 50)
+    heard = _heard(peer)
+    assert _COMMAND in (distance for _, distance in heard)
+    commands = [*itertools.islice(heard, 50)]  # a second of them
+    assert {distance for _, distance in commands} == {_COMMAND}
     commander.send_signal(number)
-    gone = time.monotonic()
-    stopped = board.wait_for(_is_stop, gone)
-    last = max(at for at, distance in board.told if distance == 1.5)
-    assert stopped - last < 10 * _AFTER_S  # the time is what is tested, on a machine that may be busy
-    board.wait_for(_is_stop, stopped)  # and again
+    commands += itertools.takewhile(lambda one: one[1] == _COMMAND, heard)
+    # The time is what is tested, on a machine that may be busy.
+    assert time.monotonic() - commands[-1][0] < 10 * _AFTER_S
+    assert 0.0 in (distance for _, distance in heard)  # and again
     if number == signal.SIGSTOP:
         commander.send_signal(signal.SIGCONT)
-        board.wait_for(lambda distance: distance == 1.5, time.monotonic())
+        assert _COMMAND in (distance for _, distance in heard)

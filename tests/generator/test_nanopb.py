@@ -126,6 +126,11 @@ def _written(root: Path, files: Mapping[str, str]) -> Path:
     return root
 
 
+def _schema(root: Path, files: Mapping[str, str], *flags: str) -> Schema:
+    """Return the schema of a.proto, after writing files."""
+    return schema_of(_compiled(_written(root, files), ["a.proto"], *flags), "proto")
+
+
 @dataclass
 class _Both:
     """What we and nanopb say of some files."""
@@ -405,8 +410,7 @@ def test_a_long_chain_of_messages_is_no_trouble(tmp_path: Path) -> None:
     """Sizes come from the innermost message on, so no number of messages in messages is too many."""
     chain = "".join(f"message M{i} {{ M{i + 1} a = 1; }}" for i in range(2000)) + "message M2000 { TYPE a = 1; }"
     for type, expected in (("bool", int), ("string", Unbounded), ("M0", Unbounded)):
-        _written(tmp_path, {"a.proto": f'syntax = "proto3"; {chain.replace("TYPE", type)}'})
-        schema = schema_of(_compiled(tmp_path, ["a.proto"]), "proto")
+        schema = _schema(tmp_path, {"a.proto": f'syntax = "proto3"; {chain.replace("TYPE", type)}'})
         assert isinstance(largest_size(schema, read_bounds(schema, tmp_path, "proto", []), "M0"), expected)
 
 
@@ -455,8 +459,7 @@ def test_lines_are_read_as_nanopb_reads_them(tmp_path: Path, line: str) -> None:
 
 def _found(root: Path, files: Mapping[str, str]) -> list[str]:
     findings: list[Diagnostic] = []
-    schema = schema_of(_compiled(_written(root, files), ["a.proto"]), "proto")
-    read_bounds(schema, root, "proto", findings)
+    read_bounds(_schema(root, files), root, "proto", findings)
     return [finding.render() for finding in findings]
 
 
@@ -506,10 +509,7 @@ def test_options_without_nanopb_are_one_finding(
     tmp_path: Path, files: Mapping[str, str], expected: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where nanopb is not installed, options are reported once with the command that installs it; else all is read."""
-    schema, findings = (
-        schema_of(_compiled(_written(tmp_path, files), ["a.proto"], "--include_source_info"), "proto"),
-        [],
-    )
+    schema, findings = _schema(tmp_path, files, "--include_source_info"), list[Diagnostic]()
     vocabulary.cache_clear()
     monkeypatch.setattr("roverlink.generator.nanopb.vocabulary.find_spec", lambda name: None)
     bounds = read_bounds(schema, tmp_path, "proto", findings)
@@ -537,8 +537,7 @@ def _with_options(schema: Schema, options: bytes) -> tuple[Bounds, list[str]]:
 @pytest.fixture(scope="module")
 def host(tmp_path_factory: pytest.TempPathFactory) -> Schema:
     """One message with a string and numbers."""
-    root = _written(tmp_path_factory.mktemp("host"), {"a.proto": _HOST})
-    return schema_of(_compiled(root, ["a.proto"], "--include_source_info"), "")
+    return _schema(tmp_path_factory.mktemp("host"), {"a.proto": _HOST}, "--include_source_info")
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,10 @@
-"""Real DDS on loopback: a program that shares no code with the bridge, and clients of its parameter services."""
+"""Real DDS on loopback: strangers whose types are written by hand, and clients of the parameter services."""
 
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import itertools
-import json
 import logging
 import struct
 import subprocess
@@ -34,6 +34,9 @@ from roverlink.runtime.text.values import message_to_values
 
 pytest.importorskip("cyclonedds", reason=NO_DDS)
 
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
+from cyclonedds.core import Policy
+from cyclonedds.core import Qos as CycloneQos
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.pub import DataWriter
@@ -47,6 +50,16 @@ _SAMPLE = ImuSensorInformation(
     *[number / 4 for number in range(1, 10)], is_calibrated=True, state=SensorState(3), error_code=8
 )
 _ROOT = Path(__file__).parents[2]
+
+# A stranger's types, written by hand after the .msg files.
+_AXES = [f"{sensor}_{axis}" for sensor in ("accel", "gyro", "mag") for axis in "xyz"]
+_StateOfStrangers = make_idl_struct("SensorState_", "comms.msg.dds_.SensorState_", {"state": types.uint8})
+_ImuOfStrangers = make_idl_struct(
+    "ImuSensorInformation_",
+    "comms.msg.dds_.ImuSensorInformation_",
+    {**dict.fromkeys(_AXES, types.float32), "is_calibrated": bool, "state": _StateOfStrangers}
+    | {"error_code": types.uint8},
+)
 
 M = TypeVar("M", bound=Message)
 Open = Callable[..., Middleware]
@@ -79,27 +92,10 @@ def topic(request: pytest.FixtureRequest) -> str:
     return name
 
 
-class _Peer:
-    """The other program, and the lines that it says."""
-
-    def __init__(self, *arguments: object) -> None:
-        command = [sys.executable, str(Path(__file__).with_name("dds_peer.py")), *map(str, arguments)]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-
-    def says(self) -> dict[str, Any]:
-        """Its next line; fails where it ends without one."""
-        assert self.process.stdout is not None
-        line = self.process.stdout.readline()
-        assert line, "the other program ended without a word"
-        said: dict[str, Any] = json.loads(line)
-        return said
-
-    def __enter__(self) -> _Peer:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.process.kill()
-        self.process.communicate()
+def _of_strangers(*policies: Any, depth: int = 10) -> CycloneQos:
+    """Return the QoS of an ordinary ROS 2 endpoint, with policies of its own."""
+    plain_cdr = Policy.DataRepresentation(use_cdrv0_representation=True)
+    return CycloneQos(Policy.Reliability.Reliable(0), Policy.History.KeepLast(depth), plain_cdr, *policies)
 
 
 def _gathered(middleware: Middleware, topic: str, message_type: Any = ImuSensorInformation, **qos: Any) -> list[bytes]:
@@ -138,29 +134,32 @@ def test_endpoints_and_topics_are_listed_until_they_leave(join: Open, topic: str
 # --- the wire ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_another_program_reads_what_we_publish(join: Open, topic: str) -> None:
+def test_a_stranger_reads_what_we_publish(join: Open, topic: str, domain: int) -> None:
     """A plain DDS reader of the ROS 2 type, which has no node, gets our messages field by field."""
-    ours, still = join(), ImuSensorInformation(accel_z=-9.75)
+    ours, still, seen = join(), ImuSensorInformation(accel_z=-9.75), list[Any]()
     publisher = ours.publisher(topic, ImuSensorInformation, Qos())
-    with _Peer("read", "--topic", f"rt{topic}", "--count", 2) as peer:
-        assert peer.says() == {"ready": True}
-        wait_until(publisher.has_subscribers, "the other program's reader")
-        wait_until(lambda: ours.endpoints(topic, False) == [Endpoint("", Qos())], "the reader without a name")
-        assert publisher.publish([cdr.encode(_SAMPLE), cdr.encode(still)]) == 2
-        assert [peer.says(), peer.says()] == [message_to_values(_SAMPLE), message_to_values(still)]
+    participant = DomainParticipant(domain)
+    reader = DataReader(participant, Topic(participant, f"rt{topic}", _ImuOfStrangers), _of_strangers())
+    wait_until(publisher.has_subscribers, "the stranger's reader")
+    wait_until(lambda: ours.endpoints(topic, False) == [Endpoint("", Qos())], "the reader without a name")
+    assert publisher.publish([cdr.encode(_SAMPLE), cdr.encode(still)]) == 2
+    wait_until(lambda: seen.extend(reader.take(2)) or len(seen) == 2, "both messages")
+    assert [dataclasses.asdict(sample) for sample in seen] == [message_to_values(_SAMPLE), message_to_values(still)]
 
 
-@pytest.mark.slow
-def test_we_read_what_another_program_publishes(join: Open, topic: str) -> None:
+def test_we_read_what_a_stranger_publishes(join: Open, topic: str, domain: int) -> None:
     """A plain DDS writer's samples come in as plain CDR of the ROS 2 message, and its end is no message."""
     middleware = join()
     seen = _gathered(middleware, topic)
-    with _Peer("write", "--topic", f"rt{topic}", "--sample", json.dumps(message_to_values(_SAMPLE))) as peer:
-        wait_until(lambda: seen, "the sample")
-        assert seen[0].startswith(cdr.LITTLE_ENDIAN)
-        assert peer.process.wait(PATIENCE_S) == 0
-    # What the writer said when it went comes before this.
+    participant = DomainParticipant(domain)
+    writer = DataWriter(participant, Topic(participant, f"rt{topic}", _ImuOfStrangers), _of_strangers())
+    wait_until(writer.get_matched_subscriptions, "our reader")
+    values = message_to_values(_SAMPLE)
+    writer.write(_ImuOfStrangers(**{**values, "state": _StateOfStrangers(**values["state"])}))
+    wait_until(lambda: seen, "the sample")
+    assert seen[0].startswith(cdr.LITTLE_ENDIAN)
+    del writer, participant
+    wait_until(lambda: not middleware.endpoints(topic, True), "the writer to leave")  # it says something when it goes
     publisher = middleware.publisher(topic, ImuSensorInformation, Qos())
     wait_until(publisher.has_subscribers, "our own reader")
     publisher.publish([cdr.encode(ImuSensorInformation())])
@@ -195,28 +194,51 @@ def test_qualities_of_service_match_as_ros_2_has_them(
 # --- being a node -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+def _graph_type(gid_bytes: int) -> Any:
+    """Return the type of ros_discovery_info; a Gid has 24 bytes up to Humble, and 16 from Iron on."""
+    package = "rmw_dds_common.msg.dds_"
+    gid = make_idl_struct("Gid_", f"{package}.Gid_", {"data": types.array[types.uint8, gid_bytes]})
+    names = dict.fromkeys(("node_namespace", "node_name"), types.bounded_str[256])
+    gids = dict.fromkeys(("reader_gid_seq", "writer_gid_seq"), types.sequence[gid])
+    node = make_idl_struct("NodeEntitiesInfo_", f"{package}.NodeEntitiesInfo_", {**names, **gids})
+    fields = {"gid": gid, "node_entities_info_seq": types.sequence[node]}
+    return make_idl_struct("ParticipantEntitiesInfo_", f"{package}.ParticipantEntitiesInfo_", fields)
+
+
 @pytest.mark.parametrize(("distribution", "gid_bytes"), [(None, 24), ("jazzy", 16)])
 def test_we_are_seen_as_a_node_with_our_endpoints(
-    join: Open, topic: str, monkeypatch: pytest.MonkeyPatch, distribution: str | None, gid_bytes: int
+    join: Open, topic: str, domain: int, monkeypatch: pytest.MonkeyPatch, distribution: str | None, gid_bytes: int
 ) -> None:
     """ros_discovery_info has node, namespace and the GIDs of each reader and writer, as long as ROS 2 has them."""
     if distribution is not None:
         monkeypatch.setenv("ROS_DISTRO", distribution)
-    node = join("udp_forwarder", "/rover")
+    ours = join("udp_forwarder", "/rover")
     for number in range(2):
-        node.publisher(f"{topic}/out{number}", ImuSensorInformation, Qos())
-    _gathered(node, f"{topic}/in")
-    with _Peer("graph", "--node", "udp_forwarder", "--count", 3, "--gid-bytes", gid_bytes) as peer:
-        said = peer.says()
-    gids = {name: gid + "00" * (gid_bytes - 16) for name, gid in said.pop("endpoints").items()}
-    assert said == {
-        "namespace": "/rover",
-        "readers": [gids[f"rt{topic}/in"]],
-        "writers": [gids[f"rt{topic}/out{number}"] for number in range(2)],
-        "type_names": ["comms::msg::dds_::ImuSensorInformation_"],
-        "user_data": [f"typehash={ImuSensorInformation.__typehash__};"],  # as rmw_dds_common writes it
-    }
+        ours.publisher(f"{topic}/out{number}", ImuSensorInformation, Qos())
+    _gathered(ours, f"{topic}/in")
+    participant = DomainParticipant(domain)
+    latched = _of_strangers(Policy.Durability.TransientLocal, depth=1)
+    graph = DataReader(participant, Topic(participant, "ros_discovery_info", _graph_type(gid_bytes)), latched)
+    kinds = (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription)
+    discovered = [BuiltinDataReader(participant, kind) for kind in kinds]
+    endpoints: dict[str, Any] = {}
+
+    def complete() -> list[Any]:
+        found = [one for reader in discovered for one in reader.take(100)]
+        endpoints.update({one.topic_name: one for one in found if one.topic_name.startswith(f"rt{topic}")})
+        nodes = [node for sample in graph.read(100) for node in sample.node_entities_info_seq]
+        gids = [gid for node in nodes for gid in (*node.reader_gid_seq, *node.writer_gid_seq)]
+        return nodes if len(gids) == len(endpoints) == 3 else []
+
+    (node,) = wait_until(complete, "the node with all endpoints")
+    gids = {name: one.key.bytes.ljust(gid_bytes, b"\0") for name, one in endpoints.items()}
+    assert (node.node_namespace, node.node_name) == ("/rover", "udp_forwarder")
+    assert [bytes(gid.data) for gid in node.reader_gid_seq] == [gids[f"rt{topic}/in"]]
+    assert [bytes(gid.data) for gid in node.writer_gid_seq] == [gids[f"rt{topic}/out{number}"] for number in range(2)]
+    for one in endpoints.values():
+        assert one.type_name == "comms::msg::dds_::ImuSensorInformation_"
+        # as rmw_dds_common writes it
+        assert one.qos[Policy.Userdata].data.decode() == f"typehash={ImuSensorInformation.__typehash__};"
 
 
 def test_a_publisher_of_a_node_that_has_left_fails(topic: str) -> None:

@@ -19,7 +19,6 @@ from generated.registry import REGISTRY
 from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Bound, Float64, Length, Message
-from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.interfaces import rcl_interfaces
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
 from roverlink.runtime.middleware import Endpoint, NodeIdentity, open_middleware
@@ -164,9 +163,6 @@ def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
         **{"spin_once.side_effect": spin, "create_task.side_effect": lambda task: end_spin.set()}
     )
     ros.parameter.Parameter = lambda name, type_=None, value=None: (name, value)
-    ros.qos.QoSProfile = dict
-    for policy in (ros.qos.ReliabilityPolicy, ros.qos.DurabilityPolicy, ros.qos.HistoryPolicy):
-        policy.__getitem__.side_effect = str
     ros.serialization.deserialize_message = lambda data, cls: cdr.decode(cls, data)
     ros.node.count_publishers.side_effect = lambda topic: len(ros.node.get_publishers_info_by_topic(topic))
     ros.comms = types.SimpleNamespace(
@@ -212,49 +208,6 @@ def test_rclpy_knows_whether_the_time_is_simulated(ros: Any, simulated: bool) ->
     open_middleware("rclpy", _NODE, types.SimpleNamespace(values={"use_sim_time": simulated}))
     assert ros.create_node.call_args.kwargs["parameter_overrides"] == ([("use_sim_time", True)] if simulated else None)
     assert not ros.node.declare_parameter.called
-
-
-def test_rclpy_changes_what_the_node_can_change(ros: Any) -> None:
-    """A change reaches the node as a whole; a refusal gives ROS 2 the reason."""
-    live, applied = _live(), []
-    live.on_change(applied.append)
-    open_middleware("rclpy", _NODE, live)
-    (change,), _ = ros.node.add_on_set_parameters_callback.call_args
-    changes = [types.SimpleNamespace(name=name, value=value) for name, value in (("dst_ip", "::"), ("dst_a_port", 7))]
-    assert change(changes).successful
-    assert [(changed.dst_ip, changed.addresses[EndName("basestation")].port) for changed in applied] == [("::", 7)]
-    result = change([types.SimpleNamespace(name="listen_port", value=7)])
-    assert (result.successful, result.reason) == (
-        False,
-        "the parameter 'listen_port' is read-only; restart the node with -p listen_port:=7",
-    )
-
-
-def test_rclpy_publishes_and_subscribes_to_serialized_messages(ros: Any) -> None:
-    """With the installed class, on the full name, with the row's quality of service; the callback gets bytes."""
-    middleware = open_middleware("rclpy", _NODE)
-    qos = Qos(reliability="best_effort", durability="transient_local", history="keep_all", depth=7)
-    publisher = middleware.publisher("/rover/imu_data", ImuSensorInformation, qos)
-    profile = {"reliability": "BEST_EFFORT", "durability": "TRANSIENT_LOCAL", "history": "KEEP_ALL", "depth": 7}
-    ros.node.create_publisher.assert_called_once_with(ros.comms.ImuSensorInformation, "/rover/imu_data", profile)
-    handle = ros.node.create_publisher.return_value.handle
-    assert handle.__enter__.call_count == 1
-    for count in (0, 1):
-        handle.get_subscription_count.return_value = count
-        assert publisher.has_subscribers() is bool(count)
-    message = cdr.encode(ImuSensorInformation())
-    assert publisher.publish([message, message]) == 2
-    assert handle.publish_raw.call_args_list == [call(message)] * 2
-
-    seen: list[bytes] = []
-    subscription = middleware.subscribe("/imu_data", ImuSensorInformation, Qos(), seen.extend)
-    (message_class, topic, callback, profile), options = ros.node.create_subscription.call_args
-    assert (message_class, topic, options) == (ros.comms.ImuSensorInformation, "/imu_data", {"raw": True})
-    assert profile == {"reliability": "RELIABLE", "durability": "VOLATILE", "history": "KEEP_LAST", "depth": 10}
-    callback(b"message")
-    assert seen == [b"message"]
-    subscription.close()
-    ros.node.destroy_subscription.assert_called_once_with(ros.node.create_subscription.return_value)
 
 
 def test_rclpy_lists_endpoints_and_topics(ros: Any) -> None:

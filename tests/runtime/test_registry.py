@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from google.protobuf import descriptor_pb2, descriptor_pool
 
 from generated import checks
 from roverlink.runtime import Registry, RegistryError, load_registry
@@ -104,51 +103,23 @@ def test_modules_of_another_commit_are_found_at_start(project: Path) -> None:
 
 # --- descriptors ------------------------------------------------------------------------------------------------
 
-_FIELD = descriptor_pb2.FieldDescriptorProto
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _private_messages() -> None:
-    """Messages of the tests' own, in the pool that the check looks in."""
-    file = descriptor_pb2.FileDescriptorProto(name="tests/private.proto", package="tests", syntax="proto3")
-    part = file.message_type.add(name="Part")
-    part.field.add(name="text", number=1, type=_FIELD.TYPE_STRING, label=_FIELD.LABEL_OPTIONAL)
-    whole = file.message_type.add(name="Whole")
-    whole.enum_type.add(name="Mode").value.add(name="OFF", number=0)
-    whole.field.add(name="later", number=9, type=_FIELD.TYPE_SINT32, label=_FIELD.LABEL_OPTIONAL)
-    whole.field.add(name="parts", number=2, type_name=".tests.Part", label=_FIELD.LABEL_REPEATED)
-    whole.field.add(name="mode", number=1, type_name=".tests.Whole.Mode", label=_FIELD.LABEL_OPTIONAL)
-    whole.field.add(name="numbers", number=3, type=_FIELD.TYPE_FIXED64, label=_FIELD.LABEL_REPEATED)
-    descriptor_pool.Default().Add(file)
-
-
-_WHOLE = (
-    (1, "mode", "tests.Whole.Mode"),
-    (2, "parts", "repeated tests.Part"),
-    (3, "numbers", "repeated fixed64"),
-    (9, "later", "sint32"),
-)
+_PAYLOAD = "SensorBoardLoadCellInfo"
+*_KNOWN, (_NUMBER, _NAME, _TYPE) = checks.MESSAGES[_PAYLOAD]
 
 
 @pytest.mark.parametrize(
-    ("known", "loaded"),
-    [
-        (None, "9 later sint32"),
-        ((8, "later", "sint32"), "9 later sint32"),
-        ((9, "after", "sint32"), "9 later sint32"),
-        ((9, "later", "repeated sint32"), "9 later sint32"),
-    ],
+    "known",
+    [None, (99, _NAME, _TYPE), (_NUMBER, "after", _TYPE), (_NUMBER, _NAME, f"repeated {_TYPE}")],
     ids=["one more", "other number", "other name", "other type"],
 )
-def test_each_disagreement_is_told(known: tuple[int, str, str] | None, loaded: str) -> None:
+def test_each_disagreement_is_told(known: tuple[int, str, str] | None) -> None:
     """A field more, another number, name, label or type: the message, and each difference, are named."""
-    fields = (*_WHOLE[:3], known) if known else _WHOLE[:3]
-    expected = [f"the loaded module has '{loaded}'"]
+    expected = [f"the loaded module has '{_NUMBER} {_NAME} {_TYPE}'"]
     expected += [f"the generated code has '{known[0]} {known[1]} {known[2]}'"] if known else []
     with pytest.raises(RegistryError) as caught:
-        descriptor_check.check_descriptors({"tests.Whole": fields, "tests.Part": ((1, "text", "string"),)}, {})
-    assert all(f"tests.Whole: {line}, " in str(caught.value) for line in expected)
-    assert (str(caught.value).count("tests.Whole:"), str(caught.value).count("tests.Part:")) == (len(expected), 0)
+        descriptor_check.check_descriptors({**checks.MESSAGES, _PAYLOAD: (*_KNOWN, *([known] if known else []))}, {})
+    assert all(f"{_PAYLOAD}: {line}, " in str(caught.value) for line in expected)
+    assert str(caught.value).count(", the ") == len(expected)
 
 
 def test_an_enum_that_differs_and_what_is_not_loaded_are_told() -> None:

@@ -141,25 +141,22 @@ def test_later_sections_files_and_parameters_count(tmp_path: Path) -> None:
         ("udp_forwarder: 3", "udp_forwarder has no `ros__parameters:`"),
         ("udp_forwarder: {ros__parameters: 3}", "udp_forwarder has no `ros__parameters:`"),
         ("udp_forwarder: {listen_port: 3}", "/udp_forwarder/listen_port has no `ros__parameters:`"),
+        ("\xff\xfe\x00", "cannot read the file"),
     ],
 )
 def test_a_file_of_another_form_is_told(tmp_path: Path, text: str, expected: str) -> None:
-    """A file that is no YAML, or has no nodes with parameters, is named with what it lacks."""
+    """A file that is no text, no YAML, or has no nodes with parameters, is named with what it lacks."""
     path = tmp_path / "params.yaml"
-    path.write_text(text, encoding="utf-8")
+    path.write_bytes(text.encode("latin-1"))
     message = _refused("--params-file", str(path))
     assert expected in message
     assert str(path) in message
 
 
-def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
-    """A file that is missing, is a folder, or is not text is named."""
-    binary = tmp_path / "binary.yaml"
-    binary.write_bytes(b"\xff\xfe\x00")
-    for path in (tmp_path / "missing.yaml", tmp_path, binary):
-        message = _refused("--params-file", str(path))
-        assert str(path) in message
-        assert "cannot read the file" in message
+def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
+    """A file that is missing, or is a folder, is named."""
+    for path in (tmp_path / "missing.yaml", tmp_path):
+        assert f"{path}: cannot read the file" in _refused("--params-file", str(path))
 
 
 # --- remaps -----------------------------------------------------------------------------------------------------
