@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence, Set
 from itertools import combinations, product
 
 from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, gravest
@@ -104,51 +104,85 @@ class Branches:
         refs: dict[frozenset[Fact], list[str]] = {}
         for ref, node in self._open.items():
             refs.setdefault(frozenset(self._facts(owners, node)), []).append(ref)
-        uses: dict[int, dict[Fact, set[str]]] = {}
-        judged: dict[int, list[Judgement]] = {}
+        uses: dict[tuple[str, int], dict[Fact, set[str]]] = {}
+        judged: dict[tuple[str, int], list[Judgement]] = {}
         for ours, theirs in combinations(refs, 2):
             rivals = _rivals(ours, theirs)
             for one, other in product(refs[ours], refs[theirs]) if rivals else ():
                 if _short(one) != _short(other):
-                    for fact, rival, judgement in self._between(owners, rivals, self._open[one], self._open[other]):
-                        of_number = uses.setdefault(fact.number, {})
+                    for name, fact, rival, judgement in self._between(
+                        owners, rivals, self._open[one], self._open[other]
+                    ):
+                        of_number = uses.setdefault((name, fact.number), {})
                         of_number.setdefault(fact, set()).add(one)
                         of_number.setdefault(rival, set()).add(other)
-                        judged.setdefault(fact.number, []).append(judgement)
-        name = min((not type.exists, type.name) for type in map(self._record.types.__getitem__, owners))[1]
-        for number, facts in uses.items():
+                        judged.setdefault((name, fact.number), []).append(judgement)
+        for (name, number), facts in uses.items():
             allocations = (self._allocation(owners, fact, sorted(facts[fact])) for fact in sorted(facts))
-            found = gravest(judged[number])
+            found = gravest(judged[name, number])
             yield Collision(name, number, tuple(allocations), found.certain, found.reason)
 
     def _between(
         self, owners: Set[int], rivals: Sequence[tuple[Fact, Fact]], one: int, other: int
-    ) -> Iterator[tuple[Fact, Fact, Judgement]]:
+    ) -> Iterator[tuple[str, Fact, Fact, Judgement]]:
         """Yield each two facts by which two branches gave one number different meanings, with the judgement.
 
-        ``rivals`` are the facts of the two branches with the same number. ``one`` and ``other`` are the nodes of the
-        branches' last commits. Facts that existed when the branches diverged are left out.
+        The first item is the full name of the message or enum. ``rivals`` are the facts of the two branches with the
+        same number. ``one`` and ``other`` are the nodes of the branches' last commits. Facts that existed when the
+        branches diverged are left out.
         """
-        ours, theirs = self._facts(owners, one), self._facts(owners, other)
+        names_at, ours, theirs = self._record.names_at, self._facts(owners, one), self._facts(owners, other)
+        for owner, their_owner in product(sorted(owners), repeat=2):
+            shared = names_at(owner, one) & names_at(their_owner, other)
+            if owner != their_owner and not shared:
+                continue
+            known = self._known(owners, owner if owner == their_owner else None, shared, one, other)
+            name = self._record.types[owner].name if owner == their_owner else min(shared)
+            for fact, rival in rivals:
+                if ours[fact].owner == owner and theirs[rival].owner == their_owner:
+                    judged = self._judge_rivals(ours, theirs, known, fact, rival)
+                    if judged is not None:
+                        yield name, fact, rival, judged
+
+    def _known(
+        self, owners: Set[int], owner: int | None, names: Set[str], one: int, other: int
+    ) -> dict[Fact, FactAtNode]:
+        """Return the facts that two branches had in common when they diverged.
+
+        These are the facts of the message or enum ``owner``, and of all that had one of the full names ``names``. A
+        type that only one of the branches renamed has nothing in common with the type that the other one has added.
+        """
         # Criss-cross merges have several merge bases (git-merge-base(1)). Both branches know the declarations of each
         # merge base.
-        bases = [self._facts(owners, base) for base in self._graph.merge_bases(one, other)]
-        known = {fact: at for base in bases for fact, at in base.items()}
-        for fact, rival in rivals:
-            if fact in known or rival in known:
-                continue
-            judged = self._judge(ours[fact], theirs[rival], ours, theirs)
-            # Both sides may have renamed a field that existed before. As in `Reuses`, a chain of renames with doubts
-            # proves nothing, but it does not prove the contrary either.
-            passes = _is_uncertain if judged.certain else _keeps
-            linked = any(
-                passes(self._judge(at, ours[fact], known, ours))
-                and passes(self._judge(at, theirs[rival], known, theirs))
-                for old, at in known.items()
-                if old.number == fact.number
-            )
-            if not _keeps(judged) and not linked:
-                yield fact, rival, judged
+        return {
+            fact: at
+            for base in self._graph.merge_bases(one, other)
+            for id in owners
+            if id == owner or not names.isdisjoint(self._record.names_at(id, base))
+            for fact, at in self._facts({id}, base).items()
+        }
+
+    def _judge_rivals(
+        self,
+        ours: Mapping[Fact, FactAtNode],
+        theirs: Mapping[Fact, FactAtNode],
+        known: Mapping[Fact, FactAtNode],
+        fact: Fact,
+        rival: Fact,
+    ) -> Judgement | None:
+        """Judge two facts with one number on two branches; None if it keeps its meaning, or none of them is new."""
+        if fact in known or rival in known or _are_aliases(fact, ours, theirs, known):
+            return None
+        judged = self._judge(ours[fact], theirs[rival], ours, theirs)
+        # Both sides may have renamed a field that existed before. As in `Reuses`, a chain of renames with doubts
+        # proves nothing, but it does not prove the contrary either.
+        passes = _is_uncertain if judged.certain else _keeps
+        linked = any(
+            passes(self._judge(at, ours[fact], known, ours)) and passes(self._judge(at, theirs[rival], known, theirs))
+            for old, at in known.items()
+            if old.number == fact.number
+        )
+        return None if _keeps(judged) or linked else judged
 
     def _judge(
         self,
@@ -193,6 +227,15 @@ def _rivals(ours: Set[Fact], theirs: Set[Fact]) -> list[tuple[Fact, Fact]]:
     for fact in sorted(theirs - ours):
         by_number.setdefault(fact.number, []).append(fact)
     return [(fact, rival) for fact in sorted(ours - theirs) for rival in by_number.get(fact.number, ())]
+
+
+def _are_aliases(value: Fact, ours: Iterable[Fact], theirs: Iterable[Fact], known: Container[Fact]) -> bool:
+    """Return True if the number of an enum value has a name that both branches know (``allow_alias``).
+
+    Then the other names of the number are aliases of this one.
+    """
+    one, other = ({fact for fact in facts if fact.number == value.number} for facts in (ours, theirs))
+    return not value.type and (not one.isdisjoint(other) or any(fact in known for fact in one | other))
 
 
 def _keeps(judged: Judgement) -> bool:
