@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence, Set
 from itertools import combinations, product
+from typing import NamedTuple
 
 from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, gravest
 from roverlink.generator.lint.history.commits import Ref
@@ -43,6 +44,17 @@ def branch_name(ref: str) -> str:
     return ref.removeprefix(_LOCAL).removeprefix(_REMOTE)
 
 
+class _Subject(NamedTuple):
+    """A message or enum on several branches."""
+
+    ids: frozenset[int]
+    name: str = ""
+    """The full name that several types have; then each of the ids counts only where it has this name.
+
+    Empty for a single type, which is followed through its names.
+    """
+
+
 class Branches:
     """Comparison of the open branches of a repository: finds numbers that were given to different fields or values.
 
@@ -64,125 +76,83 @@ class Branches:
         the branches are compared. The local and the remote copy of a branch are not compared with each other. If one
         branch was built upon another, the two have no collision.
         """
-        found = [(owners, collision) for owners in self._changed() for collision in self._collisions_of(owners)]
+        found = [(subject.ids, each) for subject in self._changed() for each in self._collisions_of(subject)]
         if found:
             inside = {id for node in set(self._open.values()) for id in self._record.reachable(envelopes, node)}
             yield from sorted(
-                (collision for owners, collision in found if not inside.isdisjoint(owners)),
+                (collision for ids, collision in found if not inside.isdisjoint(ids)),
                 key=lambda collision: (collision.owner, collision.number),
             )
 
-    def _changed(self) -> list[set[int]]:
-        """Return the messages and enums that differ between open branches.
+    def _changed(self) -> Iterator[_Subject]:
+        """Yield the messages and enums that differ between open branches.
 
-        An item has several ids if branches have declared the same full name independently of each other.
+        Each type is followed through its names. Types of one name are also compared by this name: branches may have
+        given it to types of their own.
         """
-        tips = [self._record.lineage.tips[node] for node in set(self._open.values())]
+        nodes = set(self._open.values())
+        tips = [self._record.lineage.tips[node] for node in nodes]
         # Branches share the mapping of a type that none of them has changed, so that its identity tells most of it.
         changed = {id for tip in tips for id in tip if any(other.get(id) is not tip[id] for other in tips)}
-        names = {id: self._names(id) for id in sorted(changed)}
         ids: dict[str, set[int]] = {}
-        for id, of_id in names.items():
-            for name in of_id:
+        for id in sorted(changed):
+            yield _Subject(frozenset((id,)))
+            for name in {name for node in nodes for name in self._record.names_at(id, node)}:
                 ids.setdefault(name, set()).add(id)
-        groups = []
-        while names:
-            group, waiting = set[int](), [next(iter(names))]
-            while waiting:
-                if (id := waiting.pop()) not in group:
-                    group.add(id)
-                    waiting += [other for name in names.pop(id) for other in ids[name]]
-            groups.append(group)
-        return groups
+        yield from (_Subject(frozenset(of_name), name) for name, of_name in ids.items() if len(of_name) > 1)
 
-    def _names(self, id: int) -> set[str]:
-        """Return the full names of a message or enum on the open branches."""
-        return {place.name for node in set(self._open.values()) for place in self._record.declared(id, node)}
-
-    def _collisions_of(self, owners: Set[int]) -> Iterator[Collision]:
-        """Yield the collisions of a message or enum, whose ids on the branches are ``owners``."""
+    def _collisions_of(self, subject: _Subject) -> Iterator[Collision]:
+        """Yield the collisions of a message or enum."""
         refs: dict[frozenset[Fact], list[str]] = {}
         for ref, node in self._open.items():
-            refs.setdefault(frozenset(self._facts(owners, node)), []).append(ref)
-        uses: dict[tuple[str, int], dict[Fact, set[str]]] = {}
-        judged: dict[tuple[str, int], list[Judgement]] = {}
+            refs.setdefault(frozenset(self._facts(subject, node)), []).append(ref)
+        uses: dict[int, dict[Fact, set[str]]] = {}
+        judged: dict[int, list[Judgement]] = {}
         for ours, theirs in combinations(refs, 2):
             rivals = _rivals(ours, theirs)
             for one, other in product(refs[ours], refs[theirs]) if rivals else ():
                 if _short(one) != _short(other):
-                    for name, fact, rival, judgement in self._between(
-                        owners, rivals, self._open[one], self._open[other]
-                    ):
-                        of_number = uses.setdefault((name, fact.number), {})
+                    for fact, rival, judgement in self._between(subject, rivals, self._open[one], self._open[other]):
+                        of_number = uses.setdefault(fact.number, {})
                         of_number.setdefault(fact, set()).add(one)
                         of_number.setdefault(rival, set()).add(other)
-                        judged.setdefault((name, fact.number), []).append(judgement)
-        for (name, number), facts in uses.items():
-            allocations = (self._allocation(owners, fact, sorted(facts[fact])) for fact in sorted(facts))
-            found = gravest(judged[name, number])
+                        judged.setdefault(fact.number, []).append(judgement)
+        name = subject.name or self._record.types[min(subject.ids)].name
+        for number, facts in uses.items():
+            allocations = (self._allocation(subject, fact, sorted(facts[fact])) for fact in sorted(facts))
+            found = gravest(judged[number])
             yield Collision(name, number, tuple(allocations), found.certain, found.reason)
 
     def _between(
-        self, owners: Set[int], rivals: Sequence[tuple[Fact, Fact]], one: int, other: int
-    ) -> Iterator[tuple[str, Fact, Fact, Judgement]]:
+        self, subject: _Subject, rivals: Sequence[tuple[Fact, Fact]], one: int, other: int
+    ) -> Iterator[tuple[Fact, Fact, Judgement]]:
         """Yield each two facts by which two branches gave one number different meanings, with the judgement.
 
-        The first item is the full name of the message or enum. ``rivals`` are the facts of the two branches with the
-        same number. ``one`` and ``other`` are the nodes of the branches' last commits. Facts that existed when the
-        branches diverged are left out.
+        ``rivals`` are the facts of the two branches with the same number. ``one`` and ``other`` are the nodes of the
+        branches' last commits. Facts that existed when the branches diverged are left out.
         """
-        names_at, ours, theirs = self._record.names_at, self._facts(owners, one), self._facts(owners, other)
-        for owner, their_owner in product(sorted(owners), repeat=2):
-            shared = names_at(owner, one) & names_at(their_owner, other)
-            if owner != their_owner and not shared:
-                continue
-            known = self._known(owners, owner if owner == their_owner else None, shared, one, other)
-            name = self._record.types[owner].name if owner == their_owner else min(shared)
-            for fact, rival in rivals:
-                if ours[fact].owner == owner and theirs[rival].owner == their_owner:
-                    judged = self._judge_rivals(ours, theirs, known, fact, rival)
-                    if judged is not None:
-                        yield name, fact, rival, judged
-
-    def _known(
-        self, owners: Set[int], owner: int | None, names: Set[str], one: int, other: int
-    ) -> dict[Fact, FactAtNode]:
-        """Return the facts that two branches had in common when they diverged.
-
-        These are the facts of the message or enum ``owner``, and of all that had one of the full names ``names``. A
-        type that only one of the branches renamed has nothing in common with the type that the other one has added.
-        """
+        if subject.name and not self._owners(subject, one).isdisjoint(self._owners(subject, other)):
+            return  # a type that both branches know is a subject of its own
+        ours, theirs = self._facts(subject, one), self._facts(subject, other)
         # Criss-cross merges have several merge bases (git-merge-base(1)). Both branches know the declarations of each
         # merge base.
-        return {
-            fact: at
-            for base in self._graph.merge_bases(one, other)
-            for id in owners
-            if id == owner or not names.isdisjoint(self._record.names_at(id, base))
-            for fact, at in self._facts({id}, base).items()
-        }
-
-    def _judge_rivals(
-        self,
-        ours: Mapping[Fact, FactAtNode],
-        theirs: Mapping[Fact, FactAtNode],
-        known: Mapping[Fact, FactAtNode],
-        fact: Fact,
-        rival: Fact,
-    ) -> Judgement | None:
-        """Judge two facts with one number on two branches; None if it keeps its meaning, or none of them is new."""
-        if fact in known or rival in known or _are_aliases(fact, ours, theirs, known):
-            return None
-        judged = self._judge(ours[fact], theirs[rival], ours, theirs)
-        # Both sides may have renamed a field that existed before. As in `Reuses`, a chain of renames with doubts
-        # proves nothing, but it does not prove the contrary either.
-        passes = _is_uncertain if judged.certain else _keeps
-        linked = any(
-            passes(self._judge(at, ours[fact], known, ours)) and passes(self._judge(at, theirs[rival], known, theirs))
-            for old, at in known.items()
-            if old.number == fact.number
-        )
-        return None if _keeps(judged) or linked else judged
+        bases = [self._facts(subject, base) for base in self._graph.merge_bases(one, other)]
+        known = {fact: at for base in bases for fact, at in base.items()}
+        for fact, rival in rivals:
+            if fact in known or rival in known or _are_aliases(fact, ours, theirs, known):
+                continue
+            judged = self._judge(ours[fact], theirs[rival], ours, theirs)
+            # Both sides may have renamed a field that existed before. As in `Reuses`, a chain of renames with doubts
+            # proves nothing, but it does not prove the contrary either.
+            passes = _is_uncertain if judged.certain else _keeps
+            linked = any(
+                passes(self._judge(at, ours[fact], known, ours))
+                and passes(self._judge(at, theirs[rival], known, theirs))
+                for old, at in known.items()
+                if old.number == fact.number
+            )
+            if not _keeps(judged) and not linked:
+                yield fact, rival, judged
 
     def _judge(
         self,
@@ -199,23 +169,27 @@ class Branches:
             for one, other, beside in ((old, new, beside_old), (new, old, beside_new))
         )
 
-    def _facts(self, owners: Set[int], node: int) -> dict[Fact, FactAtNode]:
+    def _owners(self, subject: _Subject, node: int) -> set[int]:
+        """Return the ids of the types that a subject means at a node."""
+        return {id for id in subject.ids if not subject.name or subject.name in self._record.names_at(id, node)}
+
+    def _facts(self, subject: _Subject, node: int) -> dict[Fact, FactAtNode]:
         return {
             fact: FactAtNode(owner, fact, node)
-            for owner in sorted(owners)
+            for owner in sorted(self._owners(subject, node))
             for declaration in self._record.declared(owner, node).values()
             for fact in declaration.facts
             if not fact.claimed
         }
 
-    def _allocation(self, owners: Set[int], fact: Fact, refs: Sequence[str]) -> Allocation:
-        lifetime = next(lifetime for ref in refs for lifetime in self._lifetimes(owners, fact, self._open[ref]))
+    def _allocation(self, subject: _Subject, fact: Fact, refs: Sequence[str]) -> Allocation:
+        lifetime = next(lifetime for ref in refs for lifetime in self._lifetimes(subject, fact, self._open[ref]))
         came = self._graph[lifetime.came].revision.commit
         return Allocation(tuple(refs), fact.type, fact.name, came, lifetime.path, lifetime.line)
 
-    def _lifetimes(self, owners: Set[int], fact: Fact, node: int) -> Iterator[Lifetime]:
+    def _lifetimes(self, subject: _Subject, fact: Fact, node: int) -> Iterator[Lifetime]:
         """Yield the lifetimes of a fact that have not ended at the node, the latest first."""
-        for owner in sorted(owners):
+        for owner in sorted(self._owners(subject, node)):
             lifetimes = self._record.lineage.tips[node].get(owner, {}).get(fact, frozenset())
             yield from (self._record.lineage.lifetimes[owner][index] for index in sorted(lifetimes, reverse=True))
 
