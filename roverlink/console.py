@@ -17,7 +17,6 @@ from typing import Any, TypeVar
 from roverlink.dds_domain import claim_domain
 from roverlink.generator import journal
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.middleware import NAMES
 
 N = TypeVar("N", int, float)
 
@@ -155,6 +154,8 @@ MIDDLEWARES_HELP = (
 
 def add_middleware(parser: argparse.ArgumentParser) -> None:
     """Add the option ``--middleware`` to a parser: the software that connects to ROS 2."""
+    from roverlink.runtime.middleware import NAMES  # here: a middleware is slow to import
+
     parser.add_argument("--middleware", choices=NAMES, default="auto", help=f"{MIDDLEWARES_HELP} (default: auto)")
 
 
@@ -167,6 +168,8 @@ def add_outputs(parser: argparse.ArgumentParser, results: str) -> None:
 
     ``results`` says what the program computes, in the plural.
     """
+    from roverlink.runtime.middleware import NAMES  # here: a middleware is slow to import
+
     parser.add_argument("--json", action="store_true", help=f"print the {results} as a JSON object for each image")
     parser.add_argument("--save", type=Path, metavar="FILE", help=f"save a video with the {results} drawn into it")
     parser.add_argument(

@@ -7,41 +7,13 @@ from itertools import combinations, product
 from typing import NamedTuple
 
 from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, gravest
-from roverlink.generator.lint.history.commits import Ref
+from roverlink.generator.lint.history.branch_names import short_name
 from roverlink.generator.lint.history.lineage import Lifetime
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.node_judgement import FactAtNode, judge_facts
 from roverlink.generator.lint.history.usage_model import Allocation, Collision
 from roverlink.generator.lint.names.value_names import shared_words
 from roverlink.generator.protos.schema import Fact
-
-_LOCAL, _REMOTE = "refs/heads/", "refs/remotes/"
-_DEFAULTS = tuple(f"{place}{name}" for name in ("main", "master") for place in (_LOCAL, f"{_REMOTE}origin/"))
-
-
-def branches(refs: Sequence[Ref]) -> dict[str, str]:
-    """Return the last commit of each local and remote branch, by ref. HEAD is included if it is on no branch."""
-    # A symbolic ref, such as refs/remotes/origin/HEAD, is a second name of a branch that is listed itself.
-    return {
-        ref.name: ref.commit
-        for ref in refs
-        if not ref.target and (ref.name == "HEAD" or ref.name.startswith((_LOCAL, _REMOTE)))
-    }
-
-
-def default_branch(refs: Sequence[Ref]) -> str | None:
-    """Return the full ref of the default branch, into which others are merged; None if there is none."""
-    names = branches(refs)
-    # `git clone` writes refs/remotes/<remote>/HEAD: a symbolic ref to the default branch of the remote (git-remote(1),
-    # set-head). A repository that was made with `git init` has none, and then the usual names decide.
-    heads = {ref.name: ref.target for ref in refs if ref.name.startswith(_REMOTE) and ref.name.endswith("/HEAD")}
-    of_remotes = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
-    return next((name for name in (*of_remotes, *_DEFAULTS) if name in names), None)
-
-
-def branch_name(ref: str) -> str:
-    """Return the short name of a branch from its ref: ``main``, or ``origin/main`` for a remote branch."""
-    return ref.removeprefix(_LOCAL).removeprefix(_REMOTE)
 
 
 class _Subject(NamedTuple):
@@ -111,7 +83,7 @@ class Branches:
         for ours, theirs in combinations(refs, 2):
             rivals = _rivals(ours, theirs)
             for one, other in product(refs[ours], refs[theirs]) if rivals else ():
-                if _short(one) != _short(other):
+                if short_name(one) != short_name(other):
                     for fact, rival, judgement in self._between(subject, rivals, self._open[one], self._open[other]):
                         of_number = uses.setdefault(fact.number, {})
                         of_number.setdefault(fact, set()).add(one)
@@ -223,8 +195,3 @@ def _is_uncertain(judged: Judgement) -> bool:
 def _moved(fact: Fact, others: Iterable[Fact]) -> bool:
     """Return True if a fact with another number has the name of ``fact``."""
     return any(other.name == fact.name and other.number != fact.number for other in others)
-
-
-def _short(ref: str) -> str:
-    """Return a branch's name from its ref, without the remote: ``main`` for ``refs/remotes/origin/main``."""
-    return ref.removeprefix(_REMOTE).partition("/")[2] if ref.startswith(_REMOTE) else ref.removeprefix(_LOCAL)

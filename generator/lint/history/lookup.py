@@ -113,10 +113,11 @@ class Record:
         several = len(self._nodes_of_tips) > 1
         for name, ids in self._by_name.items() if several else ():
             if len(ids) > 1:
-                ranked = sorted(ids, key=lambda id: (name not in self.names_at(id, self.newest), id))
-                nodes = {id: [node for node in self._nodes_of_tips if name in self.names_at(id, node)] for id in ranked}
-                for one, other in combinations(ranked, 2):
-                    if any(self.are_rivals(name, one, at, other, there) for at, there in product(nodes[one], nodes[other])):
+                ranked = sorted((name not in self.names_at(id, self.newest), id) for id in ids)
+                nodes = {id: [node for node in self._nodes_of_tips if name in self.names_at(id, node)] for id in ids}
+                for (_, one), (_, other) in combinations(ranked, 2):
+                    pairs = product(nodes[one], nodes[other])
+                    if any(self.are_rivals(name, one, at, other, there) for at, there in pairs):
                         found.setdefault(one, {})[other] = name
         return found
 

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from roverlink.generator.git import Commit
 from roverlink.generator.lint.history.blob_cache import BlobCache
-from roverlink.generator.lint.history.branch_collisions import Branches, branches, default_branch
+from roverlink.generator.lint.history.branch_collisions import Branches
+from roverlink.generator.lint.history.branch_names import branches, default_branch
 from roverlink.generator.lint.history.commit_graph import Graph, depth
 from roverlink.generator.lint.history.commits import TAGS, PastRepository, Ref, Revision
 from roverlink.generator.lint.history.lineage import sweep
