@@ -116,6 +116,8 @@ class Record:
                 ranked = sorted((name not in self.names_at(id, self.newest), id) for id in ids)
                 nodes = {id: [node for node in self._nodes_of_tips if name in self.names_at(id, node)] for id in ids}
                 for (_, one), (_, other) in combinations(ranked, 2):
+                    if self.types[one].name != name:
+                        continue  # findings would name a type that has another name today
                     pairs = product(nodes[one], nodes[other])
                     if any(self.are_rivals(name, one, at, other, there) for at, there in pairs):
                         found.setdefault(one, {})[other] = name
