@@ -12,17 +12,21 @@ from collections.abc import Iterator, Sequence, Set
 from itertools import groupby, zip_longest
 from operator import itemgetter
 from posixpath import normpath
+from typing import TYPE_CHECKING
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span, Use
 from roverlink.generator.git import Commit
 from roverlink.generator.lint.accepted_past import command_to_accept, meaning_of, not_accepted
 from roverlink.generator.lint.context import Context, Past
 from roverlink.generator.lint.free_numbers import next_enum_number, next_field_number
-from roverlink.generator.lint.history import Content, History, Kind, Relation, Reuse, TracedType, Usage, whereabouts
+from roverlink.generator.lint.history import Content, Kind, Relation, Reuse, TracedType, Usage, whereabouts
 from roverlink.generator.lint.history.judged_facts import is_named
 from roverlink.generator.lock import PastUse
 from roverlink.generator.protos.number_ranges import covers
 from roverlink.generator.protos.schema import Fact, ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
+
+if TYPE_CHECKING:
+    from roverlink.generator.lint.history import History
 
 _MOST_CHANGES = 3
 

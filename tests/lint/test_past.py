@@ -233,16 +233,23 @@ def test_pins_that_cannot_be_read(
 
 
 def test_the_next_number_skips_whatever_was_used(repository: RepositoryBuilder, run: Run) -> None:
-    """No number of the history, of another branch, of a reserved range or a comment is offered; it is said why."""
+    """No number of the history, of another branch, of a reserved range or a comment is offered; it is said why.
+
+    The branch may have renamed a message of its own to the envelope's name.
+    """
+    late = _text("Imu late = 7;")
+    repository.commit("Draft", {"late.proto": late.replace("PBEnvelope", "Draft")}, branch="draft", parents=[])
+    repository.commit("Rename", {"late.proto": late}, branch="draft")
     repository.commit("Try 3", _envelope(_GPS, "Wind wind = 3;"))
     repository.branch("side")
     repository.commit("Take 4", _envelope("Imu other = 4;"), branch="side")
     repository.commit("Go on", _envelope(_GPS, "// Wind later = 5;", closed="reserved 6;"))
     code, out, err = run("number", "next", repository.write(), *_TREE)
-    assert (code, out) == (0, "7\n")
+    assert (code, out) == (0, "8\n")
     expected = ["3 was 'wind' (Wind) until ", "4 is 'other' (Imu) on the branch side", "5 ", "6 is reserved in "]
+    expected.append("7 is 'late' (Imu) on the branch draft")
     lines = [" ".join(line.split()) for line in err.splitlines()]
-    assert [line.startswith(start) for line, start in zip(lines, expected, strict=True)] == [True] * 4
+    assert [line.startswith(start) for line, start in zip(lines, expected, strict=True)] == [True] * 5
     assert "comment" in lines[2]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 from roverlink.generator.lint.comparison.cardinality import cardinalities, cardinality, is_map
 from roverlink.generator.lint.comparison.enum_renames import moved_away, moved_here
@@ -18,7 +19,7 @@ from roverlink.generator.lint.comparison.judgement import (
     judge_value,
     least,
 )
-from roverlink.generator.lint.comparison.pairing import EnumPair, FieldPair
+from roverlink.generator.lint.comparison.pairing import EnumPair, FieldPair, fields
 from roverlink.generator.lint.comparison.schema_change import SchemaChange
 from roverlink.generator.protos.schema import (
     ProtoEnum,
@@ -28,6 +29,12 @@ from roverlink.generator.protos.schema import (
     Schema,
     default_json_name,
 )
+
+
+@lru_cache(maxsize=2)  # the changes since the baseline and since the ledger; several rules ask about each
+def judged_fields(change: SchemaChange) -> list[tuple[FieldPair, Judgement]]:
+    """Return each field that exists before and after a change, with its judgement."""
+    return [(pair, judge_pair(pair)) for pair in fields(change)]
 
 
 def judge_pair(pair: FieldPair) -> Judgement:

@@ -39,7 +39,7 @@ class Reuses:
     """Finder of the reuses of one message or enum: compares the usages (meanings) of each number with each other."""
 
     def __init__(self, record: Record, owner: int, traced: Sequence[TracedUsage]) -> None:
-        self._record, self._traced = record, traced
+        self._record, self._traced, self._id = record, traced, owner
         self._owner = record.types[owner].name
         self._relations = Relations(record, owner)
         self._numbers = cache(lambda node: _numbers(record.declared(owner, node)))
@@ -53,7 +53,7 @@ class Reuses:
             uses = list(group)
             if len(uses) > 1:
                 yield from self._between(uses)
-            for use in uses:
+            for use in filter(self._is_own, uses):
                 yield from self._within(use)
 
     # --- usages that differ -----------------------------------------------------------------------------------------
@@ -68,7 +68,7 @@ class Reuses:
         for one, other in combinations(range(len(uses)), 2):
             # The comparison of all pairs would be quadratic in the usages of a number, which a generated or merged file
             # may have hundreds of.
-            if other - one > _MOST:
+            if other - one > _MOST or not (self._is_own(uses[one]) or self._is_own(uses[other])):
                 continue
             reuse = self._compare(uses[one], uses[other])
             # If A was renamed to B and B to C, then A and C are one meaning, although their names may share no word.
@@ -83,6 +83,10 @@ class Reuses:
             for one, other, reuse in found
             if _is_open(reuse, one, other, renamed, linked)
         ]
+
+    def _is_own(self, use: TracedUsage) -> bool:
+        """Return False for a usage that only a namesake of the message or enum has: see `Record.namesakes`."""
+        return any(stretch.owner == self._id for stretch in use.stretches)
 
     def _compare(self, earlier: TracedUsage, later: TracedUsage) -> Reuse | None:
         """Compare two usages of a number, and return the reuse; None if both have the same meaning and name.
