@@ -40,6 +40,7 @@ _LETTERS_PER_MISTAKE = 4
 _SHORTEST_STEM = 3
 _LONG_STEM = 7  # `substitute` and `substitution`, but not `position` and `positive`
 _WORDS_OF_ONE_THING = 3  # `front_wheel_speed` and `front_arm_speed` are two things
+_LETTERS_OF_ONE_SERIES = 3
 _LETTERS_OF_TYPES = {"f": "float", "d": "double"}  # as in `Vector3f`
 
 
@@ -153,13 +154,17 @@ def _remaining(name: Sequence[_Word], other: Sequence[_Word]) -> list[_Word]:
     return [word for word in name if word.base not in bases]
 
 
-def _are_units(letters: Sequence[_Word], rests: Sequence[Sequence[_Word]]) -> bool:
-    """Return True if letters on two sides are perhaps units, and not sides: in `reach_m` and `time_s`.
+def _are_units(words: Sequence[_Word], rests: Sequence[Sequence[_Word]]) -> bool:
+    """Return True if words on two sides are perhaps units, and not sides: in `reach_m` and `time_s`.
 
-    `sensor_a` and `sensor_b` differ only in their letters, and these are sides.
+    `sensor_a` and `sensor_b` differ only in their letters, and these are sides. `z` and `m` of `altitude_z` and
+    `absolute_altitude_m` are far from each other in the alphabet.
     """
-    units = [is_unit(word.written) for word in letters]
-    return all(units) or (any(units) and any(len(rest) > 1 for rest in rests))
+    units = [is_unit(word.written) for word in words]
+    if all(units) or not any(units) or any(len(word.base) > 1 for word in words):
+        return all(units)
+    letters = [ord(word.base) for word in words]
+    return any(len(rest) > 1 for rest in rests) and max(letters) - min(letters) > _LETTERS_OF_ONE_SERIES
 
 
 def _not_the_same(old: _Word, new: _Word) -> str:
