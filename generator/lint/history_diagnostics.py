@@ -46,8 +46,9 @@ def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[Trace
 def reported(rule: type[Rule], context: Context, type: TracedType, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
     """Return the diagnostic about one number that had several meanings in history.
 
-    It is a hint if the baseline's history has all these meanings already, or if only an unmerged branch gave the number
-    a second meaning (see `Reuse.unmerged`). The context must contain the history.
+    It is a hint if the baseline's history has all these meanings already, if only an unmerged branch gave the number a
+    second meaning (see `Reuse.unmerged`), or if no program was built with one of the meanings (see `Reuse.unbuilt`).
+    The context must contain the history.
     """
     assert context.past is not None, "the rules of history check this first"  # noqa: S101  # for mypy
     owner, order = type.name, context.past.history.numbers_of(type.id)[number]
@@ -63,7 +64,8 @@ def reported(rule: type[Rule], context: Context, type: TracedType, number: int, 
     # With --against, what matters is the change since the baseline. A tree without a table has no ledger into which
     # earlier cases could be accepted, so that without this every change would fail because of them.
     # And what only an unmerged branch has done is the business of that branch, where it is an error.
-    if all(reuse.unmerged or _began(reuse) <= context.past.before for reuse in reuses):
+    # No board has a meaning that stood only in a file that protoc rejects, as one with conflict markers.
+    if all(reuse.unmerged or reuse.unbuilt or _began(reuse) <= context.past.before for reuse in reuses):
         return dataclasses.replace(finding, severity=Severity.HINT)
     return finding
 

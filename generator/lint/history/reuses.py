@@ -16,6 +16,7 @@ from roverlink.generator.lint.history.node_judgement import FactAtNode, judge_fa
 from roverlink.generator.lint.history.usage_model import Content, Kind, Reuse, Usage
 from roverlink.generator.lint.history.usage_relations import Relations
 from roverlink.generator.lint.history.usages import TracedUsage
+from roverlink.generator.lint.names.similar_names import is_called_a_rename
 from roverlink.generator.lint.names.value_names import shared_words
 
 # A number that had two names or two types is not always a reuse: teams rename fields, move messages between packages
@@ -94,18 +95,22 @@ class Reuses:
             # Two names of values with one number in one state are an alias (`allow_alias`), which is no reuse.
             return None
         before, after = self._relations.nodes(earlier, later)
+        handovers = self._relations.handovers(earlier, later)
         judged = judge_facts(
             self._record,
             FactAtNode(earlier.stretches[0].owner, old, before),
             FactAtNode(later.stretches[0].owner, new, after),
             moved=old.name != new.name and bool(self._numbers(before).get(new.name, set()) - {new.number}),
-            at_once=self._relations.hands_over(earlier, later),
+            at_once=bool(handovers),
             shared=self._shared,
         )
-        kind, types = _KINDS[judged.judgement.meaning], judged.types
-        if kind is Kind.MEANING and types and types.old.full_name != types.new.full_name:
+        kind, types, reason = _KINDS[judged.judgement.meaning], judged.types, judged.judgement.reason
+        subjects = (self._record.graph[node].revision.commit.subject for node in handovers)
+        if judged.judgement.by_words and any(is_called_a_rename(subject, old.name, new.name) for subject in subjects):
+            kind, reason = Kind.DOUBTFUL, f"the commit is called a rename, but {reason}"
+        elif kind is Kind.MEANING and types and types.old.full_name != types.new.full_name:
             kind = Kind.REUSED
-        return self._reuse(kind, earlier, later, judged.old, judged.new, judged.judgement.reason) if kind else None
+        return self._reuse(kind, earlier, later, judged.old, judged.new, reason) if kind else None
 
     # --- one usage, other contents ----------------------------------------------------------------------------------
 

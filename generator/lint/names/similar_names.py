@@ -40,6 +40,7 @@ _LETTERS_PER_MISTAKE = 4
 _SHORTEST_STEM = 3
 _LONG_STEM = 7  # `substitute` and `substitution`, but not `position` and `positive`
 _WORDS_OF_ONE_THING = 3  # `front_wheel_speed` and `front_arm_speed` are two things
+_RENAMES = re.compile(r"\b(renam|typo|(mis)?spell)", re.IGNORECASE)
 _LETTERS_OF_ONE_SERIES = 3
 _LETTERS_OF_TYPES = {"f": "float", "d": "double"}  # as in `Vector3f`
 
@@ -113,6 +114,16 @@ def is_telling(name: str, shared: frozenset[str] = frozenset()) -> bool:
     return any(
         len(word.base) > 1 and not word.base.isdigit() and word.base not in FILLERS
         for word in _without(shared, _words(name))
+    )
+
+
+def is_called_a_rename(text: str, old: str, new: str) -> bool:
+    """Return True if the subject of a commit says that it renames, with a word that only one of two names has."""
+    before, after = _words(old), _words(new)
+    differing = {word.base for word in (*_remaining(before, after), *_remaining(after, before))} - FILLERS
+    said = {word.base for word in _words(text)}
+    return _RENAMES.search(text) is not None and any(
+        one == other or _has_same_stem(one, other) for one, other in product(said, differing)
     )
 
 
