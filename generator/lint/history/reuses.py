@@ -106,7 +106,9 @@ class Reuses:
         )
         kind, types, reason = _KINDS[judged.judgement.meaning], judged.types, judged.judgement.reason
         subjects = (self._record.graph[node].revision.commit.subject for node in handovers)
-        if judged.judgement.by_words and any(is_called_a_rename(subject, old.name, new.name) for subject in subjects):
+        if judged.judgement.by_words and any(
+            is_called_a_rename(subject, old.name, new.name, self._shared) for subject in subjects
+        ):
             kind, reason = Kind.DOUBTFUL, f"the commit is called a rename, but {reason}"
         elif kind is Kind.MEANING and types and types.old.full_name != types.new.full_name:
             kind = Kind.REUSED

@@ -117,10 +117,13 @@ def is_telling(name: str, shared: frozenset[str] = frozenset()) -> bool:
     )
 
 
-def is_called_a_rename(text: str, old: str, new: str) -> bool:
-    """Return True if the subject of a commit says that it renames, with a word that only one of two names has."""
+def is_called_a_rename(text: str, old: str, new: str, shared: frozenset[str]) -> bool:
+    """Return True if the subject of a commit says that it renames, with a word that only one of two names has.
+
+    ``shared`` are words that say nothing; see `compare_names`.
+    """
     before, after = _words(old), _words(new)
-    differing = {word.base for word in (*_remaining(before, after), *_remaining(after, before))} - FILLERS
+    differing = {word.base for word in (*_remaining(before, after), *_remaining(after, before))} - FILLERS - shared
     said = {word.base for word in _words(text)}
     return _RENAMES.search(text) is not None and any(
         one == other or _has_same_stem(one, other) for one, other in product(said, differing)

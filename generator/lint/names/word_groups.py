@@ -10,23 +10,24 @@ from collections.abc import Collection, Mapping
 
 # Short forms of one word; the last word of a group stands for all of them.
 _SHORT_FORMS = """
-acc accel acceleration; addr address; alt altitude; ang angle; avg mean average; axes axis; bat batt battery;
-bot robot; btn button; cal calib calibration; ccw counterclockwise; cfg config configuration; cmd command; cnt count;
-ctrl control; cur curr current; cw clockwise; diag diagnostic; dir direction; dist distance; dst dest destination;
-err error; freq frequency; fw firmware; gyro gyroscope; hum humidity; hw hardware; id identity identifier; idx index;
-img image; l left; lat latitude; len length; lon lng long longitude; max maximum; mid medium; min minimum;
-msg message; num number;
-orient orientation; pct percent percentage; pos position; prev previous; pwr power; r right; ref reference;
-req request; resp response; rot rotation; rx received receive; sec second; seq sequence; spd speed; src source;
-sw software; temp temperature; ts timestamp; tx transmitted transmit; val value; vel velocity; ver version; volt voltage
+acc accel acceleration; addr address; alt altitude; ang angle; avg mean average; axes axis; bat batt battery; bot
+robot; btn button; cal calib calibration; ccw counterclockwise; cfg config configuration; cmd command; cnt count; ctrl
+control; cur curr current; cw clockwise; diag diagnostic; dir direction; dist distance; dst dest destination; err
+error; freq frequency; fw firmware; gyro gyroscope; hum humidity; hw hardware; id identity identifier; idx index; img
+image; l left; lat latitude; len length; lon lng long longitude; max maximum; mid medium; min minimum; msg message;
+num number; orient orientation; param parameter; pct percent percentage; pos position; prev previous; pwr power; r
+right; ref reference; req request; resp response; rot rotation; rx received receive; sec second; seq sequence; spd
+speed; src source; sw software; temp temperature; ts timestamp; tx transmitted transmit; val value; vel velocity; ver
+version; volt voltage
 """
 # Words for the same thing. Each has a narrower meaning, too: a velocity has a direction, and a speed has none.
 _SYNONYMS = """
-acknowledge ack confirm; amount count number quantity; attitude orientation rotation; back rear reverse; begin start;
-course direction heading; delay latency; distance range; duration interval period; end finish stop; engine motor;
-error failure fault; frequency rate; goal setpoint target; identifier index number; image picture; label name title;
-lamp light; length size; location position place; mass weight; origin source; speed velocity; state status;
-none no nothing null nil unknown unspecified undefined unset unused default zero; transaction tx; validate valid verify check
+acknowledge ack confirm; add create; amount count number quantity; argument parameter; attitude orientation rotation;
+back rear reverse; begin start; blink flash; course direction heading; delay latency; delete remove; distance range;
+duration interval period; end finish stop; engine motor; error failure fault; frequency rate; goal setpoint target;
+identifier index sid uid uuid; image picture; kind type category; label name title; lamp light; length size; location
+position place; mass weight; none no nothing null nil unknown unspecified undefined unset unused default zero; origin
+source; speed velocity; state status; transaction tx; validate valid verify check
 """
 # Words that stand beside each other in one message, for values that nobody may mix up. `|` separates the sides.
 _OPPOSITES = """
