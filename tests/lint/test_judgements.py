@@ -110,6 +110,8 @@ one_of_two_fields | message B { float elbow = 1; float grip = 2; } message A { B
 error | message C { float elbow = 1; float motor_temperature = 2; } message A { C arm = 1; }
 value_qualified | enum A { A_NONE = 0; A_DRIVE = 1; }
 - | enum A { A_NONE = 0; A_DRIVE_MANUAL = 1; }
+compound_of_a_neighbour | message A { string lidarscan = 1; string lidar_name = 2; }
+warning | message A { string scan = 1; string lidar_name = 2; }
 value_without_its_own_word | enum A { NO_FAULT = 0; MOTOR_FAULT = 1; BUS_FAULT = 2; ARM_FAULT = 3; }
 - | enum A { NO_FAULT = 0; FAULT = 1; BUS_FAULT = 2; ARM_FAULT = 3; }
 value_with_the_enum_s_prefix | enum Arm { ARM_NONE = 0; ARM_OPEN = 1; } message A { Arm arm = 1; }
@@ -270,7 +272,7 @@ def test_names_are_compared_both_ways(one: str, other: str) -> None:
 def test_the_reason_is_what_a_reader_sees() -> None:
     """Codes are shown as they are written, and a number is no reason if all the rest is different, too."""
     reasons = """
-    'Vector3f' is of float and 'Vector3d' of double; 'M5STACK' and 'heltec V3' are different words;
+    'Vector3f' (float) and 'Vector3d' (double) are not the same; 'M5STACK' and 'heltec V3' are different words;
     'P2SH' and 'tr' are different words; 'filepath' may be made of several words; '1' and '2' are not the same
     """
     pairs = "Vector3f Vector3d, M5STACK HELTEC_V3, P2SH TR, filepath path, motor1_speed motor2_speed"

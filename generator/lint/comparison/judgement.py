@@ -155,6 +155,13 @@ def judge_value(old: Part, new: Part, moved: bool, shared: frozenset[str]) -> Ju
     return _had_another_number(new) if moved else _judge_alone(old, new, shared)
 
 
+def judge_compounds(judged: Judgement, old: str, new: str, shared: frozenset[str], names: Iterable[str]) -> Judgement:
+    """Judge two names with different words again, with compound words split into words of the ``names`` beside them."""
+    if not judged.by_words:
+        return judged
+    return _by_names(compare_names(old, new, shared, frozenset(word for name in names for word in words(name))))
+
+
 def _had_another_number(new: Part) -> Judgement:
     return Judgement(Meaning.OTHER, f"{new.name!r} had another number")
 

@@ -244,9 +244,9 @@ def _agreement(old: _Content, new: _Content) -> _Agreement:
         for fact, name in old.parts
         if any(_agree(fact, name, other, other_name) for other, other_name in new.by_number.get(fact.number, ()))
     ]
-    sizes = sorted((len(old.parts), len(new.parts)))
+    smaller, larger = sorted((len(old.parts), len(new.parts)))
     weight = sum(2 if fact.oneof else 1 for fact, name in agreeing if is_telling(name))
-    return _Agreement(len(agreeing), weight, *sizes, len(old.parts))
+    return _Agreement(len(agreeing), weight, smaller, larger, len(old.parts))
 
 
 def _agree(fact: Fact, name: str, other: Fact, other_name: str) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import combinations, groupby
 
-from roverlink.generator.lint.comparison.judgement import Kept, Meaning, compare_parts
+from roverlink.generator.lint.comparison.judgement import Kept, Meaning, compare_parts, judge_compounds
 from roverlink.generator.lint.history.commit_graph import Graph
 from roverlink.generator.lint.history.continuations import Declarations
 from roverlink.generator.lint.history.judged_facts import type_state
@@ -45,6 +45,7 @@ class Reuses:
         self._relations = Relations(record, owner)
         self._numbers = cache(lambda node: _numbers(record.declared(owner, node)))
         self._kept: dict[tuple[Content, Content], Kept] = {}
+        self._names = [usage.usage.name for usage in traced]
         values = [usage.usage.name for usage in traced if not usage.usage.type]
         self._shared = shared_words(self._owner.rpartition(".")[2], values) if values else frozenset()
 
@@ -104,9 +105,12 @@ class Reuses:
             at_once=bool(handovers),
             shared=self._shared,
         )
-        kind, types, reason = _KINDS[judged.judgement.meaning], judged.types, judged.judgement.reason
+        types, judgement = judged.types, judged.judgement
+        if types is None:
+            judgement = judge_compounds(judgement, old.name, new.name, self._shared, self._names)
+        kind, reason = _KINDS[judgement.meaning], judgement.reason
         subjects = (self._record.graph[node].revision.commit.subject for node in handovers)
-        if judged.judgement.by_words and any(
+        if judgement.by_words and any(
             is_called_a_rename(subject, old.name, new.name, self._shared) for subject in subjects
         ):
             kind, reason = Kind.DOUBTFUL, f"the commit is called a rename, but {reason}"

@@ -71,11 +71,14 @@ class _Word(NamedTuple):
 
 
 @lru_cache(maxsize=1 << 16)
-def compare_names(old: str, new: str, shared: frozenset[str] = frozenset()) -> Comparison:
+def compare_names(
+    old: str, new: str, shared: frozenset[str] = frozenset(), beside: frozenset[str] = frozenset()
+) -> Comparison:
     """Compare two names. The result does not depend on which of them is the older one.
 
-    ``shared`` are words that say nothing, because all names that could stand here have them. Units are not compared;
-    see the module ``name_units``.
+    ``shared`` are words that say nothing, because all names that could stand here have them. ``beside`` are the words
+    of the names beside these, of which compound words may be made. Units are not compared; see the module
+    ``name_units``.
     """
     if old == new:
         return Comparison(Likeness.SAME)
@@ -86,7 +89,7 @@ def compare_names(old: str, new: str, shared: frozenset[str] = frozenset()) -> C
     found = _compare(before, after)
     if found.likeness is not Likeness.DIFFERENT:
         return found
-    divided = [_divided(name, other) for name, other in ((before, after), (after, before))]
+    divided = [_divided(name, beside.union(word.written for word in (*before, *after))) for name in (before, after)]
     again = _compare(*divided)
     if again.likeness in (Likeness.DIFFERENT, Likeness.OPPOSITE):
         return again if again.likeness is Likeness.OPPOSITE else found
@@ -94,9 +97,8 @@ def compare_names(old: str, new: str, shared: frozenset[str] = frozenset()) -> C
     return Comparison(Likeness.DOUBTFUL, f"{_quoted(compounds)} may be made of several words")
 
 
-def _divided(name: Sequence[_Word], other: Sequence[_Word]) -> tuple[_Word, ...]:
+def _divided(name: Sequence[_Word], beside: frozenset[str]) -> tuple[_Word, ...]:
     """Return the words of a name with compound words split."""
-    beside = {word.written for word in other}
     parts = ((part, word) for word in name for part in split(word.written, beside))
     return tuple(word if part == word.written else _Word(base(part), part, part) for part, word in parts)
 
@@ -181,11 +183,10 @@ def _are_units(words: Sequence[_Word], rests: Sequence[Sequence[_Word]]) -> bool
     return any(len(rest) > 1 for rest in rests) and max(letters) - min(letters) > _LETTERS_OF_ONE_SERIES
 
 
-def _not_the_same(old: _Word, new: _Word) -> str:
-    kinds = [_LETTERS_OF_TYPES.get(word.base) for word in (old, new)]
-    if old.shown != old.written and all(kinds):
-        return f"{old.shown!r} is of {kinds[0]} and {new.shown!r} of {kinds[1]}"
-    return f"{old.written!r} and {new.written!r} are not the same"
+def _not_the_same(*words: _Word) -> str:
+    kinds = [_LETTERS_OF_TYPES.get(word.base, "") for word in words]
+    shown = (f"{word.shown!r} ({kind})" if all(kinds) else repr(word.written) for word, kind in zip(words, kinds))
+    return f"{' and '.join(shown)} are not the same"
 
 
 def _different(old: Sequence[_Word], new: Sequence[_Word]) -> str:
