@@ -148,6 +148,8 @@ _OTHERWISE = {
     ("into_a_oneof", "--history"): SAME,
     ("into_a_oneof", "--branches"): SAME,
     ("alias_renamed", "--branches"): OTHER,
+    ("type_that_grows", "--branches"): OTHER,  # no commit removes the one and adds the other
+    ("compound_of_a_neighbour", "--branches"): OTHER,  # only the two names are looked at
 }
 """Verdicts of options that see a case differently."""
 _OF_MEANINGS = re.compile("WIR|HIS|PIN")
