@@ -50,8 +50,9 @@ def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[Trace
 def reported(rule: type[Rule], context: Context, type: TracedType, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
     """Return the diagnostic about one number that had several meanings in history.
 
-    It is a hint if no commit of the change gave the number one of these meanings, or if only an unmerged branch gave it
-    a second meaning (see `Reuse.unmerged`). The context must contain the history.
+    It is a hint if no commit of the change gave the number one of these meanings, if only an unmerged branch gave it a
+    second meaning (see `Reuse.unmerged`), or if no program was built with one of the meanings (see `Reuse.unbuilt`).
+    The context must contain the history.
     """
     past = context.past
     assert past is not None, "the rules of history check this first"  # noqa: S101  # for mypy
@@ -68,7 +69,8 @@ def reported(rule: type[Rule], context: Context, type: TracedType, number: int, 
     if all(past.is_known(*_began(reuse)) for reuse in reuses):
         return finding.as_known()
     # What only an unmerged branch has done is the business of that branch, where it is an error.
-    if all(reuse.unmerged or past.is_known(*_began(reuse)) for reuse in reuses):
+    # No board has a meaning that stood only in a file that protoc rejects, as one with conflict markers.
+    if all(reuse.unmerged or reuse.unbuilt or past.is_known(*_began(reuse)) for reuse in reuses):
         return dataclasses.replace(finding, severity=Severity.HINT)
     return finding
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import combinations, groupby
 
-from roverlink.generator.lint.comparison.judgement import Kept, Meaning, compare_parts
+from roverlink.generator.lint.comparison.judgement import Kept, Meaning, compare_parts, judge_compounds
 from roverlink.generator.lint.history.commit_graph import Graph
 from roverlink.generator.lint.history.continuations import Declarations
 from roverlink.generator.lint.history.judged_facts import type_state
@@ -16,6 +16,7 @@ from roverlink.generator.lint.history.node_judgement import FactAtNode, judge_fa
 from roverlink.generator.lint.history.usage_model import Content, Kind, Reuse, Usage
 from roverlink.generator.lint.history.usage_relations import Relations
 from roverlink.generator.lint.history.usages import TracedUsage
+from roverlink.generator.lint.names.similar_names import is_called_a_rename
 from roverlink.generator.lint.names.value_names import shared_words
 
 # A number that had two names or two types is not always a reuse: teams rename fields, move messages between packages
@@ -44,6 +45,7 @@ class Reuses:
         self._relations = Relations(record, owner)
         self._numbers = cache(lambda node: _numbers(record.declared(owner, node)))
         self._kept: dict[tuple[Content, Content], Kept] = {}
+        self._names = [usage.usage.name for usage in traced]
         values = [usage.usage.name for usage in traced if not usage.usage.type]
         self._shared = shared_words(self._owner.rpartition(".")[2], values) if values else frozenset()
 
@@ -98,18 +100,27 @@ class Reuses:
             # Two names of values with one number in one state are an alias (`allow_alias`), which is no reuse.
             return None
         before, after = self._relations.nodes(earlier, later)
+        handovers = self._relations.handovers(earlier, later)
         judged = judge_facts(
             self._record,
             FactAtNode(earlier.stretches[0].owner, old, before),
             FactAtNode(later.stretches[0].owner, new, after),
             moved=old.name != new.name and bool(self._numbers(before).get(new.name, set()) - {new.number}),
-            at_once=self._relations.hands_over(earlier, later),
+            at_once=bool(handovers),
             shared=self._shared,
         )
-        kind, types = _KINDS[judged.judgement.meaning], judged.types
-        if kind is Kind.MEANING and types and types.old.full_name != types.new.full_name:
+        types, judgement = judged.types, judged.judgement
+        if types is None:
+            judgement = judge_compounds(judgement, old.name, new.name, self._shared, self._names)
+        kind, reason = _KINDS[judgement.meaning], judgement.reason
+        subjects = (self._record.graph[node].revision.commit.subject for node in handovers)
+        if judgement.by_words and any(
+            is_called_a_rename(subject, old.name, new.name, self._shared) for subject in subjects
+        ):
+            kind, reason = Kind.DOUBTFUL, f"the commit is called a rename, but {reason}"
+        elif kind is Kind.MEANING and types and types.old.full_name != types.new.full_name:
             kind = Kind.REUSED
-        return self._reuse(kind, earlier, later, judged.old, judged.new, judged.judgement.reason) if kind else None
+        return self._reuse(kind, earlier, later, judged.old, judged.new, reason) if kind else None
 
     # --- one usage, other contents ----------------------------------------------------------------------------------
 

@@ -171,6 +171,11 @@ class Reuse:
         """True if bytes with the earlier meaning are misread with the later one."""
         return self.kind not in (Kind.RENAMED, Kind.UNIT, Kind.DOUBTFUL)
 
+    @property
+    def unbuilt(self) -> bool:
+        """True if only files with syntax errors had one of the meanings, so that no program was built with it."""
+        return self.earlier.broken or self.later.broken
+
 
 @dataclass(frozen=True, slots=True)
 class Allocation:
