@@ -187,11 +187,11 @@ def _last_changes_text(changes: Sequence[Reuse]) -> str:
     return f"{text} (and {more} changes of meaning before)" if more > 0 else text
 
 
-def _began(reuse: Reuse) -> tuple[Commit, Commit]:
+def _began(reuse: Reuse) -> tuple[Commit, ...]:
     """Return the commits without which the number would not have both meanings."""
     # A message that kept its name has one usage, and got its new content later.
     within = reuse.later is reuse.earlier and reuse.new
-    return reuse.earlier.came, reuse.new.commit if within and reuse.new else reuse.later.came
+    return reuse.earlier.came, reuse.new.commit if within and reuse.new else reuse.later.came, *reuse.naming
 
 
 def _change_text(reuse: Reuse) -> str:

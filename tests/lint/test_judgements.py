@@ -147,7 +147,6 @@ _OTHERWISE = {
     ("text_to_bytes", "--against"): SAME,
     ("into_a_oneof", "--history"): SAME,
     ("into_a_oneof", "--branches"): SAME,
-    ("alias_renamed", "--branches"): OTHER,
     ("type_that_grows", "--branches"): OTHER,  # no commit removes the one and adds the other
     ("compound_of_a_neighbour", "--branches"): OTHER,  # only the two names are looked at
 }

@@ -90,10 +90,11 @@ class Branches:
                         of_number.setdefault(rival, set()).add(other)
                         judged.setdefault(fact.number, []).append(judgement)
         name = subject.name or self._record.types[min(subject.ids)].name
+        naming = [commit for id in sorted(subject.ids) if subject.name for commit in self._record.naming(id, name)]
         for number, facts in uses.items():
             allocations = (self._allocation(subject, fact, sorted(facts[fact])) for fact in sorted(facts))
             found = gravest(judged[number])
-            yield Collision(name, number, tuple(allocations), found.certain, found.reason)
+            yield Collision(name, number, tuple(allocations), found.certain, found.reason, tuple(naming))
 
     def _between(
         self, subject: _Subject, rivals: Sequence[tuple[Fact, Fact]], one: int, other: int

@@ -12,6 +12,7 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import combinations, product
 
+from roverlink.generator.git import Commit
 from roverlink.generator.lint.history.commit_graph import Graph
 from roverlink.generator.lint.history.continuations import Declarations, Place
 from roverlink.generator.lint.history.lineage import Lifetime, Lineage
@@ -92,6 +93,15 @@ class Record:
     def names_at(self, type: int, node: int) -> Set[str]:
         """Return the full names under which a node declares a message or enum. Usually there is only one."""
         return {place.name for place in self.declared(type, node)}
+
+    def naming(self, type: int, name: str) -> tuple[Commit, ...]:
+        """Return the commits that gave a full name to a message or enum: those that added it, and that renamed it."""
+        nodes = (node for node in self.lineage.changes[type] if name in self.names_at(type, node))
+        return tuple(
+            self.graph[node].revision.commit
+            for node in nodes
+            if not any(name in self.names_at(type, parent) for parent in self.graph[node].parents)
+        )
 
     def facts_under(self, type: int, name: str) -> set[Fact]:
         """Return the facts (fields or values) that a message or enum ever had under a full name."""

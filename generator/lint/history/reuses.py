@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import combinations, groupby
 
+from roverlink.generator.git import Commit
 from roverlink.generator.lint.comparison.judgement import Kept, Meaning, compare_parts, judge_compounds
 from roverlink.generator.lint.history.commit_graph import Graph
 from roverlink.generator.lint.history.continuations import Declarations
@@ -175,6 +176,7 @@ class Reuses:
             reason=reason,
             elsewhere=(elsewhere := self._is_elsewhere(earlier, later, came)),
             unmerged=elsewhere and not self._are_rivals(earlier, later),
+            naming=tuple(self._naming(earlier, later)),
         )
 
     def _is_elsewhere(self, earlier: TracedUsage, later: TracedUsage, came: int) -> bool:
@@ -184,6 +186,14 @@ class Reuses:
         return not all(
             any(self._record.is_kept(stretch.lifetime.came) for stretch in use.stretches) for use in (earlier, later)
         )
+
+    def _naming(self, earlier: TracedUsage, later: TracedUsage) -> Iterator[Commit]:
+        """Yield the commits of `Reuse.naming`."""
+        if self._is_own(earlier) and self._is_own(later):
+            return
+        for other in sorted({stretch.owner for use in (earlier, later) for stretch in use.stretches} - {self._id}):
+            name = self._record.namesakes(self._id)[other]
+            yield from (*self._record.naming(self._id, name), *self._record.naming(other, name))
 
     def _are_rivals(self, earlier: TracedUsage, later: TracedUsage) -> bool:
         """Return True if the state that is judged has one of the meanings, and a branch has the other one today."""

@@ -166,6 +166,9 @@ class Reuse:
     False if the state that is judged has one of the meanings, and an unmerged branch has the other one today.
     """
 
+    naming: tuple[Commit, ...] = ()
+    """The commits that gave one full name to the types with the two meanings; empty if one type has both."""
+
     @property
     def certain(self) -> bool:
         """True if bytes with the earlier meaning are misread with the later one."""
@@ -203,3 +206,5 @@ class Collision:
     """False if all allocations perhaps mean the same."""
     reason: str
     """Why two of the allocations do not mean the same, as a clause."""
+    naming: tuple[Commit, ...]
+    """The commits that gave `owner` to several types as their full name; empty if it is one type."""
