@@ -72,28 +72,6 @@ def test_what_became_of_the_number_is_said(
 
 
 @pytest.mark.slow
-def test_a_mere_rename_and_a_replaced_content_are_other_rules(repository: RepositoryBuilder, found: Found) -> None:
-    """A payload renamed with its fields is a hint; one whose fields were replaced under its name an error.
-
-    That error is one against an earlier branch too, though the name did not change.
-    """
-    renamed = _PAYLOADS["components/imu.proto"].replace("message Imu", "message ImuInfo")
-    files = {ENVELOPE_FILE: _text(_GPS).replace("Imu imu", "ImuInfo imu"), "components/imu.proto": renamed}
-    repository.commit("Rename the IMU", files)
-    repository.branch("base")
-    gps = message("Gps", "string sentence", "bytes almanac", "bool differential", "sint32 leap")
-    repository.commit("Replace the GPS", {"components/gps.proto": gps})
-    root = repository.write()
-    of_envelope = [one for one in found("--history", root, *_TREE)[1] if one["message_type"] == "PBEnvelope"]
-    assert sorted((one["id"], one["number"], one["severity"]) for one in of_envelope) == [
-        ("HIS102", 1, "hint"),
-        ("HIS103", 2, "error"),
-    ]
-    code, against = found("--history", root, *_TREE, "--against", "base")
-    assert (code, ("HIS103", "error") in [(one["id"], one["severity"]) for one in against]) == (1, True)
-
-
-@pytest.mark.slow
 def test_against_a_branch_makes_its_own_old_cases_hints(repository: RepositoryBuilder, run: Run, found: Found) -> None:
     """What the base and somebody else's open branch have done passes; a case that the change adds is an error."""
     begun = repository.commit("Drop the GPS", _envelope())
@@ -270,23 +248,7 @@ def test_the_next_number_skips_what_is_closed(repository: RepositoryBuilder, run
     assert run("number", "next", root, *_TREE)[:2] == (0, "3\n")
 
 
-# --- what is not committed yet, and other states ---
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["lint", "--message", "PBEnvelope"], "need PROTO_ROOT"),
-        (["number", "next", "--envelope", "e.proto"], "need PROTO_ROOT"),
-        (["lint", "--exclude", "a.proto"], "need PROTO_ROOT"),
-        (["lint", "one", "--history", "."], "two folders of .proto files are given, 'one' and '.'"),
-        (["lint", ".", "--history", "main", "--accept"], "leave out 'main' after --history"),
-    ],
-)
-def test_words_without_effect(run: Run, arguments: list[str], said: str) -> None:
-    """What would not be looked at is not taken without a word."""
-    code, out, err = run(*arguments)
-    assert (code, out, said in err) == (2, "", True)
+# --- accepting ---
 
 
 @pytest.mark.slow

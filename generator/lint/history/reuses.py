@@ -172,7 +172,6 @@ class Reuses:
             relation=self._relations.relation(earlier, later),
             old=old,
             new=new,
-            survivors=self._compare_contents(old, new).left if old and new else 0,
             reason=reason,
             elsewhere=(elsewhere := self._is_elsewhere(earlier, later, came)),
             unmerged=elsewhere and not self._are_rivals(earlier, later),

@@ -150,8 +150,6 @@ class Reuse:
     """The last content of the earlier usage's type; None if the type is no message or enum, or is unknown."""
     new: Content | None
     """The first content of the later usage's type; None if the type is no message or enum, or is unknown."""
-    survivors: int
-    """The number of fields of the old content that still exist in the new one."""
     reason: str = ""
     """Why the meaning is another one, as a clause; empty for a mere rename."""
     same_as_earlier: frozenset[Usage] = frozenset()
