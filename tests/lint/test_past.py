@@ -113,15 +113,6 @@ def test_a_shallow_clone_says_how_deep_it_could_look(windy: Path, tmp_path: Path
     assert run("number", "next", root, *_TREE)[1] == "4\n"
 
 
-@pytest.mark.slow
-def test_a_question_about_the_envelope_needs_one(windy: Path, run: Run, tmp_path: Path) -> None:
-    """Pins and the history of an envelope that never was have no answer: exit code 2, not a clean bill."""
-    (tmp_path / "pins.txt").write_text("rover main\n")
-    for arguments in (["--history", "--message", "Nobody"], ["--pins", tmp_path / "pins.txt"]):
-        code, out, _ = run("lint", windy, *arguments)
-        assert (code, "fatal[STA104]" in out) == (2, True)
-
-
 # --- branches, pins, numbers ---
 
 
