@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from roverlink.generator import ir, lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order
-from roverlink.generator.emit import emitter, envelope_file
+from roverlink.generator.emit import emitter, envelope_file, targets
 from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.ir import ros_names
 from roverlink.generator.ir.protobuf_facts import IMPLEMENTATION_NUMBERS
@@ -35,6 +35,8 @@ class Compiled:
     """Result of compiling mapping.yaml: the intermediate representation (IR), the generated files, and the warnings."""
 
     bridge: ir.Bridge
+    root: str
+    """Folder of the .proto files, relative to the table."""
     files: dict[str, str]
     """Text of each generated file, by its path relative to the table."""
     folders: Mapping[str, str]
@@ -45,6 +47,11 @@ class Compiled:
     own: tuple[str, ...]
     """Paths of files that belong to roverlink although they carry no header: the ledger, and those that it lists."""
     warnings: tuple[Diagnostic, ...]
+    repeatable: bool
+    """True if only roverlink made the files, from the table, the ledger and the files in `root`.
+
+    Templates of the user, and targets of other packages, may read more.
+    """
 
     def changes(self, project: Path, edited: Mapping[str, str] | None = None) -> list[Change]:
         """Return the changes of all files on disk that make the project up to date.
@@ -55,16 +62,16 @@ class Compiled:
         return compare(project, {**self.files, **edited}, self.folders, (*self.own, *edited))
 
 
-def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iterable[str] = ()) -> Compiled:
+def compile_table(table_path: Path, kinds: Iterable[str] = (), templates: Iterable[str] = ()) -> Compiled:
     """Compile the table mapping.yaml. Nothing is written.
 
-    ``targets`` are kinds of generated files, such as ``nanopb``. ``templates`` are folders with Jinja templates. Both
-    are added to the targets and templates that the table lists.
+    ``kinds`` are kinds of generated files (targets), such as ``nanopb``. ``templates`` are folders with Jinja
+    templates. Both are added to the targets and templates that the table lists.
 
     Raises `DiagnosticsError` with all mistakes that can be found in one run.
     """
     text = read_text(table_path, table_path.name)
-    return _compiled(table_path, text, further=(tuple(targets), tuple(templates)))
+    return _compiled(table_path, text, further=(tuple(kinds), tuple(templates)))
 
 
 def compile_text(
@@ -158,9 +165,11 @@ def _compiled(
     # The proto root may be the whole project, with virtual environments in it: only an envelope is ours there.
     folders = {**({table.proto.root: ".proto"} if envelope.ours else {}), bridge.folder: ""}
     # Nothing is emitted from a table with errors: a half right envelope on disk would be worse than an old one.
-    files = emitter.emit(bridge, table.and_further(*further), published, project)
+    wanted = table.and_further(*further)
+    files = emitter.emit(bridge, wanted, published, project)
     own = (lock.NAME, *published.files)
-    return Compiled(bridge, files, folders, own, tuple(in_order(findings)))
+    repeatable = not wanted.templates and all(map(targets.built_in, wanted.targets))
+    return Compiled(bridge, table.proto.root, files, folders, own, tuple(in_order(findings)), repeatable)
 
 
 def _collecting(findings: list[Diagnostic], phase: Callable[[], T]) -> T | None:

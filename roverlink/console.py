@@ -17,7 +17,6 @@ from typing import Any, TypeVar
 from roverlink.dds_domain import claim_domain
 from roverlink.generator import journal
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.middleware import NAMES
 
 N = TypeVar("N", int, float)
 
@@ -129,6 +128,8 @@ MIDDLEWARES_HELP = (
 
 def add_middleware(parser: argparse.ArgumentParser) -> None:
     """Add the option ``--middleware`` to a parser: the software that connects to ROS 2."""
+    from roverlink.runtime.middleware import NAMES  # here: a middleware is slow to import
+
     parser.add_argument("--middleware", choices=NAMES, default="auto", help=f"{MIDDLEWARES_HELP} (default: auto)")
 
 

@@ -9,16 +9,17 @@ import argparse
 import re
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from roverlink.console import OK, UNABLE, add_table, table_file
 from roverlink.diagnostic_text import Sources, show
 from roverlink.generator.diagnostics import Severity
 from roverlink.generator.git import Repository
-from roverlink.generator.lint.bare_tree import TreeOptions
-from roverlink.generator.lint.project import Linted, Question, lint_project, lint_tree
-from roverlink.generator.lint.rules import lint_rules
 from roverlink.reports.reported import Reported
 from roverlink.runtime.core.errors import SetupError
+
+if TYPE_CHECKING:  # slow to import
+    from roverlink.generator.lint.project import Linted, Question
 
 # Field numbers have at most nine digits (2**29 - 1), enum values ten and a sign (int32).
 _NUMBER = re.compile(r"(?:\.?(?P<owner>[A-Za-z_][\w.]*):(?=.)|(?=[0-9]))(?P<number>-?[0-9]{1,10})")
@@ -83,6 +84,9 @@ def linted(arguments: argparse.Namespace, question: Question) -> Linted:
     ``question`` holds the additional checks that the user requests, such as that of git's history. Raises `SetupError`
     if the options name an envelope, but no folder of .proto files.
     """
+    from roverlink.generator.lint.bare_tree import TreeOptions
+    from roverlink.generator.lint.project import lint_project, lint_tree
+
     root: Path | None = arguments.root
     if root is None and (arguments.envelope or arguments.message or arguments.exclude):
         raise SetupError(
@@ -112,6 +116,8 @@ def sources(found: Linted) -> Sources:
 
 def reported(found: Linted, *, with_known: bool = False) -> Reported:
     """Return the findings of a check for the output formats, which show the known ones only ``with_known``."""
+    from roverlink.generator.lint.rules import lint_rules
+
     pinned = found.context.past.pinned if found.context.past else None
     return Reported("roverlink lint", found.findings, sources(found), lint_rules(), pinned, with_known)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from functools import cache
 
 Report = Callable[[int, int], None]
 """Function that a long task calls with two amounts: done so far, and in total."""
@@ -17,10 +18,19 @@ def progress(what: str) -> Iterator[Report]:
     Yields a function. The task calls it with the amount done so far and the total amount, such as ``report(30, 200)``.
     ``what`` is the text beside the bar.
     """
-    from rich.console import Console  # here: the help of a command needs no rich
-    from rich.progress import Progress
+    with ExitStack() as stack:
 
-    shown = sys.stderr.isatty()
-    with Progress(console=Console(file=sys.stderr), transient=True, disable=not shown, redirect_stdout=False) as bar:
-        task = bar.add_task(what, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+        @cache
+        def bar() -> Report:
+            from rich.console import Console  # here: rich is slow to import, and most commands end before a report
+            from rich.progress import Progress
+
+            shown = Progress(console=Console(file=sys.stderr), transient=True, redirect_stdout=False)
+            task = stack.enter_context(shown).add_task(what, total=None)
+            return lambda done, total: shown.update(task, completed=done, total=total)
+
+        def show(done: int, total: int) -> None:
+            if sys.stderr.isatty():
+                bar()(done, total)
+
+        yield show

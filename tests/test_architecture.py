@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 _SHARED_NAMES = {
     *("conversions", "handlers", "interfaces", "messages", "registry"),  # of each target
     *("extra_topics", "reader", "__main__", "board"),  # of target and bridge, table and recording, command and output
-    *("track", "send", "measure", "run", "render", "command"),  # commands
+    *("track", "send", "measure", "run", "render", "command"),  # commands of several parts
 }
 LINKED = ("generator", "runtime")
 """Folders of the repository that are imported as `roverlink.<folder>`."""

@@ -7,8 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from roverlink.generator.emit.python_format import fitted, literal
-
 if TYPE_CHECKING:
     from jinja2 import Environment
 
@@ -44,6 +42,8 @@ SETTINGS: dict[str, Any] = {
 def environment() -> Environment:
     """Return the Jinja environment that renders the installed templates."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined  # here: the help of a command needs no Jinja
+
+    from roverlink.generator.emit.python_format import fitted, literal
 
     loader = FileSystemLoader(shipped("templates"))
     own = Environment(loader=loader, undefined=StrictUndefined, **SETTINGS)  # noqa: S701  # source text, not HTML

@@ -10,7 +10,7 @@ import contextlib
 import difflib
 import os
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -66,8 +66,8 @@ def compare(
     """
     _must_be_inside(project, files)
     changes = [_change(project, path, text, own) for path, text in files.items()]
-    generated = {path for folder, suffix in folders.items() for path in _generated(project, folder, suffix)}
-    stale = [Change(path, _text(project, path), None) for path in sorted(generated - files.keys())]
+    left = {path for folder, suffix in folders.items() for path in _left(project, folder, suffix, files)}
+    stale = [Change(path, _text(project, path), None) for path in sorted(left)]
     return sorted(
         (change for change in (*changes, *stale) if change.before != change.after), key=lambda change: change.path
     )
@@ -147,17 +147,18 @@ def _text(project: Path, path: str) -> str | None:
             return None
 
 
-def _generated(project: Path, top: str, suffix: str) -> Iterable[str]:
-    """Yield the paths of files in a folder of the project whose header says that roverlink generated them.
+def _left(project: Path, top: str, suffix: str, files: Container[str]) -> Iterable[str]:
+    """Yield the paths of files in a folder of the project that roverlink once generated, according to their header.
 
-    ``suffix`` is the end of their names. Links, and folders that belong to another project or another repository, are
-    left out.
+    ``suffix`` is the end of their names. Those in ``files``, links, and folders that belong to another project or
+    another repository, are left out.
     """
     for folder, folders_in, names in os.walk(project / top):
         folders_in[:] = [folder_name for folder_name in folders_in if not _is_other_project(Path(folder, folder_name))]
         for path in (Path(folder, name) for name in names if name.endswith(suffix) and not name.endswith(".pyc")):
-            if not path.is_symlink() and path.is_file() and _is_ours(path):
-                yield path.relative_to(project).as_posix()
+            name = path.relative_to(project).as_posix()
+            if name not in files and not path.is_symlink() and path.is_file() and _is_ours(path):
+                yield name
 
 
 def _is_other_project(folder: Path) -> bool:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterable, Iterator
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.history import History, Kind, Reuse, TracedType, Usage
+from roverlink.generator.lint.history import Kind, Reuse, TracedType, Usage
 from roverlink.generator.lock import Burned, PastUse
 from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
+
+if TYPE_CHECKING:
+    from roverlink.generator.lint.history import History
 
 _Declared: TypeAlias = ProtoField | ProtoEnumValue
 

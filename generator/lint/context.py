@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span, shown
 from roverlink.generator.git import Commit
 from roverlink.generator.ir.protobuf_facts import IMPLEMENTATION_NUMBERS, LARGEST_FIELD_NUMBER
 from roverlink.generator.lint.comparison import SchemaChange
-from roverlink.generator.lint.history import History, whereabouts
+from roverlink.generator.lint.history import whereabouts
 from roverlink.generator.lint.pinned_states import PinnedStates
 from roverlink.generator.lock import Entry, Ledger, RowSettings, Setting, settings_of_row, settings_of_rows, topics_of
 from roverlink.generator.nanopb import Bounds
 from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.table import Row, Table
+
+if TYPE_CHECKING:
+    from roverlink.generator.lint.history import History
 
 
 def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "") -> tuple[SchemaChange, ...]:

@@ -124,13 +124,14 @@ def changed_field(
 
     ``place`` returns the part of a field's declaration to point at, such as its name or its type.
     """
+    owner, _, new = written(pair)
     return rule.at(
         place(pair.new),
         message,
         back_or_renumber(numbers, pair),
         pair.change.earlier(place(pair.old), f"it was `{was(pair)}` here"),
-        type=pair.owner,
-        number=pair.new.number,
+        type=owner,
+        number=new.number,
     )
 
 

@@ -12,17 +12,21 @@ from collections.abc import Iterator, Sequence, Set
 from itertools import groupby, zip_longest
 from operator import itemgetter
 from posixpath import normpath
+from typing import TYPE_CHECKING
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span, Use
 from roverlink.generator.git import Commit
 from roverlink.generator.lint.accepted_past import command_to_accept, meaning_of, not_accepted
 from roverlink.generator.lint.context import Context, Past
 from roverlink.generator.lint.free_numbers import next_enum_number, next_field_number
-from roverlink.generator.lint.history import Content, History, Kind, Relation, Reuse, TracedType, Usage, whereabouts
+from roverlink.generator.lint.history import Content, Kind, Relation, Reuse, TracedType, Usage, whereabouts
 from roverlink.generator.lint.history.judged_facts import is_named
 from roverlink.generator.lock import PastUse
 from roverlink.generator.protos.number_ranges import covers
 from roverlink.generator.protos.schema import Fact, ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
+
+if TYPE_CHECKING:
+    from roverlink.generator.lint.history import History
 
 _MOST_CHANGES = 3
 
@@ -46,8 +50,9 @@ def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[Trace
 def reported(rule: type[Rule], context: Context, type: TracedType, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
     """Return the diagnostic about one number that had several meanings in history.
 
-    It is a hint if no commit of the change gave the number one of these meanings, or if only an unmerged branch gave it
-    a second meaning (see `Reuse.unmerged`). The context must contain the history.
+    It is a hint if no commit of the change gave the number one of these meanings, if only an unmerged branch gave it a
+    second meaning (see `Reuse.unmerged`), or if no program was built with one of the meanings (see `Reuse.unbuilt`).
+    The context must contain the history.
     """
     past = context.past
     assert past is not None, "the rules of history check this first"  # noqa: S101  # for mypy
@@ -64,7 +69,8 @@ def reported(rule: type[Rule], context: Context, type: TracedType, number: int, 
     if all(past.is_known(*_began(reuse)) for reuse in reuses):
         return finding.as_known()
     # What only an unmerged branch has done is the business of that branch, where it is an error.
-    if all(reuse.unmerged or past.is_known(*_began(reuse)) for reuse in reuses):
+    # No board has a meaning that stood only in a file that protoc rejects, as one with conflict markers.
+    if all(reuse.unmerged or reuse.unbuilt or past.is_known(*_began(reuse)) for reuse in reuses):
         return dataclasses.replace(finding, severity=Severity.HINT)
     return finding
 
@@ -181,11 +187,11 @@ def _last_changes_text(changes: Sequence[Reuse]) -> str:
     return f"{text} (and {more} changes of meaning before)" if more > 0 else text
 
 
-def _began(reuse: Reuse) -> tuple[Commit, Commit]:
+def _began(reuse: Reuse) -> tuple[Commit, ...]:
     """Return the commits without which the number would not have both meanings."""
     # A message that kept its name has one usage, and got its new content later.
     within = reuse.later is reuse.earlier and reuse.new
-    return reuse.earlier.came, reuse.new.commit if within and reuse.new else reuse.later.came
+    return reuse.earlier.came, reuse.new.commit if within and reuse.new else reuse.later.came, *reuse.naming
 
 
 def _change_text(reuse: Reuse) -> str:

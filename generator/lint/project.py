@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, in_order, shown
@@ -23,7 +24,6 @@ from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lint.git_states import Checkout, checked_out, commit_of_ref
-from roverlink.generator.lint.history import History, read_history
 from roverlink.generator.lint.history.uncommitted import CheckedOut
 from roverlink.generator.lint.input_rules import (
     CLONE,
@@ -39,6 +39,9 @@ from roverlink.generator.protos.files import read_protos
 from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.table import Table, reader
+
+if TYPE_CHECKING:
+    from roverlink.generator.lint.history import History
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,6 +264,8 @@ def _past(root: Path, shown_root: str, question: Question, findings: list[Diagno
     ``shown_root`` is the name of the folder ``root`` in diagnostics. Raises `DiagnosticsError` if git cannot read the
     history, for example because the folder is in no repository.
     """
+    from roverlink.generator.lint.history import read_history  # here: most runs do not read the history
+
     try:
         history = read_history(root, question.report, question.newest)
     except GitError as error:

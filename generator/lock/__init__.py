@@ -14,7 +14,9 @@ in it counts as published: boards may send it. Rules of the file:
   lines of both sides, and the next generate writes them in order.
 """
 
-from roverlink.generator.lock.ledger import ACCEPTED_NAME, NAME, Burned, Entry, Ledger, PastUse, Settled, checksum
+from roverlink.generator.ledger_names import ACCEPTED as ACCEPTED_NAME
+from roverlink.generator.ledger_names import LEDGER as NAME
+from roverlink.generator.lock.ledger import Burned, Entry, Ledger, PastUse, Settled, checksum
 from roverlink.generator.lock.ledger_reader import read
 from roverlink.generator.lock.ledger_text import render, render_accepted, schema_lines
 from roverlink.generator.lock.row_settings import (

@@ -15,10 +15,6 @@ from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.lock.row_settings import RowSettings
 from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField, ProtoMessage, Schema
 
-NAME = "mapping.lock"
-ACCEPTED_NAME = "accepted-numbers.lock"
-"""Name of the ledger in a folder of .proto files without a table."""
-
 
 @dataclass(frozen=True, slots=True)
 class Entry:

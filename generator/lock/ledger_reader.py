@@ -10,7 +10,8 @@ from pathlib import Path
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.git import Repository
-from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, PastUse, Settled, checksum
+from roverlink.generator.ledger_names import LEDGER as NAME
+from roverlink.generator.lock.ledger import Burned, Entry, Ledger, PastUse, Settled, checksum
 from roverlink.generator.lock.ledger_rules import BrokenLedger, DeletedLedger, EditedLedger, UnreadableLedger
 from roverlink.generator.lock.row_settings import AMOUNTS, EXTRA_TOPIC, Setting
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema

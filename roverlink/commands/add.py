@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.dry_run:
         sys.stdout.writelines(change.diff() for change in changes)
     else:
-        print_changes(compiled, changes)
+        print_changes(changes, len(compiled.files), len(compiled.bridge.routes))
     print_note(f"{arguments.name} {'would have' if arguments.dry_run else 'has'} the number {number}")
     return OK
 

@@ -30,9 +30,8 @@ from roverlink.console import (
 )
 from roverlink.diagnostic_text import Sources, show_error, show_without_hints
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
-from roverlink.generator.emit import targets
-from roverlink.generator.emit.writer import Change, write
-from roverlink.generator.pipeline import Compiled, compile_table
+from roverlink.generator.emit.writer import Change, compare, write
+from roverlink.generator.known_results import KnownResult
 from roverlink.generator.source_files import visible
 from roverlink.runtime.core.errors import SetupError, nearest
 
@@ -77,31 +76,52 @@ def run(arguments: argparse.Namespace) -> int:
 
     The exit code is 1 if there are diagnostics, or if ``--check`` finds a file that is out of date.
     """
-    known = targets.names()
-    if unknown := next((name for name in arguments.target if name not in known), None):
-        raise SetupError(f"--target: unknown target {unknown!r}; {nearest(unknown, known)}")
+    if arguments.target:
+        from roverlink.generator.emit import targets  # here: it is slow to import
+
+        names = targets.names()
+        if unknown := next((name for name in arguments.target if name not in names), None):
+            raise SetupError(f"--target: unknown target {unknown!r}; {nearest(unknown, names)}")
     table = table_file(arguments.table)
     try:
-        # Relative to the table: generated files name their templates and must not contain machine paths.
-        folders = [os.path.relpath(folder, table.resolve().parent) for folder in arguments.template]
-        compiled = compile_table(table, arguments.target, folders)
-        changes = compiled.changes(table.resolve().parent)
-        show_without_hints(compiled.warnings, Sources(table.parent), sys.stderr)
+        changes, files, messages = _changes(table, arguments)
         if arguments.check:
             return _check(table, changes)
         write(table.resolve().parent, changes, arguments.overwrite)
     except DiagnosticsError as error:
         return report(table, error)
-    print_changes(compiled, changes)
+    print_changes(changes, files, messages)
     return OK
 
 
-def print_changes(compiled: Compiled, changes: list[Change]) -> None:
+def _changes(table: Path, arguments: argparse.Namespace) -> tuple[list[Change], int, int]:
+    """Return the changes of all files on disk, and the numbers of generated files and of messages.
+
+    Warnings are printed. The table is compiled only if its last run had other inputs.
+    """
+    project = table.resolve().parent
+    known = None if arguments.target or arguments.template else KnownResult(table, "generate")
+    if known and known.value:
+        files, folders, own, messages = known.value
+        return compare(project, files, folders, own), len(files), messages
+    from roverlink.generator.pipeline import compile_table  # here: it is slow to import
+
+    # Relative to the table: generated files name their templates and must not contain machine paths.
+    templates = [os.path.relpath(folder, project) for folder in arguments.template]
+    compiled = compile_table(table, arguments.target, templates)
+    changes, messages = compiled.changes(project), len(compiled.bridge.routes)
+    show_without_hints(compiled.warnings, Sources(table.parent), sys.stderr)
+    # Some generated files are inputs, too, such as the ledger. So a run that changes files is followed by another one.
+    if known and compiled.repeatable and not changes and not compiled.warnings:
+        known.save(compiled.root, (compiled.files, dict(compiled.folders), compiled.own, messages))
+    return changes, len(compiled.files), messages
+
+
+def print_changes(changes: list[Change], files: int, messages: int) -> None:
     """Print one line for each changed file, then the number of changed files, of generated files and of messages."""
     for change in changes:
         print(f"{change.verb:>8} {change.path}")
-    said = counted(len(changes), "change"), counted(len(compiled.bridge.routes), "message")
-    print(f"{said[0]} in {len(compiled.files)} files for {said[1]}")
+    print(f"{counted(len(changes), 'change')} in {files} files for {counted(messages, 'message')}")
 
 
 def _check(table: Path, changes: list[Change]) -> int:

@@ -17,22 +17,28 @@ Example: roverlink lint --against main
 from __future__ import annotations
 
 import argparse
+import os
 import re
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, counted, documented_command, table_file
 from roverlink.generator.diagnostics import DiagnosticsError, Severity, shown
-from roverlink.generator.lint.project import Linted, Question, not_linted
-from roverlink.generator.lock import ACCEPTED_NAME, NAME, Settled
+from roverlink.generator.known_results import KnownResult
+from roverlink.generator.ledger_names import ACCEPTED, LEDGER
 from roverlink.lint_scope import add_subject, folder_of, linted, not_empty, reported, type_and_number
 from roverlink.progress import progress
-from roverlink.reports import FORMATS
+from roverlink.reports import FORMATS, NO_PROBLEMS
 from roverlink.runtime.core.errors import SetupError
+
+if TYPE_CHECKING:  # slow to import
+    from roverlink.generator.lint.project import Linted
+    from roverlink.generator.lock import Settled
+
+    _Wanted: TypeAlias = tuple[list[tuple[str, int]], list[Settled]]
 
 _COUNTED = ("error", "warning", "hint")
 _RULE = re.compile(r"(?P<rule>[A-Z]{3}[0-9]{3})(?::(?P<subject>.*[^0-9].*))?")
-_Wanted: TypeAlias = tuple[list[tuple[str, int]], list[Settled]]
 
 
 def add(commands: Subparsers) -> None:
@@ -87,7 +93,7 @@ def add(commands: Subparsers) -> None:
         "does no harm. lint then reports only further meanings. NUMBER is a number of the envelope; for a number of "
         "another message or of an enum, write its full name first: rover.ImuInfo:3. Without a number, everything that "
         "--history reports is accepted. The numbers are written into mapping.lock, or for a PROTO_ROOT without a table "
-        f"into the file {ACCEPTED_NAME} in it; commit this file. There, also without --history: RULE, such as "
+        f"into the file {ACCEPTED} in it; commit this file. There, also without --history: RULE, such as "
         "NAM103, makes all findings of the rule hints; RULE:TYPE or RULE:FILE only those about a type or a file",
     )
     parser.add_argument(
@@ -122,14 +128,22 @@ def run(arguments: argparse.Namespace) -> int:
                 "give only one of them"
             )
         arguments.root, arguments.history = Path(arguments.history), ""
+    known = KnownResult(table_file(arguments.table), "lint") if _is_plain(arguments) else None
+    if known and known.value:
+        print(NO_PROBLEMS)
+        return OK
     try:
         found = _lint(arguments)
         if wanted is not None:
             return _accept(arguments, found, wanted)
     except DiagnosticsError as error:
+        from roverlink.generator.lint.project import not_linted
+
         FORMATS[arguments.format](reported(not_linted(error, folder_of(arguments))))
         return UNABLE
     FORMATS[arguments.format](reported(found, with_known=arguments.all))
+    if known and not found.findings:
+        known.save(found.context.table.proto.root, True)
     severities = {finding.severity for finding in found.findings if not finding.known}
     if Severity.FATAL in severities:
         return UNABLE
@@ -137,7 +151,18 @@ def run(arguments: argparse.Namespace) -> int:
     return FINDINGS if any(severity.rank <= limit for severity in severities) else OK
 
 
+def _is_plain(arguments: argparse.Namespace) -> bool:
+    """Return True if the command checks the files on disk of a project with a table, and nothing else."""
+    # A hook of `git commit` checks the index of git. Each option here names something else to check or to do.
+    others = ("root", "exclude", "envelope", "message", "with_buf", "branches", "pins")
+    asked = any(getattr(arguments, name) for name in others) or "GIT_INDEX_FILE" in os.environ
+    past = arguments.against is arguments.history is arguments.accept is None
+    return not asked and past and arguments.format == "text"
+
+
 def _lint(arguments: argparse.Namespace) -> Linted:
+    from roverlink.generator.lint.project import Question  # here: it is slow to import
+
     newest = arguments.history or ""
     if newest and arguments.accept is not None:
         raise SetupError(f"--accept writes down the state on disk; leave out '{newest}' after --history")
@@ -169,6 +194,8 @@ def _wanted(arguments: argparse.Namespace) -> _Wanted | None:
             raise SetupError("--reason needs a text of printable characters")
     if arguments.accept is None:
         return None
+    from roverlink.generator.lock import Settled  # here: it is slow to import
+
     rules = [(word, match) for word in arguments.accept if (match := _RULE.fullmatch(word))]
     settled = [Settled(match["rule"], match["subject"] or "") for _, match in rules]
     try:
@@ -192,7 +219,7 @@ def _accept(arguments: argparse.Namespace, found: Linted, wanted: _Wanted) -> in
     write(found.folder, changes)
     for change in changes:
         print(f"{change.verb:>8} {shown(found.context.tree, change.path)}")
-    ledger = ACCEPTED_NAME if table is None else NAME
+    ledger = ACCEPTED if table is None else LEDGER
     for settled in rules:
         about = f" about {settled.subject}" if settled.subject else ""
         print(f"{settled.rule} accepted in {ledger}; from now on, findings{about} are hints")

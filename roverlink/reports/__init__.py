@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from roverlink.reports import github, json_report, junit, sarif
+from roverlink.reports import github, json_report, junit, sarif, text
 from roverlink.reports.reported import Reported
+from roverlink.reports.text import NO_PROBLEMS
 
-
-def _write_text(reported: Reported) -> None:
-    from roverlink.reports import text  # here: the help of a command needs no rich
-
-    text.write(reported)
-
+__all__ = ["FORMATS", "NO_PROBLEMS"]
 
 FORMATS: Mapping[str, Callable[[Reported], None]] = {
-    "text": _write_text,
+    "text": text.write,
     "json": json_report.write,
     "github": github.write,
     "sarif": sarif.write,

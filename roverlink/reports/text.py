@@ -11,11 +11,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from rich.box import SIMPLE
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
-
 from roverlink.console import counted
 from roverlink.diagnostic_text import show
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
@@ -23,8 +18,12 @@ from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile, Unreadab
 from roverlink.reports.reported import Reported
 
 if TYPE_CHECKING:  # slow to import: it reads a project's earlier states
+    from rich.table import Table
+
     from roverlink.generator.lint.pinned_states import PinnedStates
 
+NO_PROBLEMS = "No problems found."
+"""Last line of the output if there are no findings."""
 _CELL = len("compatible") + 3  # a column with its padding and the gap to the next one
 _PADDING_OF_NAMES = 4
 _OF_FILES = (ProtoDoesNotCompile, UnreadableProto)
@@ -33,19 +32,21 @@ _MOST_OF_FILES = 20  # findings of each of these rules
 
 def write(reported: Reported) -> None:
     """Print the findings on standard output, and how many findings there are of each severity."""
-    console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
     shown, left_out = _shown(reported.shown)
     show(shown, reported.sources, sys.stdout)
     for rule, count in left_out.items():
         print(f"... and {counted(count, 'more error')} {rule.id}; is this the right folder of .proto files?\n")
     pinned = reported.pinned
     if pinned and len(pinned.states) > 1:
+        from rich.console import Console  # here: rich is slow to import, and findings need none
+
+        console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
         with console.capture() as matrix:
             # Soft wrapping would stop the folding of long names.
             console.print(*_matrix(pinned, console.width), sep="", soft_wrap=False)
         for line in matrix.get().splitlines():
             print(line.rstrip())  # rich fills each line with spaces up to the width of the table
-    console.print(_summary(reported))
+    print(_summary(reported))
 
 
 def _shown(findings: Iterable[Diagnostic]) -> tuple[list[Diagnostic], Counter[type[Rule]]]:
@@ -66,6 +67,10 @@ def _matrix(pinned: PinnedStates, width: int) -> Iterator[Table]:
 
     Each row is a state, named after the projects that have it, with its number. The columns have the same numbers.
     """
+    from rich.box import SIMPLE
+    from rich.markup import escape
+    from rich.table import Table
+
     names = [f"{number} {escape(', '.join(state.names))}" for number, state in enumerate(pinned.states, 1)]
     of_names = min(max(map(len, names)), width // 4)
     fitting = max(1, (width - of_names - _PADDING_OF_NAMES) // _CELL)
@@ -84,7 +89,7 @@ def _summary(reported: Reported) -> str:
     severities = Counter(finding.severity for finding in reported.shown)
     parts = [f"{count} {_plural(severity.value, count)}" for severity in Severity if (count := severities[severity])]
     if not reported.left_out:
-        return ", ".join(parts) if parts else "No problems found."
+        return ", ".join(parts) if parts else NO_PROBLEMS
     return f"{', '.join(parts) if parts else 'No new problems found'} ({reported.left_out})"
 
 

@@ -124,10 +124,11 @@ class Pair:
     def lowered(self) -> Iterator[tuple[str, str, str]]:
         """The types before and after of what is a fault of bytes to buf's WIRE, and not to us."""
         for finding in self.theirs:
-            if finding.rule == "FIELD_WIRE_COMPATIBLE_TYPE":
-                for owner, number in self._found_at(finding, f"{ROOT}/{finding.path}"):
+            file = f"{ROOT}/{finding.path}"
+            if finding.rule == "FIELD_WIRE_COMPATIBLE_TYPE" and "WIR101" not in self._in_line[file, finding.line]:
+                for owner, number in self._found_at(finding, file):
                     old, new = (_field(schema, owner, number) for schema in (self.before, self.after))
-                    if old and new and old.wire_type != new.wire_type and "WIR101" not in self._about[owner, number]:
+                    if old and new and old.wire_type != new.wire_type:
                         yield f"{finding.path}:{finding.line} {owner}", kind(old), kind(new)
 
     def graver(self) -> Iterator[str]:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from repositories import RepositoryBuilder, envelope
 
+from roverlink.generator import user_cache
 from roverlink.generator.lint.history import History, blob_cache, proto_history, read_history
 
 _FILE = "envelope.proto"
@@ -91,10 +92,10 @@ def test_the_cache_is_bounded(repository: Path, cache_file: Path, monkeypatch: p
     """Files that were not used for long are removed, and a cache that is too large is not written."""
     other = cache_file.with_name("other.json")
     cache_file.rename(other)
-    monkeypatch.setattr(blob_cache, "_LARGEST", other.stat().st_size + 10)
+    monkeypatch.setattr(user_cache, "_LARGEST", other.stat().st_size + 10)
     read_history(repository)
     assert (cache_file.is_file(), other.exists()) == (True, False)
     cache_file.unlink()
-    monkeypatch.setattr(blob_cache, "_LARGEST", 100)
+    monkeypatch.setattr(user_cache, "_LARGEST", 100)
     read_history(repository)
     assert not cache_file.exists()

@@ -27,8 +27,6 @@ only_a_unit_in_common | message A { float reach_mm = 1; }
 WIR114 1 | message A { float width_mm = 1; }
 json_name_as_the_name_was | message A { float motor_voltage = 1; }
 - | message A { float supply = 1 [json_name = "motor_voltage"]; }
-json_name_kept | message A { float voltage = 1; }
-- | message A { float supply = 1 [json_name = "voltage"]; }
 another_type_as_well | message A { float volts = 1; }
 WIR101 1 | message A { string title = 1; }
 unit | message A { int32 reach_mm = 1; }
@@ -51,8 +49,6 @@ retyped_only | message A { float voltage = 1; float current = 2; int32 load = 3;
 WIR101 1, WIR101 2, WIR101 3 | message A { double voltage = 1; double current = 2; sint32 load = 3; }
 emptied | message A { float voltage = 1; float current = 2; int32 load = 3; }
 WIR102 1, WIR102 2, WIR102 3 | message A { int32 state = 4; }
-message_renamed | message Spot { float depth = 1; } message C { Spot spot = 1; }
-- | message Place { float depth = 1; } message C { Place spot = 1; }
 message_of_other_names | message A { float x = 1; } message B { float y = 1; } message C { A a = 1; }
 WIR114 1 | message A { float x = 1; } message B { float y = 1; } message C { B a = 1; }
 message_that_lacks_a_field | message A { float x = 1; float y = 2; } message B { float x = 1; } message C { A a = 1; }

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import pytest
-from repositories import ENVELOPE_FILE, PAYLOADS, RepositoryBuilder, envelope, git, members, message
+from repositories import ENVELOPE_FILE, PAYLOADS, RepositoryBuilder, envelope, git, members
 
 from roverlink.generator.lint.history import History, Kind, Relation, Reuse, Usage, read_history
 
@@ -101,27 +100,15 @@ def test_lives_of_numbers(repository: RepositoryBuilder, case: str) -> None:
 # --- branches ---
 
 
-def test_two_branches_one_number(repository: RepositoryBuilder) -> None:
-    """Branches that are open and gave a number to different payloads collide, with the commits in which they did."""
-    repository.play("a: I1 / gps on a: I1 G2 / weigh on a: I1 L2 / same on a: I1 G2 / ph on a: I1 P3 / z on a: I1")
-    history = _read(repository)
-    (collision,) = history.collisions("PBEnvelope")
-    assert [(use.refs, use.type, use.came.subject) for use in collision.allocations] == [
-        (("refs/heads/gps", "refs/heads/same"), "Gps", "gps"),
-        (("refs/heads/weigh",), "LoadCell", "weigh"),
-    ]
-    reuse = _only(history.reuses("PBEnvelope"))
-    assert (collision.number, reuse.relation) == (2, Relation.BRANCHES)
-
-
 def test_a_branch_collides_with_the_default_one(repository: RepositoryBuilder) -> None:
-    """So does a branch with what it will be merged into; what is merged, or is that branch on a remote, does not."""
-    marks = repository.play("a: I1 / gps on a: I1 G2 / again on a: I1 P2 / merged on a: I1 L2 / m on a merged: I1 L2")
+    """Open branches collide with each other and with main; a merged one, or main on a remote, does not."""
+    played = "a: I1 / gps on a: I1 G2 / more on a: I1 G2 / ph on a: I1 P2 / merged on a: I1 L2 / m on a merged: I1 L2"
+    marks = repository.play(played)
     repository.branch("merged", marks["merged"])
-    repository.remote_branch("again", marks["m"])
+    repository.remote_branch("ph", marks["m"])
     repository.remote_branch("main", marks["m"])
     (collision,) = _read(repository).collisions("PBEnvelope")
-    refs = {"Gps": ("refs/heads/gps",), "LoadCell": _MAIN, "Ph": ("refs/heads/again",)}
+    refs = {"Gps": ("refs/heads/gps", "refs/heads/more"), "LoadCell": _MAIN, "Ph": ("refs/heads/ph",)}
     assert {use.type: use.refs for use in collision.allocations} == refs
 
 
@@ -135,49 +122,6 @@ def test_a_tag_makes_the_reuse_of_a_branch_public(repository: RepositoryBuilder)
 
 
 # --- what a type stands for ---
-
-_POSITION = message("Position", "double latitude", "double longitude", "uint32 satellites", "float altitude")
-_WHERE = envelope(_IMU, "Position where = 2;")
-
-
-@pytest.mark.parametrize(
-    ("states", "kinds"),
-    [
-        pytest.param(
-            [{ENVELOPE_FILE: _WHERE, "gps.proto": None, "position.proto": _POSITION}],
-            [(Kind.RENAMED, "Gps", 3, "Position", 4, 3)],
-            id="a mere rename",
-        ),
-        pytest.param(
-            [{"gps.proto": PAYLOADS["gps.proto"].replace("Gps", "Position")}, {ENVELOPE_FILE: _WHERE}],
-            [(Kind.RENAMED, "Gps", 3, "Position", 3, 3)],
-            id="first the payload, then the envelope",
-        ),
-        pytest.param(
-            [
-                {"gps.proto": message("Gps")},
-                {"gps.proto": message("Gps", "string text", "bool busy", "bytes map_tile")},
-            ],
-            [(Kind.REPLACED, "Gps", 3, "Gps", 3, 0)],
-            id="content replaced under the same name",
-        ),
-        pytest.param(
-            [{"gps.proto": message("Gps", "double lat", "double longitude_deg", "bool fix = 4;")}],
-            [],
-            id="a message that grows",
-        ),
-    ],
-)
-def test_contents_of_payloads(
-    repository: RepositoryBuilder, states: list[dict[str, str | None]], kinds: list[tuple[object, ...]]
-) -> None:
-    """A payload of another name with its old fields is renamed; one that keeps its name and no field is replaced."""
-    repository.play("a: I1 G2")
-    assert [
-        (one.kind, one.old.type, len(one.old.facts), one.new.type, len(one.new.facts), one.survivors)
-        for one in _read(repository, *states).reuses("PBEnvelope")
-        if one.old and one.new and one.old.commit.subject == "a"
-    ] == kinds
 
 
 def test_a_type_that_is_not_in_the_repository(repository: RepositoryBuilder) -> None:
@@ -242,18 +186,6 @@ def test_a_history_of_nothing(repository: RepositoryBuilder) -> None:
     assert (history.reuses("PBEnvelope"), history.collisions("PBEnvelope")) == ((), ())
     history = _read(repository, {"README.md": "Nothing."})
     assert (history.commits, history.depth, history.messages) == (1, 1, ())
-
-
-def test_a_shallow_clone(repository: RepositoryBuilder, tmp_path: Path) -> None:
-    """A clone that was cut off says so, and how deep it is; what was there at its end may be older."""
-    repository.play("a: I1 G2 / b: I1 / c: I1 L2")
-    origin = repository.write()
-    git(tmp_path, "clone", "--quiet", "--depth", "2", f"file://{origin}", "clone")
-    history, full = read_history(tmp_path / "clone"), read_history(origin)
-    assert (history.shallow, history.depth, history.commits) == (True, 2, 2)
-    assert (full.shallow, full.depth) == (False, 3)
-    assert history.numbers("PBEnvelope")[1][0].came.subject == "b"
-    assert history.reuses("PBEnvelope") == ()
 
 
 def test_the_user_s_settings(repository: RepositoryBuilder) -> None:

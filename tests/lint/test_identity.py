@@ -50,11 +50,7 @@ _WINDS = message("Imu", "float north") + "message Gps { double lat = 1; }\nmessa
 _LINKS: States = [_link("Imu imu = 1;", "Gps gps = 2;") | {"types.proto": _WINDS}, _link("Imu imu = 1;")]
 
 _ONE_TYPE: dict[str, tuple[States, str, int]] = {
-    "as it is": ([*_LOST, {_HOME: REUSED}], "Pose", 3),
-    "moved": ([*_LOST, _moved(WITHOUT_Z), {_NEW: REUSED}], "Pose", 3),
-    "with a package": ([*_LOST, {_HOME: _in_package(WITHOUT_Z)}, {_HOME: _in_package(REUSED)}], "rover.Pose", 3),
-    "renamed": ([*_LOST, {_HOME: _renamed(WITHOUT_Z)}, {_HOME: _renamed(REUSED)}], "Placement", 3),
-    "all of it": (
+    "moved and renamed": (
         [*_LOST, _moved(_renamed(_in_package(WITHOUT_Z))), {_NEW: _renamed(_in_package(REUSED))}],
         "rover.Placement",
         3,
@@ -104,11 +100,6 @@ _TWO_TYPES: dict[str, States] = {
         {"b.proto": _in_package(message("Pose", "string room", "bool known", "bytes raw"), "b")},
     ],
     "a message and an enum": [{"a.proto": POSE}, {"a.proto": None, "b.proto": _ENUM}],
-    "a vendored copy": [
-        {"proto/pose.proto": POSE, "vendor/pose.proto": _OTHER},
-        {"proto/pose.proto": WITHOUT_Z},
-        {"vendor/pose.proto": message("Pose", "float north", "bytes blob", "bool ok", "uint64 time")},
-    ],
     "two copies at different times": [
         {"old/pose.proto": POSE, "proto/pose.proto": _OTHER},
         {"old/pose.proto": None},

@@ -22,14 +22,17 @@ _NAMES = {
     # spelling, form, order, qualifier
     SAME: """
     accelX accel_x, load_cell loadcell, labels label, temp temperature, cmd_pos command_position, x_accel accel_x,
-    speed motor_speed, battery_pack_voltage battery_voltage, imu_data imu_info, angle angle_deg, motor_01 motor_1
+    speed motor_speed, battery_pack_voltage battery_voltage, imu_data imu_info, angle angle_deg, motor_01 motor_1,
+    ids id_list, swap_bot swap_robot
     """,
     # cannot be decided
     DOUBT: """
     speed velocity, lattitude latitude, temperature tempreature, calibrate calibrated, str string,
     speed speed_limit, speed left_speed, speed max_speed, speed_min speed, uptime_min uptime_s, motor motor_2,
     value speed, range_test_plugin_enabled range_test_module_enabled, reach_mm reach_m, angle_x100 angle_x10,
-    position delta_position
+    position delta_position, filepath path, batterylevel level, motorspeed speed, uid user_id, pubkey public_key,
+    vote_key voting_key, substitute substitution, unset not_set, UBloxInitState UBLOX_UNIT_STATE,
+    origin source, reserved_2 speed, altitude_z absolute_altitude_m
     """,
     # another meaning
     OTHER: """
@@ -40,7 +43,9 @@ _NAMES = {
     up down, upper_bound lower_bound, open_angle closed_angle, enable disable, first_seen last_seen,
     accel_x accel_y, lat lon, latitude altitude, tx_bytes rx_bytes, primary_voltage secondary_voltage,
     src_address destination_address, roll pitch, pitch_rate yaw_rate, motor1 motor2, sensor_a sensor_b,
-    left_speed right_wheel_speed, rover_to_board board_to_rover, left_right right_left, ready not_ready
+    left_speed right_wheel_speed, rover_to_board board_to_rover, left_right right_left, ready not_ready,
+    leftspeed right_speed, notready ready, voltage age, discharge charge, offset set, unlock lock, account count,
+    generate rate, imu_x mag_x, filename filepath
     """,
 }
 """Old and new names of a float field, by the severity with which the number is reported."""
@@ -97,12 +102,18 @@ empty_renamed | message Ping {} message A { oneof o { Ping ping = 1; } }
 warning | message PingRequest {} message A { oneof o { PingRequest ping = 1; } }
 one_type_for_all | message Empty {} message A { oneof o { Empty ping = 1; } }
 error | message Empty {} message A { oneof o { Empty reset = 1; } }
+type_that_grows | message Place { float x = 1; } message A { Place arm_place = 1; }
+- | message Vector { float x = 1; float y = 2; } message A { Vector place = 1; }
 twin | message LeftArm { float elbow = 1; float grip = 2; } message A { oneof o { LeftArm arm = 1; } }
 error | message RightArm { float elbow = 1; float grip = 2; } message A { oneof o { RightArm arm = 1; } }
 one_of_two_fields | message B { float elbow = 1; float grip = 2; } message A { B arm = 1; }
 error | message C { float elbow = 1; float motor_temperature = 2; } message A { C arm = 1; }
 value_qualified | enum A { A_NONE = 0; A_DRIVE = 1; }
 - | enum A { A_NONE = 0; A_DRIVE_MANUAL = 1; }
+compound_of_a_neighbour | message A { string lidarscan = 1; string lidar_name = 2; }
+warning | message A { string scan = 1; string lidar_name = 2; }
+value_without_its_own_word | enum A { NO_FAULT = 0; MOTOR_FAULT = 1; BUS_FAULT = 2; ARM_FAULT = 3; }
+- | enum A { NO_FAULT = 0; FAULT = 1; BUS_FAULT = 2; ARM_FAULT = 3; }
 value_with_the_enum_s_prefix | enum Arm { ARM_NONE = 0; ARM_OPEN = 1; } message A { Arm arm = 1; }
 error | enum Arm { ARM_NONE = 0; ARM_CALIBRATING = 1; } message A { Arm arm = 1; }
 value_without_a_name | enum A { A_UNKNOWN = 0; }
@@ -136,7 +147,8 @@ _OTHERWISE = {
     ("text_to_bytes", "--against"): SAME,
     ("into_a_oneof", "--history"): SAME,
     ("into_a_oneof", "--branches"): SAME,
-    ("alias_renamed", "--branches"): OTHER,
+    ("type_that_grows", "--branches"): OTHER,  # no commit removes the one and adds the other
+    ("compound_of_a_neighbour", "--branches"): OTHER,  # only the two names are looked at
 }
 """Verdicts of options that see a case differently."""
 _OF_MEANINGS = re.compile("WIR|HIS|PIN")
@@ -256,6 +268,17 @@ def test_names_are_compared_both_ways(one: str, other: str) -> None:
     """It does not matter which of two names is the older one, and a name is like itself."""
     assert compare_names(one, other).likeness is compare_names(other, one).likeness
     assert compare_names(one, one).likeness is Likeness.SAME
+
+
+def test_the_reason_is_what_a_reader_sees() -> None:
+    """Codes are shown as they are written, and a number is no reason if all the rest is different, too."""
+    reasons = """
+    'Vector3f' (float) and 'Vector3d' (double) are not the same; 'M5STACK' and 'heltec V3' are different words;
+    'P2SH' and 'tr' are different words; 'filepath' may be made of several words; '1' and '2' are not the same
+    """
+    pairs = "Vector3f Vector3d, M5STACK HELTEC_V3, P2SH TR, filepath path, motor1_speed motor2_speed"
+    found = [compare_names(*pair.split()).reason for pair in pairs.split(",")]
+    assert found == [reason.strip() for reason in reasons.split(";")]
 
 
 @pytest.mark.slow

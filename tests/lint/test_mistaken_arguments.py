@@ -76,6 +76,9 @@ def test_history_of_an_unknown_type_is_an_error(repository: Path, run: Run, name
         (("number", "history", "2", "protos", "--message", "Gbs"), "use --message rover.Gps"),
         (("number", "next", "protos"), "use --message rover.Env"),
         (("lint", "protos", "--branches"), "use --message rover.Env"),
+        (("lint", "protos", "--pins", "pins.txt"), "use --message rover.Env"),
+        (("lint", "protos", "--history", "--message", "Moter"), "use --message rover.Motor"),
+        (("lint", "protos", "--envelope", "no.proto", "--message", "rover.Env"), "use --envelope env.proto"),
     ],
 )
 def test_an_envelope_is_suggested(repository: Path, run: Run, command: tuple[str, ...], help: str) -> None:

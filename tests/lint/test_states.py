@@ -193,21 +193,6 @@ def test_no_such_state(tree: Path, run: Run, state: str, said: str) -> None:
     assert (code, said in out, err) == (2, True, "")
 
 
-@pytest.mark.parametrize(
-    ("named", "said"),
-    [
-        (("--envelope", "envelope.proto", "--message", "PBEnvelope"), "no message 'PBEnvelope' is declared"),
-        (("--envelope", "no.proto", *_TREE[2:]), "the message 'Envelope' is declared in envelope.proto, not in no"),
-        (("--envelope", "envelope.proto"), "the envelope's message is not named"),
-        (("--message", "Envelop"), "no message 'Envelop' is declared"),
-    ],
-)
-def test_words_that_name_no_envelope(tree: Path, run: Run, named: tuple[str, ...], said: str) -> None:
-    """A file or a message that is not the envelope's is said, and not passed over."""
-    code, out, _ = run("lint", "protos", *named)
-    assert (code, f"fatal[STA104] {said}" in out) == (2, True)
-
-
 def test_an_envelope_that_does_not_compile(tree: Path, run: Run) -> None:
     """Where the envelope is missing, it is said why: its file has an error."""
     _replace(tree, "envelope.proto", "Gps gps = 2;", "Gps gps = 2")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 from roverlink.generator.lint.comparison.cardinality import cardinalities, cardinality, is_map
 from roverlink.generator.lint.comparison.enum_renames import moved_away, moved_here
@@ -13,12 +14,13 @@ from roverlink.generator.lint.comparison.judgement import (
     Part,
     TypePair,
     TypeState,
+    judge_compounds,
     judge_field,
     judge_types,
     judge_value,
     least,
 )
-from roverlink.generator.lint.comparison.pairing import EnumPair, FieldPair
+from roverlink.generator.lint.comparison.pairing import EnumPair, FieldPair, MessagePair, fields
 from roverlink.generator.lint.comparison.schema_change import SchemaChange
 from roverlink.generator.protos.schema import (
     ProtoEnum,
@@ -28,6 +30,12 @@ from roverlink.generator.protos.schema import (
     Schema,
     default_json_name,
 )
+
+
+@lru_cache(maxsize=2)  # the changes since the baseline and since the ledger; several rules ask about each
+def judged_fields(change: SchemaChange) -> list[tuple[FieldPair, Judgement]]:
+    """Return each field that exists before and after a change, with its judgement."""
+    return [(pair, judge_pair(pair)) for pair in fields(change)]
 
 
 def judge_pair(pair: FieldPair) -> Judgement:
@@ -40,7 +48,9 @@ def judge_pair(pair: FieldPair) -> Judgement:
     old, new = (_part(field, count) for field, count in zip((pair.old, pair.new), counts, strict=True))
     others = pair.messages.old.fields if pair.messages else ()
     moved = any(field.name == new.name and field.number != new.number for field in others)
-    return judge_field(old, new, _types(pair), moved)
+    types = _types(pair)
+    judged = judge_field(old, new, types, moved)
+    return judged if types else judge_compounds(judged, old.name, new.name, frozenset(), _names(pair.messages))
 
 
 def judge_number(pair: EnumPair, number: int, gone: Sequence[str], values: Sequence[ProtoEnumValue]) -> Judgement:
@@ -51,9 +61,18 @@ def judge_number(pair: EnumPair, number: int, gone: Sequence[str], values: Seque
         return Judgement(Meaning.SAME)  # an alias has kept its name
     states = type_state(pair.old, pair.change.before), type_state(pair.new, pair.change.after)
     shared = states[0].shared_words | states[1].shared_words
+    names = [value.name for value in (*pair.old.values, *pair.new.values)]
     return least(
-        judge_value(Part(number, name), Part(number, value.name), False, shared) for name in gone for value in values
+        judge_compounds(
+            judge_value(Part(number, old), Part(number, new.name), False, shared), old, new.name, shared, names
+        )
+        for old in gone
+        for new in values
     )
+
+
+def _names(pair: MessagePair | None) -> list[str]:
+    return [field.name for message in (pair.old, pair.new) for field in message.fields] if pair else []
 
 
 def judge_payload(change: SchemaChange, old: str, new: str, *names: str) -> Judgement | None:

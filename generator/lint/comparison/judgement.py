@@ -6,7 +6,8 @@ old bytes. Then the names are judged. Bytes contain no names, but names tell wha
 
 A message or enum that takes the place of another one is judged by its fields or values, and by the name of the field
 that it is the type of. Less than two telling names that stayed prove nothing: half of all messages have one field, and
-many have `x`, `y` and `z`. Then the names of the types decide.
+many have `x`, `y` and `z`. Then the names of the types decide, unless the field that has the type kept its name, or
+has a similar one and all fields of the type survive.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from roverlink.generator.lint.comparison.cardinality import broken_by_cardinalit
 from roverlink.generator.lint.comparison.field_type_changes import ENUM_LIKE, broken_by_kind
 from roverlink.generator.lint.names.name_units import Measure, disagree, factor, measure
 from roverlink.generator.lint.names.name_words import words
-from roverlink.generator.lint.names.similar_names import Likeness, compare_names, is_telling
+from roverlink.generator.lint.names.similar_names import Comparison, Likeness, compare_names, is_telling
 from roverlink.generator.lint.names.value_names import shared_words
 from roverlink.generator.protos.parser import SCALARS, map_types
 
@@ -59,6 +60,8 @@ class Judgement:
 
     meaning: Meaning
     reason: str = ""
+    by_words: bool = False
+    """True if the meaning is another one only because the names have different words, which no rule knows."""
 
     @property
     def certain(self) -> bool:
@@ -152,6 +155,13 @@ def judge_value(old: Part, new: Part, moved: bool, shared: frozenset[str]) -> Ju
     return _had_another_number(new) if moved else _judge_alone(old, new, shared)
 
 
+def judge_compounds(judged: Judgement, old: str, new: str, shared: frozenset[str], names: Iterable[str]) -> Judgement:
+    """Judge two names with different words again, with compound words split into words of the ``names`` beside them."""
+    if not judged.by_words:
+        return judged
+    return _by_names(compare_names(old, new, shared, frozenset(word for name in names for word in words(name))))
+
+
 def _had_another_number(new: Part) -> Judgement:
     return Judgement(Meaning.OTHER, f"{new.name!r} had another number")
 
@@ -181,7 +191,11 @@ def _judge_alone(old: Part, new: Part, shared: frozenset[str] = frozenset()) -> 
         measures = measure(words(old.name)), measure(words(new.name))
         if disagree(*measures):
             return Judgement(Meaning.UNIT, _other_unit(*measures))
-    return Judgement(_BY_LIKENESS[compared.likeness], compared.reason)
+    return _by_names(compared)
+
+
+def _by_names(compared: Comparison) -> Judgement:
+    return Judgement(_BY_LIKENESS[compared.likeness], compared.reason, compared.likeness is Likeness.DIFFERENT)
 
 
 def _broken(old: str, new: str) -> bool:
@@ -277,11 +291,12 @@ def judge_types(types: TypePair, *fields: str) -> Judgement:
     if by_type.likeness is Likeness.SAME:  # it moved to another package
         return Judgement(Meaning.RENAMED)
     same_field = by_field.likeness is Likeness.SAME
-    proven = parts.telling >= _PROOF or (same_field and parts.kept and not types.beside)
+    survives = by_field.likeness is Likeness.SIMILAR and parts.kept == parts.before
+    proven = parts.telling >= _PROOF or (parts.kept and (same_field or survives) and not types.beside)
     if not proven and by_type.likeness is Likeness.DIFFERENT and same_field:
         return Judgement(Meaning.DOUBTFUL, f"{by_type.reason}, and too few of their fields have telling names")
     if not proven or (types.beside and not same_field):
-        return Judgement(_BY_LIKENESS[by_type.likeness], by_type.reason)
+        return _by_names(by_type)
     named_alike = {by_type.likeness, by_field.likeness} & {Likeness.SAME, Likeness.SIMILAR}
     if types.at_once or named_alike:
         return Judgement(Meaning.RENAMED)

@@ -10,9 +10,12 @@ from roverlink.generator.nanopb import Bounds
 from roverlink.generator.protos.schema import Schema
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class SchemaChange:
-    """The schema of an earlier state, and the current schema."""
+    """The schema of an earlier state, and the current schema.
+
+    A change equals only itself, so that results about it can be cached.
+    """
 
     before: Schema
     after: Schema

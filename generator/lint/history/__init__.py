@@ -7,7 +7,8 @@ reads states that do not compile, because a board may run firmware from such a c
 
 from __future__ import annotations
 
-from roverlink.generator.lint.history.proto_history import History, read_history
+from typing import TYPE_CHECKING, Any
+
 from roverlink.generator.lint.history.usage_model import (
     Allocation,
     Collision,
@@ -19,6 +20,9 @@ from roverlink.generator.lint.history.usage_model import (
     Usage,
 )
 from roverlink.generator.lint.history.whereabouts import whereabouts
+
+if TYPE_CHECKING:
+    from roverlink.generator.lint.history.proto_history import History, read_history
 
 __all__ = [
     "Allocation",
@@ -33,3 +37,12 @@ __all__ = [
     "read_history",
     "whereabouts",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import the reader of the history when it is first used: a lint without ``--history`` does not need it."""
+    if name not in ("History", "read_history"):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from roverlink.generator.lint.history import proto_history
+
+    return getattr(proto_history, name)

@@ -1,20 +1,15 @@
 """Cache for the history: stores the messages, enums and numbers in each blob, so that later runs are faster.
 
 A blob is the content of a file in git. Its id is a checksum of the content, so a cache entry stays right as long as
-our parser stays the same. Each repository has one file in the user's cache folder: a checksum, then JSON. The checksum
-covers the code of the parser, too. So cache files from another version of the program, and damaged files, are ignored.
-The user can delete the cache files at any time.
+our parser stays the same. Each repository has one file of JSON in the user's cache folder (see `user_cache`).
 """
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import inspect
 import json
-import os
 import sys
-import tempfile
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
@@ -22,72 +17,24 @@ from pathlib import Path
 from roverlink.generator.lint.history.numbered_types import NumberedType, NumberedTypes, Pool
 from roverlink.generator.protos import parser, schema
 from roverlink.generator.protos.schema import Fact
-from roverlink.generator.user_cache import cache_folder
-
-_LARGEST = 64 * 2**20  # bytes of all files together; 2,000 states of 40 fields take half a megabyte
+from roverlink.generator.user_cache import CacheFile
 
 
 class BlobCache:
     """Cache file of one git repository: stores the messages and enums in each blob (a file's content in git)."""
 
     def __init__(self, repository: Path) -> None:
-        # A path contains slashes, and may be longer than the name of a file may be. So its hash is the name.
-        name = hashlib.sha256(os.fsencode(repository.resolve())).hexdigest()[:32]
-        self._file = cache_folder() / "history" / f"{name}.json"
+        # 2,000 states of 40 fields take half a megabyte.
+        self._file = CacheFile("history", repository, _version())
 
     def load(self, pool: Pool) -> dict[str, NumberedTypes]:
-        """Return the messages and enums of each known blob, by the blob's id.
-
-        The result is empty if the file cannot be read, or was written by another version of the program.
-        """
-        try:
-            checksum, _, body = self._file.read_bytes().partition(b"\n")
-            # The time of the file is the time of its last use, for `_remove_oldest`. The access time does not tell:
-            # most systems mount with relatime, and update it once a day (mount(8)).
-            os.utime(self._file)
-        except OSError:
-            return {}
-        return dict(_decoded(body, pool)) if checksum == _checksum(body) else {}
+        """Return the messages and enums of each known blob, by the blob's id."""
+        body = self._file.load()
+        return {} if body is None else dict(_decoded(body, pool))
 
     def save(self, known: Mapping[str, NumberedTypes]) -> None:
-        """Replace the cache file. If this is not possible, the next run reads the history from git again.
-
-        ``known`` has the messages and enums of each blob, by the blob's id.
-        """
-        body = _encoded(known)
-        if len(body) > _LARGEST:
-            return
-        with contextlib.suppress(OSError):
-            folder = self._file.parent
-            # 0700 as the XDG Base Directory Specification asks: names in a private repository do not concern other
-            # users.
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            # Two runs may save at the same time. rename(2) replaces the file in one step, so a reader finds the old
-            # cache or the new one. It works in one file system only, therefore the temporary file is in the same
-            # folder.
-            descriptor, temporary = tempfile.mkstemp(dir=folder)
-            try:
-                with open(descriptor, "wb") as file:
-                    file.write(_checksum(body) + b"\n" + body)
-                os.replace(temporary, self._file)
-            except OSError:
-                os.unlink(temporary)
-                raise
-            _remove_oldest(folder)
-
-
-def _remove_oldest(folder: Path) -> None:
-    """Remove the least recently used files of the cache folder until the others have at most 64 MiB together."""
-    about = {path: path.stat() for path in folder.iterdir()}
-    size = 0
-    for path in sorted(about, key=lambda path: about[path].st_mtime, reverse=True):
-        size += about[path].st_size
-        if size > _LARGEST:
-            path.unlink()
-
-
-def _checksum(body: bytes) -> bytes:
-    return hashlib.sha256(_version() + body).hexdigest().encode()
+        """Replace the cache file. ``known`` has the messages and enums of each blob, by the blob's id."""
+        self._file.save(_encoded(known))
 
 
 @cache

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence, Set
 from itertools import combinations, product
+from typing import NamedTuple
 
 from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, gravest
-from roverlink.generator.lint.history.commits import Ref
+from roverlink.generator.lint.history.branch_names import short_name
 from roverlink.generator.lint.history.lineage import Lifetime
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.node_judgement import FactAtNode, judge_facts
@@ -14,33 +15,16 @@ from roverlink.generator.lint.history.usage_model import Allocation, Collision
 from roverlink.generator.lint.names.value_names import shared_words
 from roverlink.generator.protos.schema import Fact
 
-_LOCAL, _REMOTE = "refs/heads/", "refs/remotes/"
-_DEFAULTS = tuple(f"{place}{name}" for name in ("main", "master") for place in (_LOCAL, f"{_REMOTE}origin/"))
 
+class _Subject(NamedTuple):
+    """A message or enum on several branches."""
 
-def branches(refs: Sequence[Ref]) -> dict[str, str]:
-    """Return the last commit of each local and remote branch, by ref. HEAD is included if it is on no branch."""
-    # A symbolic ref, such as refs/remotes/origin/HEAD, is a second name of a branch that is listed itself.
-    return {
-        ref.name: ref.commit
-        for ref in refs
-        if not ref.target and (ref.name == "HEAD" or ref.name.startswith((_LOCAL, _REMOTE)))
-    }
+    ids: frozenset[int]
+    name: str = ""
+    """The full name that several types have; then each of the ids counts only where it has this name.
 
-
-def default_branch(refs: Sequence[Ref]) -> str | None:
-    """Return the full ref of the default branch, into which others are merged; None if there is none."""
-    names = branches(refs)
-    # `git clone` writes refs/remotes/<remote>/HEAD: a symbolic ref to the default branch of the remote (git-remote(1),
-    # set-head). A repository that was made with `git init` has none, and then the usual names decide.
-    heads = {ref.name: ref.target for ref in refs if ref.name.startswith(_REMOTE) and ref.name.endswith("/HEAD")}
-    of_remotes = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
-    return next((name for name in (*of_remotes, *_DEFAULTS) if name in names), None)
-
-
-def branch_name(ref: str) -> str:
-    """Return the short name of a branch from its ref: ``main``, or ``origin/main`` for a remote branch."""
-    return ref.removeprefix(_LOCAL).removeprefix(_REMOTE)
+    Empty for a single type, which is followed through its names.
+    """
 
 
 class Branches:
@@ -64,78 +48,71 @@ class Branches:
         the branches are compared. The local and the remote copy of a branch are not compared with each other. If one
         branch was built upon another, the two have no collision.
         """
-        found = [(owners, collision) for owners in self._changed() for collision in self._collisions_of(owners)]
+        found = [(subject.ids, each) for subject in self._changed() for each in self._collisions_of(subject)]
         if found:
             inside = {id for node in set(self._open.values()) for id in self._record.reachable(envelopes, node)}
             yield from sorted(
-                (collision for owners, collision in found if not inside.isdisjoint(owners)),
+                (collision for ids, collision in found if not inside.isdisjoint(ids)),
                 key=lambda collision: (collision.owner, collision.number),
             )
 
-    def _changed(self) -> list[set[int]]:
-        """Return the messages and enums that differ between open branches.
+    def _changed(self) -> Iterator[_Subject]:
+        """Yield the messages and enums that differ between open branches.
 
-        An item has several ids if branches have declared the same full name independently of each other.
+        Each type is followed through its names. Types of one name are also compared by this name: branches may have
+        given it to types of their own.
         """
-        tips = [self._record.lineage.tips[node] for node in set(self._open.values())]
+        nodes = set(self._open.values())
+        tips = [self._record.lineage.tips[node] for node in nodes]
         # Branches share the mapping of a type that none of them has changed, so that its identity tells most of it.
         changed = {id for tip in tips for id in tip if any(other.get(id) is not tip[id] for other in tips)}
-        names = {id: self._names(id) for id in sorted(changed)}
         ids: dict[str, set[int]] = {}
-        for id, of_id in names.items():
-            for name in of_id:
+        for id in sorted(changed):
+            yield _Subject(frozenset((id,)))
+            for name in {name for node in nodes for name in self._record.names_at(id, node)}:
                 ids.setdefault(name, set()).add(id)
-        groups = []
-        while names:
-            group, waiting = set[int](), [next(iter(names))]
-            while waiting:
-                if (id := waiting.pop()) not in group:
-                    group.add(id)
-                    waiting += [other for name in names.pop(id) for other in ids[name]]
-            groups.append(group)
-        return groups
+        yield from (_Subject(frozenset(of_name), name) for name, of_name in ids.items() if len(of_name) > 1)
 
-    def _names(self, id: int) -> set[str]:
-        """Return the full names of a message or enum on the open branches."""
-        return {place.name for node in set(self._open.values()) for place in self._record.declared(id, node)}
-
-    def _collisions_of(self, owners: Set[int]) -> Iterator[Collision]:
-        """Yield the collisions of a message or enum, whose ids on the branches are ``owners``."""
+    def _collisions_of(self, subject: _Subject) -> Iterator[Collision]:
+        """Yield the collisions of a message or enum."""
         refs: dict[frozenset[Fact], list[str]] = {}
         for ref, node in self._open.items():
-            refs.setdefault(frozenset(self._facts(owners, node)), []).append(ref)
+            refs.setdefault(frozenset(self._facts(subject, node)), []).append(ref)
         uses: dict[int, dict[Fact, set[str]]] = {}
         judged: dict[int, list[Judgement]] = {}
         for ours, theirs in combinations(refs, 2):
             rivals = _rivals(ours, theirs)
             for one, other in product(refs[ours], refs[theirs]) if rivals else ():
-                if _short(one) != _short(other):
-                    for fact, rival, judgement in self._between(owners, rivals, self._open[one], self._open[other]):
+                if short_name(one) != short_name(other):
+                    for fact, rival, judgement in self._between(subject, rivals, self._open[one], self._open[other]):
                         of_number = uses.setdefault(fact.number, {})
                         of_number.setdefault(fact, set()).add(one)
                         of_number.setdefault(rival, set()).add(other)
                         judged.setdefault(fact.number, []).append(judgement)
-        name = min((not type.exists, type.name) for type in map(self._record.types.__getitem__, owners))[1]
+        name = subject.name or self._record.types[min(subject.ids)].name
+        naming = [commit for id in sorted(subject.ids) if subject.name for commit in self._record.naming(id, name)]
         for number, facts in uses.items():
-            allocations = (self._allocation(owners, fact, sorted(facts[fact])) for fact in sorted(facts))
+            allocations = (self._allocation(subject, fact, sorted(facts[fact])) for fact in sorted(facts))
             found = gravest(judged[number])
-            yield Collision(name, number, tuple(allocations), found.certain, found.reason)
+            yield Collision(name, number, tuple(allocations), found.certain, found.reason, tuple(naming))
 
     def _between(
-        self, owners: Set[int], rivals: Sequence[tuple[Fact, Fact]], one: int, other: int
+        self, subject: _Subject, rivals: Sequence[tuple[Fact, Fact]], one: int, other: int
     ) -> Iterator[tuple[Fact, Fact, Judgement]]:
         """Yield each two facts by which two branches gave one number different meanings, with the judgement.
 
         ``rivals`` are the facts of the two branches with the same number. ``one`` and ``other`` are the nodes of the
         branches' last commits. Facts that existed when the branches diverged are left out.
         """
-        ours, theirs = self._facts(owners, one), self._facts(owners, other)
+        if subject.name and not self._owners(subject, one).isdisjoint(self._owners(subject, other)):
+            return  # a type that both branches know is a subject of its own
+        ours, theirs = self._facts(subject, one), self._facts(subject, other)
         # Criss-cross merges have several merge bases (git-merge-base(1)). Both branches know the declarations of each
         # merge base.
-        bases = [self._facts(owners, base) for base in self._graph.merge_bases(one, other)]
+        bases = [self._facts(subject, base) for base in self._graph.merge_bases(one, other)]
         known = {fact: at for base in bases for fact, at in base.items()}
         for fact, rival in rivals:
-            if fact in known or rival in known:
+            if fact in known or rival in known or _are_aliases(fact, ours, theirs, known):
                 continue
             judged = self._judge(ours[fact], theirs[rival], ours, theirs)
             # Both sides may have renamed a field that existed before. As in `Reuses`, a chain of renames with doubts
@@ -165,23 +142,27 @@ class Branches:
             for one, other, beside in ((old, new, beside_old), (new, old, beside_new))
         )
 
-    def _facts(self, owners: Set[int], node: int) -> dict[Fact, FactAtNode]:
+    def _owners(self, subject: _Subject, node: int) -> set[int]:
+        """Return the ids of the types that a subject means at a node."""
+        return {id for id in subject.ids if not subject.name or subject.name in self._record.names_at(id, node)}
+
+    def _facts(self, subject: _Subject, node: int) -> dict[Fact, FactAtNode]:
         return {
             fact: FactAtNode(owner, fact, node)
-            for owner in sorted(owners)
+            for owner in sorted(self._owners(subject, node))
             for declaration in self._record.declared(owner, node).values()
             for fact in declaration.facts
             if not fact.claimed
         }
 
-    def _allocation(self, owners: Set[int], fact: Fact, refs: Sequence[str]) -> Allocation:
-        lifetime = next(lifetime for ref in refs for lifetime in self._lifetimes(owners, fact, self._open[ref]))
+    def _allocation(self, subject: _Subject, fact: Fact, refs: Sequence[str]) -> Allocation:
+        lifetime = next(lifetime for ref in refs for lifetime in self._lifetimes(subject, fact, self._open[ref]))
         came = self._graph[lifetime.came].revision.commit
         return Allocation(tuple(refs), fact.type, fact.name, came, lifetime.path, lifetime.line)
 
-    def _lifetimes(self, owners: Set[int], fact: Fact, node: int) -> Iterator[Lifetime]:
+    def _lifetimes(self, subject: _Subject, fact: Fact, node: int) -> Iterator[Lifetime]:
         """Yield the lifetimes of a fact that have not ended at the node, the latest first."""
-        for owner in sorted(owners):
+        for owner in sorted(self._owners(subject, node)):
             lifetimes = self._record.lineage.tips[node].get(owner, {}).get(fact, frozenset())
             yield from (self._record.lineage.lifetimes[owner][index] for index in sorted(lifetimes, reverse=True))
 
@@ -195,6 +176,15 @@ def _rivals(ours: Set[Fact], theirs: Set[Fact]) -> list[tuple[Fact, Fact]]:
     return [(fact, rival) for fact in sorted(ours - theirs) for rival in by_number.get(fact.number, ())]
 
 
+def _are_aliases(value: Fact, ours: Iterable[Fact], theirs: Iterable[Fact], known: Container[Fact]) -> bool:
+    """Return True if the number of an enum value has a name that both branches know (``allow_alias``).
+
+    Then the other names of the number are aliases of this one.
+    """
+    one, other = ({fact for fact in facts if fact.number == value.number} for facts in (ours, theirs))
+    return not value.type and (not one.isdisjoint(other) or any(fact in known for fact in one | other))
+
+
 def _keeps(judged: Judgement) -> bool:
     return judged.meaning in (Meaning.SAME, Meaning.RENAMED)
 
@@ -206,8 +196,3 @@ def _is_uncertain(judged: Judgement) -> bool:
 def _moved(fact: Fact, others: Iterable[Fact]) -> bool:
     """Return True if a fact with another number has the name of ``fact``."""
     return any(other.name == fact.name and other.number != fact.number for other in others)
-
-
-def _short(ref: str) -> str:
-    """Return a branch's name from its ref, without the remote: ``main`` for ``refs/remotes/origin/main``."""
-    return ref.removeprefix(_REMOTE).partition("/")[2] if ref.startswith(_REMOTE) else ref.removeprefix(_LOCAL)

@@ -7,8 +7,8 @@ to one, the clearest evidence first:
 1. They have the same full name: the file moved.
 2. They have the same name in another package or message, and most fields of all types that moved between the same two
    places agree. So a message with few fields is judged together with its neighbours.
-3. They have different names, and most of their own fields agree. The fields of very small messages prove little, so
-   their names must be similar, too.
+3. They have different names, and most of their own fields agree, or the added type has all fields of the removed one.
+   The fields of very small messages prove little, so their names must be similar, too.
 
 If a message goes on under another name, the types inside it follow it.
 """
@@ -73,11 +73,18 @@ class _Agreement:
     smaller: int
     """The number of fields or values of the type that has fewer."""
     larger: int
+    removed: int
+    """The number of fields or values of the removed type."""
 
     @property
     def most(self) -> bool:
         """True if most fields of both types agree."""
         return self.larger > 0 and self.agreed * 3 >= self.smaller * 2 and self.agreed * 2 >= self.larger
+
+    @property
+    def survives(self) -> bool:
+        """True if the added type has all fields of the removed one, however many others it has."""
+        return self.agreed == self.removed > 0
 
     @property
     def telling(self) -> bool:
@@ -156,7 +163,7 @@ class _Matching:
         ranked = []
         for one, other in self._with_common_fields():
             agreement, likeness = self._agreement(one, other), _likeness(one, other)
-            if likeness is Likeness.OPPOSITE or not agreement.most:
+            if likeness is Likeness.OPPOSITE or not (agreement.most or agreement.survives):
                 continue
             if agreement.telling or self._is_tiny_rename(one, other, agreement):
                 far = (one.path != other.path, likeness not in _ALIKE)
@@ -237,9 +244,9 @@ def _agreement(old: _Content, new: _Content) -> _Agreement:
         for fact, name in old.parts
         if any(_agree(fact, name, other, other_name) for other, other_name in new.by_number.get(fact.number, ()))
     ]
-    sizes = sorted((len(old.parts), len(new.parts)))
+    smaller, larger = sorted((len(old.parts), len(new.parts)))
     weight = sum(2 if fact.oneof else 1 for fact, name in agreeing if is_telling(name))
-    return _Agreement(len(agreeing), weight, *sizes)
+    return _Agreement(len(agreeing), weight, smaller, larger, len(old.parts))
 
 
 def _agree(fact: Fact, name: str, other: Fact, other_name: str) -> bool:
@@ -256,6 +263,7 @@ def _sum(agreements: Iterable[_Agreement]) -> _Agreement:
         sum(agreement.weight for agreement in all),
         sum(agreement.smaller for agreement in all),
         sum(agreement.larger for agreement in all),
+        sum(agreement.removed for agreement in all),
     )
 
 

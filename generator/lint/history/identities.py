@@ -80,6 +80,8 @@ class _Walk:
         self._ends: dict[tuple[str, bool], list[_End]] = {}
         self._ids: dict[tuple[str, bool], list[int]] = {}
         """The ids that were new under each full name, by name and kind."""
+        self._named: list[dict[str, int]] = []
+        """For each root, the node that first gave each full name to the type."""
         self._paths: dict[str, set[str]] = {}
         """The files that ever declared a full name."""
 
@@ -138,10 +140,12 @@ class _Walk:
                 one, other = self.root(mine[name]), self.root(labels[name])
                 if one == other or self._enum[one] != self._enum[other]:
                     continue
-                ours_is_new = not self._graph.precedes(self.born[one], their_node)
-                theirs_is_new = not self._graph.precedes(self.born[other], our_node)
+                ours_is_new = not self._graph.precedes(self._named[one][name], their_node)
+                theirs_is_new = not self._graph.precedes(self._named[other][name], our_node)
                 if ours_is_new and theirs_is_new:
-                    self._unite(one, other)
+                    # A side may have renamed a type that the other side still has.
+                    if not self._is_alive(ours, other) and not self._is_alive(theirs, one):
+                        self._unite(one, other)
                 elif theirs_is_new:
                     changed[name] = other
             if changed:
@@ -152,6 +156,8 @@ class _Walk:
         if root != child:
             self._parent[child] = root
             self._places[root] |= self._places[child]
+            for name, node in self._named[child].items():
+                self._named[root][name] = min(node, self._named[root].get(name, node))
 
     # --- types that a node adds or removes --------------------------------------------------------------------------
 
@@ -172,7 +178,7 @@ class _Walk:
         for place, type in added.items():
             known = [id for id in (theirs.id_at(place) for theirs in others) if id is not None]
             if known and self._enum[known[0]] == type.enum:
-                self._assign(state, place, known[0])
+                self._assign(node, state, place, known[0])
                 taken_over.add(place)
         # What another parent has deleted, the merge does not remove itself.
         own = {
@@ -181,15 +187,17 @@ class _Walk:
         new = {place: type for place, type in added.items() if place not in taken_over}
         continued = continuations(own, new) if own and new else {}
         for place, old in continued.items():
-            self._assign(state, place, ids[old])
+            self._assign(node, state, place, ids[old])
         for place in sorted(new.keys() - continued.keys()):
-            self._assign(state, place, self._found(node, state, place, new[place].enum))
+            self._assign(node, state, place, self._found(node, state, place, new[place].enum))
         for place in sorted(removed.keys() - set(continued.values())):
             self._end(node, state, place, ids[place], removed[place])
 
-    def _assign(self, state: _State, place: Place, id: int) -> None:
+    def _assign(self, node: Node, state: _State, place: Place, id: int) -> None:
         state.labels[place.path] = {**state.labels.get(place.path, _NONE), place.name: id}
-        self._places[self.root(id)].add(place)
+        root = self.root(id)
+        self._places[root].add(place)
+        self._named[root].setdefault(place.name, node.index)
         self._paths.setdefault(place.name, set()).add(place.path)
 
     def _found(self, node: Node, state: _State, place: Place, enum: bool) -> int:
@@ -217,6 +225,7 @@ class _Walk:
         self._parent.append(id)
         self._enum.append(key[1])
         self._places.append(set())
+        self._named.append({})
         self._ids.setdefault(key, []).append(id)
         return id
 

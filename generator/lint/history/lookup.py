@@ -7,10 +7,12 @@ or its file changes.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cached_property
+from itertools import combinations, product
 
+from roverlink.generator.git import Commit
 from roverlink.generator.lint.history.commit_graph import Graph
 from roverlink.generator.lint.history.continuations import Declarations, Place
 from roverlink.generator.lint.history.lineage import Lifetime, Lineage
@@ -24,13 +26,17 @@ _NOWHERE: Declarations = {}
 class Record:
     """The history of all messages and enums, for lookups by id and node. A node is the index of a commit.
 
-    ``newest`` is the node of the state that is judged. ``kept`` are other nodes whose history nobody can take back: the
-    last commit of the default branch, and released commits, which have a tag.
+    ``newest`` is the node of the state that is judged. ``tips`` has the nodes of branches and tags, by ref. ``kept``
+    are nodes whose history nobody can take back: the last commit of the default branch, and released commits, which
+    have a tag.
     """
 
-    def __init__(self, graph: Graph, lineage: Lineage, newest: int, kept: Iterable[int] = ()) -> None:
-        self.graph, self.lineage, self.newest = graph, lineage, newest
+    def __init__(
+        self, graph: Graph, lineage: Lineage, newest: int, tips: Mapping[str, int], kept: Iterable[int] = ()
+    ) -> None:
+        self.graph, self.lineage, self.newest, self.tips = graph, lineage, newest, tips
         self._kept = frozenset((newest, *kept))
+        self._nodes_of_tips = sorted({newest, *tips.values()})
         self._nodes_of_changes: dict[int, Sequence[int]] = {}
         self._contents: dict[tuple[int, int], Content] = {}
 
@@ -66,8 +72,78 @@ class Record:
         if found is None:
             found = [id for other, ids in self._by_name.items() if other.endswith(f".{name}") for id in ids]
             return sorted({id for id in found if self.types[id].exists} or {*found})
-        today = [id for id in found if any(place.name == name for place in self.declared(id, self.newest))]
-        return today or found
+        return [id for id in found if name in self.names_at(id, self.newest)] or found
+
+    def named_elsewhere(self, name: str) -> list[tuple[int, str]]:
+        """Return the types that a branch or tag declares under a name, besides those that `named` returns.
+
+        Each comes with its full name there. The lineage of a type says nothing about it if another branch gave the name
+        to a type of its own.
+        """
+        types = self.named(name)
+        known = {*(full for id in types for full in self.names_at(id, self.newest)), name}
+        names = [full for full in sorted(known) if full == name or full.endswith(f".{name}")]
+        return [
+            (id, full)
+            for full in names
+            for id in self._by_name.get(full, ())
+            if id not in types and any(full in self.names_at(id, node) for node in self._nodes_of_tips)
+        ]
+
+    def names_at(self, type: int, node: int) -> Set[str]:
+        """Return the full names under which a node declares a message or enum. Usually there is only one."""
+        return {place.name for place in self.declared(type, node)}
+
+    def naming(self, type: int, name: str) -> tuple[Commit, ...]:
+        """Return the commits that gave a full name to a message or enum: those that added it, and that renamed it."""
+        nodes = (node for node in self.lineage.changes[type] if name in self.names_at(type, node))
+        return tuple(
+            self.graph[node].revision.commit
+            for node in nodes
+            if not any(name in self.names_at(type, parent) for parent in self.graph[node].parents)
+        )
+
+    def facts_under(self, type: int, name: str) -> set[Fact]:
+        """Return the facts (fields or values) that a message or enum ever had under a full name."""
+        states = self.lineage.changes[type].values()
+        named = (state for declared in states for place, state in declared.items() if place.name == name)
+        return {fact for state in named for fact in state.facts}
+
+    def namesakes(self, type: int) -> dict[int, str]:
+        """Return the types to which another branch has given a full name of the message or enum ``type``.
+
+        The keys are their ids, the values the names. Of two such types, one has the other as its namesake: the one that
+        the newest state declares, or else the one with the smaller id.
+        """
+        return self._namesakes.get(type, {})
+
+    @cached_property
+    def _namesakes(self) -> dict[int, dict[int, str]]:
+        found: dict[int, dict[int, str]] = {}
+        several = len(self._nodes_of_tips) > 1
+        for name, ids in self._by_name.items() if several else ():
+            if len(ids) > 1:
+                ranked = sorted((name not in self.names_at(id, self.newest), id) for id in ids)
+                nodes = {id: [node for node in self._nodes_of_tips if name in self.names_at(id, node)] for id in ids}
+                for (_, one), (_, other) in combinations(ranked, 2):
+                    if self.types[one].name != name:
+                        continue  # findings would name a type that has another name today
+                    pairs = product(nodes[one], nodes[other])
+                    if any(self.are_rivals(name, one, at, other, there) for at, there in pairs):
+                        found.setdefault(one, {})[other] = name
+        return found
+
+    def are_rivals(self, name: str, one: int, at: int, other: int, there: int) -> bool:
+        """Return True if two lines of history have given a full name to two types, each to another one.
+
+        The node ``at`` declares the type ``one`` under the name, and the node ``there`` declares the type ``other``. If
+        the lines had the name in common, the lineage of its type tells what became of it.
+        """
+        both = name in self.names_at(other, at) or name in self.names_at(one, there)
+        if both or self.types[one].enum != self.types[other].enum:
+            return False
+        bases = self.graph.merge_bases(at, there)
+        return not any(name in self.names_at(id, base) for base in bases for id in self._by_name[name])
 
     def resolve(self, type: str, owner: int, node: int) -> int | None:
         """Return the id of a field's type at a node; None if the type is not declared there.

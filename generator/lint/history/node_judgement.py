@@ -5,12 +5,14 @@ A fact is the declaration of a field or an enum value. A node is a commit that c
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from roverlink.generator.lint.comparison.judgement import Judgement, TypePair, judge_field, judge_value
 from roverlink.generator.lint.history.judged_facts import is_named, part, type_state
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.usage_model import Content
+from roverlink.generator.protos.parser import map_types
 from roverlink.generator.protos.schema import Fact
 
 
@@ -29,10 +31,10 @@ class JudgedFacts:
 
     judgement: Judgement
     types: TypePair | None
-    """The types, if both facts are fields with a message or enum as their type."""
+    """The types, if both facts are fields with a message or enum as their type, or maps with such values."""
     old: Content | None
     new: Content | None
-    """The contents of the types; None if a type is no message or enum, or is unknown."""
+    """The contents of the types; None if a type is no message or enum, or is unknown. For a map, that of its values."""
 
 
 def judge_facts(
@@ -43,10 +45,11 @@ def judge_facts(
     ``moved`` is True if a fact with another number has the new name at the old node. ``at_once`` is True if no commit
     between the two left the number unused. ``shared`` are the words that say nothing in the names of an enum.
     """
-    one, other = (record.content_of_type(at.fact.type, at.owner, at.node) for at in (old, new))
+    values = [(map_types(at.fact.type) or ("", at.fact.type))[1] for at in (old, new)]
+    one, other = (record.content_of_type(type, at.owner, at.node) for type, at in zip(values, (old, new)))
     types = None
-    if is_named(old.fact.type) and is_named(new.fact.type):
-        types = _types(record, old, new, one, other, at_once)
+    if all(map(is_named, values)):
+        types = _types(record, old, new, values, one, other, at_once)
     if old.fact.type or new.fact.type:
         judged = judge_field(part(old.fact, one), part(new.fact, other), types, moved)
     else:
@@ -55,10 +58,16 @@ def judge_facts(
 
 
 def _types(
-    record: Record, old: FactAtNode, new: FactAtNode, one: Content | None, other: Content | None, at_once: bool
+    record: Record,
+    old: FactAtNode,
+    new: FactAtNode,
+    names: Sequence[str],
+    one: Content | None,
+    other: Content | None,
+    at_once: bool,
 ) -> TypePair:
     """Return the types of two facts as they are judged; ``one`` and ``other`` are their contents."""
-    states = type_state(old.fact.type, one), type_state(new.fact.type, other)
+    states = type_state(names[0], one), type_state(names[1], other)
     if one is None or other is None or one.id == other.id:
         return TypePair(*states, False, at_once)
     beside = record.declared(one.id, new.node) and record.declared(other.id, old.node)

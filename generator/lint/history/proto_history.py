@@ -9,7 +9,8 @@ from pathlib import Path
 
 from roverlink.generator.git import Commit
 from roverlink.generator.lint.history.blob_cache import BlobCache
-from roverlink.generator.lint.history.branch_collisions import Branches, branches, default_branch
+from roverlink.generator.lint.history.branch_collisions import Branches
+from roverlink.generator.lint.history.branch_names import branches, default_branch
 from roverlink.generator.lint.history.commit_graph import Graph, depth
 from roverlink.generator.lint.history.commits import TAGS, PastRepository, Ref, Revision
 from roverlink.generator.lint.history.lineage import sweep
@@ -25,7 +26,7 @@ from roverlink.generator.lint.history.numbered_types import NumberedTypes, Pool,
 from roverlink.generator.lint.history.reuses import Reuses
 from roverlink.generator.lint.history.uncommitted import CheckedOut, Uncommitted, is_uncommitted
 from roverlink.generator.lint.history.usage_model import Collision, Reuse, TracedType, Usage
-from roverlink.generator.lint.history.usages import usages
+from roverlink.generator.lint.history.usages import TracedUsage, usages
 from roverlink.generator.protos.parser import parse
 
 _SOME = 64  # states between two reports of progress
@@ -95,11 +96,19 @@ class History:
         self._nodes = {ref: graph.node_of(commit) for ref, commit in branches(refs).items()}
         places = self._nodes | ({newest: graph.node_of(newest)} if is_uncommitted(newest) else {})
         lineage = sweep(graph, states.types_of, frozenset(places.values()))
+        tags = {ref.name: graph.node_of(ref.commit) for ref in refs if ref.name.startswith(TAGS)}
         default = default_branch(refs)
-        released = {graph.node_of(ref.commit) for ref in refs if ref.name == default or ref.name.startswith(TAGS)}
-        self._record = Record(graph, lineage, graph.node_of(newest), released)
+        released = {*tags.values(), *(graph.node_of(ref.commit) for ref in refs if ref.name == default)}
+        self._record = Record(graph, lineage, graph.node_of(newest), self._nodes | tags, released)
+
         # A few are kept: the usages of thousands of messages on hundreds of branches take 100 MB.
-        self._traced = lru_cache(_FEW)(lambda ids, claimed: usages(self._record, ids, places, claimed))
+        @lru_cache(_FEW)
+        def traced(
+            ids: tuple[int, ...], elsewhere: tuple[tuple[int, str], ...] = (), claimed: bool = False
+        ) -> list[TracedUsage]:
+            return usages(self._record, ids, places, claimed, elsewhere)
+
+        self._traced = traced
         self.reuses_of = cache(self._find_reuses)
         """Function that takes the id of a message or enum, and returns the reuses of its numbers.
 
@@ -133,11 +142,11 @@ class History:
 
     def numbers(self, name: str) -> dict[int, tuple[Usage, ...]]:
         """Return every number that a message or enum ever had, with its usages (meanings), the earliest first."""
-        return _by_number(traced.usage for traced in self._traced(self._ids(name), False))
+        return _by_number(traced.usage for traced in self._traced_as(name))
 
     def numbers_of(self, id: int) -> dict[int, tuple[Usage, ...]]:
         """Return the same as `numbers` for the message or enum with an id."""
-        return _by_number(traced.usage for traced in self._traced((id,), False))
+        return _by_number(traced.usage for traced in self._traced_with_namesakes(id))
 
     def types_of(self, id: int, usage: Usage) -> tuple[str, ...]:
         """Return the full names that the type of a usage ever had, the latest first.
@@ -145,7 +154,7 @@ class History:
         ``usage`` is one of `numbers_of` the message with the id. The name of a scalar or a map, and that of a type
         which no file declares, is the only one.
         """
-        stretches = next(traced.stretches for traced in self._traced((id,), False) if traced.usage == usage)
+        stretches = next(traced.stretches for traced in self._traced_with_namesakes(id) if traced.usage == usage)
         types: dict[int, None] = {}
         for owner, node in ((stretch.owner, stretch.lifetime.came) for stretch in reversed(stretches)):
             resolved = self._record.resolve(usage.type, owner, node)
@@ -156,7 +165,7 @@ class History:
 
     def claims(self, name: str) -> dict[int, tuple[Usage, ...]]:
         """Return every number that a commented-out declaration of a message or enum ever had, with its meanings."""
-        return _by_number(traced.usage for traced in self._traced(self._ids(name), True))
+        return _by_number(traced.usage for traced in self._traced_as(name, claimed=True))
 
     def removed(self, name: str) -> Iterator[tuple[Usage, list[Commit]]]:
         """Yield the usages (meanings) of numbers that a message once had, and has no more in its newest state.
@@ -165,9 +174,9 @@ class History:
         committed yet.
         """
         graph, newest = self._record.graph, self._record.newest
-        for id in self._ids(name):
+        for id in self._record.named(name):
             kept = {fact.number for declared in self._record.declared(id, newest).values() for fact in declared.facts}
-            for traced in self._traced((id,), False):
+            for traced in self._traced((id,)):
                 lifetimes = [
                     stretch.lifetime for stretch in traced.stretches if graph.precedes(stretch.lifetime.came, newest)
                 ]
@@ -177,13 +186,13 @@ class History:
                     yield traced.usage, [commit for commit in commits if commit.id]
 
     def files(self, name: str) -> set[str]:
-        """Return the paths of all files that ever declared a message or enum."""
+        """Return the paths of all files that ever declared a message or enum, on any branch."""
         changes = self._record.lineage.changes
         return {place.path for id in self._ids(name) for declared in changes[id].values() for place in declared}
 
     def reuses(self, name: str) -> tuple[Reuse, ...]:
         """Return the reuses of the numbers of a message or enum."""
-        return tuple(reuse for id in self._ids(name) for reuse in self.reuses_of(id))
+        return tuple(reuse for id in self._record.named(name) for reuse in self.reuses_of(id))
 
     def collisions(self, name: str) -> tuple[Collision, ...]:
         """Return the numbers to which branches have given different meanings since they diverged.
@@ -193,11 +202,20 @@ class History:
         branches = Branches(self._record, self._nodes, default_branch(self._refs))
         return tuple(branches.collisions(self._ids(name)))
 
-    def _ids(self, name: str) -> tuple[int, ...]:
-        return tuple(self._record.named(name))
+    def _ids(self, name: str) -> list[int]:
+        """Return the ids of the types with a name, also of those that only branches or tags declare under it."""
+        return [*self._record.named(name), *(id for id, _ in self._record.named_elsewhere(name))]
+
+    def _traced_as(self, name: str, claimed: bool = False) -> list[TracedUsage]:
+        """Return the usages of the types with a name, and of what branches and tags declare under it today."""
+        return self._traced(tuple(self._record.named(name)), tuple(self._record.named_elsewhere(name)), claimed)
+
+    def _traced_with_namesakes(self, id: int) -> list[TracedUsage]:
+        """Return the usages of a message or enum, and of its namesakes on other branches."""
+        return self._traced((id,), tuple(self._record.namesakes(id).items()))
 
     def _find_reuses(self, id: int) -> tuple[Reuse, ...]:
-        return tuple(Reuses(self._record, id, self._traced((id,), False)).all())
+        return tuple(Reuses(self._record, id, self._traced_with_namesakes(id)).all())
 
 
 def _by_number(found: Iterable[Usage]) -> dict[int, tuple[Usage, ...]]:

@@ -7,7 +7,8 @@ from dataclasses import replace
 from functools import cache
 from itertools import combinations, groupby
 
-from roverlink.generator.lint.comparison.judgement import Kept, Meaning, compare_parts
+from roverlink.generator.git import Commit
+from roverlink.generator.lint.comparison.judgement import Kept, Meaning, compare_parts, judge_compounds
 from roverlink.generator.lint.history.commit_graph import Graph
 from roverlink.generator.lint.history.continuations import Declarations
 from roverlink.generator.lint.history.judged_facts import type_state
@@ -16,6 +17,7 @@ from roverlink.generator.lint.history.node_judgement import FactAtNode, judge_fa
 from roverlink.generator.lint.history.usage_model import Content, Kind, Reuse, Usage
 from roverlink.generator.lint.history.usage_relations import Relations
 from roverlink.generator.lint.history.usages import TracedUsage
+from roverlink.generator.lint.names.similar_names import is_called_a_rename
 from roverlink.generator.lint.names.value_names import shared_words
 
 # A number that had two names or two types is not always a reuse: teams rename fields, move messages between packages
@@ -39,11 +41,12 @@ class Reuses:
     """Finder of the reuses of one message or enum: compares the usages (meanings) of each number with each other."""
 
     def __init__(self, record: Record, owner: int, traced: Sequence[TracedUsage]) -> None:
-        self._record, self._traced = record, traced
+        self._record, self._traced, self._id = record, traced, owner
         self._owner = record.types[owner].name
         self._relations = Relations(record, owner)
         self._numbers = cache(lambda node: _numbers(record.declared(owner, node)))
         self._kept: dict[tuple[Content, Content], Kept] = {}
+        self._names = [usage.usage.name for usage in traced]
         values = [usage.usage.name for usage in traced if not usage.usage.type]
         self._shared = shared_words(self._owner.rpartition(".")[2], values) if values else frozenset()
 
@@ -53,7 +56,7 @@ class Reuses:
             uses = list(group)
             if len(uses) > 1:
                 yield from self._between(uses)
-            for use in uses:
+            for use in filter(self._is_own, uses):
                 yield from self._within(use)
 
     # --- usages that differ -----------------------------------------------------------------------------------------
@@ -68,7 +71,7 @@ class Reuses:
         for one, other in combinations(range(len(uses)), 2):
             # The comparison of all pairs would be quadratic in the usages of a number, which a generated or merged file
             # may have hundreds of.
-            if other - one > _MOST:
+            if other - one > _MOST or not (self._is_own(uses[one]) or self._is_own(uses[other])):
                 continue
             reuse = self._compare(uses[one], uses[other])
             # If A was renamed to B and B to C, then A and C are one meaning, although their names may share no word.
@@ -84,6 +87,10 @@ class Reuses:
             if _is_open(reuse, one, other, renamed, linked)
         ]
 
+    def _is_own(self, use: TracedUsage) -> bool:
+        """Return False for a usage that only a namesake of the message or enum has: see `Record.namesakes`."""
+        return any(stretch.owner == self._id for stretch in use.stretches)
+
     def _compare(self, earlier: TracedUsage, later: TracedUsage) -> Reuse | None:
         """Compare two usages of a number, and return the reuse; None if both have the same meaning and name.
 
@@ -94,18 +101,27 @@ class Reuses:
             # Two names of values with one number in one state are an alias (`allow_alias`), which is no reuse.
             return None
         before, after = self._relations.nodes(earlier, later)
+        handovers = self._relations.handovers(earlier, later)
         judged = judge_facts(
             self._record,
             FactAtNode(earlier.stretches[0].owner, old, before),
             FactAtNode(later.stretches[0].owner, new, after),
             moved=old.name != new.name and bool(self._numbers(before).get(new.name, set()) - {new.number}),
-            at_once=self._relations.hands_over(earlier, later),
+            at_once=bool(handovers),
             shared=self._shared,
         )
-        kind, types = _KINDS[judged.judgement.meaning], judged.types
-        if kind is Kind.MEANING and types and types.old.full_name != types.new.full_name:
+        types, judgement = judged.types, judged.judgement
+        if types is None:
+            judgement = judge_compounds(judgement, old.name, new.name, self._shared, self._names)
+        kind, reason = _KINDS[judgement.meaning], judgement.reason
+        subjects = (self._record.graph[node].revision.commit.subject for node in handovers)
+        if judgement.by_words and any(
+            is_called_a_rename(subject, old.name, new.name, self._shared) for subject in subjects
+        ):
+            kind, reason = Kind.DOUBTFUL, f"the commit is called a rename, but {reason}"
+        elif kind is Kind.MEANING and types and types.old.full_name != types.new.full_name:
             kind = Kind.REUSED
-        return self._reuse(kind, earlier, later, judged.old, judged.new, judged.judgement.reason) if kind else None
+        return self._reuse(kind, earlier, later, judged.old, judged.new, reason) if kind else None
 
     # --- one usage, other contents ----------------------------------------------------------------------------------
 
@@ -156,10 +172,10 @@ class Reuses:
             relation=self._relations.relation(earlier, later),
             old=old,
             new=new,
-            survivors=self._compare_contents(old, new).left if old and new else 0,
             reason=reason,
             elsewhere=(elsewhere := self._is_elsewhere(earlier, later, came)),
             unmerged=elsewhere and not self._are_rivals(earlier, later),
+            naming=tuple(self._naming(earlier, later)),
         )
 
     def _is_elsewhere(self, earlier: TracedUsage, later: TracedUsage, came: int) -> bool:
@@ -169,6 +185,14 @@ class Reuses:
         return not all(
             any(self._record.is_kept(stretch.lifetime.came) for stretch in use.stretches) for use in (earlier, later)
         )
+
+    def _naming(self, earlier: TracedUsage, later: TracedUsage) -> Iterator[Commit]:
+        """Yield the commits of `Reuse.naming`."""
+        if self._is_own(earlier) and self._is_own(later):
+            return
+        for other in sorted({stretch.owner for use in (earlier, later) for stretch in use.stretches} - {self._id}):
+            name = self._record.namesakes(self._id)[other]
+            yield from (*self._record.naming(self._id, name), *self._record.naming(other, name))
 
     def _are_rivals(self, earlier: TracedUsage, later: TracedUsage) -> bool:
         """Return True if the state that is judged has one of the meanings, and a branch has the other one today."""

@@ -150,8 +150,6 @@ class Reuse:
     """The last content of the earlier usage's type; None if the type is no message or enum, or is unknown."""
     new: Content | None
     """The first content of the later usage's type; None if the type is no message or enum, or is unknown."""
-    survivors: int
-    """The number of fields of the old content that still exist in the new one."""
     reason: str = ""
     """Why the meaning is another one, as a clause; empty for a mere rename."""
     same_as_earlier: frozenset[Usage] = frozenset()
@@ -166,10 +164,18 @@ class Reuse:
     False if the state that is judged has one of the meanings, and an unmerged branch has the other one today.
     """
 
+    naming: tuple[Commit, ...] = ()
+    """The commits that gave one full name to the types with the two meanings; empty if one type has both."""
+
     @property
     def certain(self) -> bool:
         """True if bytes with the earlier meaning are misread with the later one."""
         return self.kind not in (Kind.RENAMED, Kind.UNIT, Kind.DOUBTFUL)
+
+    @property
+    def unbuilt(self) -> bool:
+        """True if only files with syntax errors had one of the meanings, so that no program was built with it."""
+        return self.earlier.broken or self.later.broken
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,3 +204,5 @@ class Collision:
     """False if all allocations perhaps mean the same."""
     reason: str
     """Why two of the allocations do not mean the same, as a clause."""
+    naming: tuple[Commit, ...]
+    """The commits that gave `owner` to several types as their full name; empty if it is one type."""

@@ -55,10 +55,10 @@ class Relations:
             return Relation.TOGETHER
         return Relation.SUCCESSION if earlier is later or self._handover(earlier, later) else Relation.BRANCHES
 
-    def hands_over(self, earlier: TracedUsage, later: TracedUsage) -> bool:
-        """Return True if one commit deleted the earlier usage (meaning) of a number and added the later usage."""
+    def handovers(self, earlier: TracedUsage, later: TracedUsage) -> list[int]:
+        """Return the nodes (commits) that deleted the earlier usage (meaning) of a number and added the later usage."""
         ends = {went for went, _ in self._ends(earlier)}
-        return any(_came(stretch) in ends for stretch in later.stretches)
+        return [came for came in map(_came, later.stretches) if came in ends]
 
     def nodes(self, earlier: TracedUsage, later: TracedUsage) -> tuple[int, int]:
         """Return the last node (commit) that has the earlier usage, and the first node that has the later usage.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from roverlink.generator.lint.history.lineage import Alive, Lifetime
@@ -37,18 +37,31 @@ class TracedUsage:
     stretches: tuple[Stretch, ...]
 
 
-def usages(record: Record, owners: Sequence[int], branches: Mapping[str, int], claimed: bool) -> list[TracedUsage]:
+def usages(
+    record: Record,
+    owners: Sequence[int],
+    branches: Mapping[str, int],
+    claimed: bool,
+    elsewhere: Iterable[tuple[int, str]] = (),
+) -> list[TracedUsage]:
     """Return the usages (meanings) of all numbers of a message or enum, sorted by number and age.
 
-    ``owners`` are the ids of the message or enum; several if several files declare its name. If ``claimed`` is True,
-    only the usages in commented-out declarations are returned, and otherwise only those in real declarations.
+    ``owners`` are the ids of the message or enum; several if several files declare its name. ``elsewhere`` are the ids
+    of types that other branches declare under its full name, each with this name: only what they had under this name
+    counts. If ``claimed`` is True, only the usages in commented-out declarations are returned, and otherwise only those
+    in real declarations.
     """
-    broken = record.only_in_broken_files(owners)
+    named = dict(elsewhere)
+    broken = record.only_in_broken_files((*owners, *named))
     stretches: dict[Fact, list[Stretch]] = {}
-    for owner in owners:
-        live_at = _live_at(record, owner, branches)
+    for owner in (*owners, *named):
+        refs, facts = branches, None
+        if name := named.get(owner):
+            refs = {ref: node for ref, node in branches.items() if name in record.names_at(owner, node)}
+            facts = record.facts_under(owner, name)
+        live_at = _live_at(record, owner, refs)
         for index, lifetime in record.lifetimes(owner):
-            if lifetime.fact.claimed == claimed:
+            if lifetime.fact.claimed == claimed and (facts is None or lifetime.fact in facts):
                 stretch = Stretch(owner, lifetime, tuple(live_at.get(index, ())))
                 stretches.setdefault(lifetime.fact, []).append(stretch)
     found = [

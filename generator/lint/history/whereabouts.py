@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from roverlink.generator.lint.history.branch_collisions import branch_name
+from roverlink.generator.lint.history.branch_names import branch_name
 from roverlink.generator.lint.history.uncommitted import is_uncommitted
 
 _MOST_NAMED = 3

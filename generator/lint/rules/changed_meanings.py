@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint.accepted_past import is_accepted
-from roverlink.generator.lint.comparison import EnumPair, FieldPair, SchemaChange, each_once, fields, messages
+from roverlink.generator.lint.comparison import EnumPair, FieldPair, SchemaChange, each_once, messages
 from roverlink.generator.lint.comparison.enum_renames import moved_away, moved_here, renamed_values
-from roverlink.generator.lint.comparison.judged_changes import judge_number, judge_pair, type_state
+from roverlink.generator.lint.comparison.judged_changes import judge_number, judged_fields, type_state
 from roverlink.generator.lint.comparison.judgement import Judgement, Meaning, compare_parts
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import name_place, type_place, value_place
@@ -229,8 +229,7 @@ def _judged_fields(rule: type[Rule], context: Context, meaning: Meaning) -> Iter
 
     def compare(change: SchemaChange) -> Iterator[Diagnostic]:
         numbers = NewNumbers(context, change)
-        for pair in fields(change):
-            judged = judge_pair(pair)
+        for pair, judged in judged_fields(change):
             if judged.meaning is meaning and not is_accepted(context, pair.owner, pair.old, pair.new):
                 place = type_place if pair.old.name == pair.new.name else name_place
                 yield changed_field(rule, numbers, pair, f"{_change_text(pair)}: {judged.reason}", place)

@@ -139,7 +139,7 @@ class NumberGivenOnTwoBranches(LintRule, id="HIS104"):
                 number=number,
                 uses=[_use(context, number, allocation) for allocation in collision.allocations],
             )
-            if past.is_known(*(allocation.came for allocation in collision.allocations)):
+            if past.is_known(*(allocation.came for allocation in collision.allocations), *collision.naming):
                 yield finding.as_known()
             else:
                 yield finding if collision.certain else dataclasses.replace(finding, severity=Severity.WARNING)

@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 
 from roverlink.console import MIDDLEWARES_HELP
-from roverlink.runtime.middleware import NAMES
 
 NO_MIDDLEWARE = "none"
 """Value of the option ``--middleware`` of programs that publish nothing."""
@@ -17,6 +16,8 @@ def add_outputs(parser: argparse.ArgumentParser, results: str) -> None:
 
     ``results`` says what the program computes, in the plural.
     """
+    from roverlink.runtime.middleware import NAMES  # here: a middleware is slow to import
+
     parser.add_argument("--json", action="store_true", help=f"print the {results} as a JSON object for each image")
     parser.add_argument("--save", type=Path, metavar="FILE", help=f"save a video with the {results} drawn into it")
     parser.add_argument(

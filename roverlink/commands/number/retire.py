@@ -37,5 +37,5 @@ def run(arguments: argparse.Namespace) -> int:
         write(table.resolve().parent, changes)
     except DiagnosticsError as error:
         return report(table, error)
-    print_changes(compiled, changes)
+    print_changes(changes, len(compiled.files), len(compiled.bridge.routes))
     return OK
