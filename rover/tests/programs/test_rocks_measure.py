@@ -101,8 +101,8 @@ class _Measuring(NodeInMemory):
 
 
 @pytest.mark.slow
-def test_ros_2_selects_the_camera(scene: RockScene) -> None:
-    """Another camera has its own depth and parameters; that of the old one is not used any more."""
+def test_ros_2_selects_the_camera(scene: RockScene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another camera has its own depth, the old one is not used any more, and one that has stopped is not measured."""
     with ExitStack() as held:
         measuring = _Measuring(held)
         held.enter_context(_driver(measuring.middleware, scene))
@@ -110,16 +110,7 @@ def test_ros_2_selects_the_camera(scene: RockScene) -> None:
         measuring.parameters.change({"camera": "/right/color/image_raw"})
         assert math.isnan(measuring.answer(scene).length_cm)
         assert "no depth came on /right/aligned_depth_to_color/image_raw" in measuring.log[-1]
-        held.enter_context(_driver(measuring.middleware, scene, "/right"))
-        wait_until(lambda: _is_size(scene, measuring.answer(scene)), "a size")
-
-
-@pytest.mark.slow
-def test_an_old_depth_image_is_not_measured(scene: RockScene, monkeypatch: pytest.MonkeyPatch) -> None:
-    """When the camera has stopped, the rover may have moved."""
-    with ExitStack() as held:
-        measuring = _Measuring(held)
-        with _driver(measuring.middleware, scene):
+        with _driver(measuring.middleware, scene, "/right"):
             wait_until(lambda: _is_size(scene, measuring.answer(scene)), "a size")
         monkeypatch.setattr(depth_camera, "STALLED_S", 0.0)
         assert math.isnan(measuring.answer(scene).length_cm)
