@@ -12,7 +12,6 @@ from needs import NO_OPENCV, needs_dds
 from node_in_memory import hear
 from polling import wait_until
 from programs import Start
-from repeating import repeated
 
 from roverlink.__main__ import main
 from roverlink.runtime import Qos
@@ -28,9 +27,10 @@ from roverkit.vision.frames import TopicSets  # noqa: E402
 from generated.messages import BasestationRoverLocalization  # noqa: E402
 from rover.bench.vision.circling_film import rover_position  # noqa: E402
 from rover.tests.vision import board_frames  # noqa: E402
-from rover.tests.vision.d435i import BEGAN_NS, COLOUR, DEPTH, INFO, PERIOD_NS, RenderedD435i  # noqa: E402
-from rover.tests.vision.ros_images import FRAME, Camera, image  # noqa: E402
-from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs  # noqa: E402
+from rover.tests.vision.d435i import BEGAN_NS, COLOUR, PERIOD_NS, TOPICS, RenderedD435i  # noqa: E402
+from rover.tests.vision.ros_images import FRAME, image, publishing  # noqa: E402
+from roverlink.runtime.interfaces import geometry_msgs, tf2_msgs, vision_msgs  # noqa: E402
+from roverlink.runtime.interfaces.sensor_msgs import Image  # noqa: E402
 from roverlink.runtime.ros_time.headers import stamp_of  # noqa: E402
 
 _FRAMES = 3
@@ -93,15 +93,9 @@ def test_a_camera_without_a_mount_is_told(field: Field, capsys: pytest.CaptureFi
 @contextmanager
 def _driver(node: Middleware, camera: RenderedD435i) -> Iterator[None]:
     """A driver that publishes images, and the rover's description."""
-    topics = [Camera(node, COLOUR), Camera(node, DEPTH), Camera(node, INFO, sensor_msgs.CameraInfo)]
     static = node.publisher("/tf_static", tf2_msgs.TFMessage, Qos(depth=1, durability="transient_local"))
     static.publish([cdr.encode(camera.transforms)])
-
-    def publish(number: int) -> None:
-        for topic, message in zip(topics, camera.messages(number), strict=True):
-            topic.publish(message)
-
-    with repeated(publish):
+    with publishing(node, TOPICS, camera.messages):
         yield
 
 
@@ -115,7 +109,7 @@ def test_a_d435i_says_where_base_link_is(field: Field) -> None:
         positions = hear(node, "/rover_localization", BasestationRoverLocalization, Qos(depth=100))
         assert main(field.words("--middleware", "dds", "--count", 30, source=f"topic:{COLOUR}")) == 0
         wait_until(lambda: len(poses) >= 20 and positions, "poses of the rover")
-        with TopicSets(node, [COLOUR, DEPTH, INFO], print) as sets:
+        with TopicSets(node, [*TOPICS], print) as sets:
             colour, depth, _ = next(iter(sets))
     inside = []
     for one in poses:
@@ -153,8 +147,9 @@ def test_a_camera_is_calibrated_over_a_topic(start: Start, tmp_path: Path) -> No
     """Views of the board are taken from the topic."""
     picture = board_frames.frame((0, 0), (0.5, 0.5), 0.36)
     program = start("aruco", "calibrate", f"topic:{COLOUR}", "--json", "--out", tmp_path / "camera.yml")
-    with open_middleware("dds", NodeIdentity("driver")) as node:
-        camera = Camera(node, COLOUR)
-        with repeated(lambda _: camera.publish(image(picture, "mono8", time.time_ns()))):
-            program.wait_for('"view"', program.output)
-            assert program.interrupt() == 1  # one view is not enough
+    with (
+        open_middleware("dds", NodeIdentity("driver")) as node,
+        publishing(node, {COLOUR: Image}, lambda _: [image(picture, "mono8", time.time_ns())]),
+    ):
+        program.wait_for('"view"', program.output)
+        assert program.interrupt() == 1  # one view is not enough
