@@ -111,8 +111,9 @@ def _edited(text: str, at: int, kind: int) -> str:
     )[kind]
 
 
-def _spoiled_keys(project: Project, count: int | None) -> list[str]:
-    """Change one letter of keys, and return the changes that are not found; ``count`` limits their number."""
+@pytest.mark.parametrize("count", [3, pytest.param(None, marks=pytest.mark.exhaustive)])
+def test_misspelt_keys_are_found(count: int | None, project: Project) -> None:
+    """Some keys of the shipped parameter files, or all of them, with one wrong letter each give a finding."""
     chosen = random.Random(25)  # noqa: S311  # no secret: the same letters in each run
     keys = _keys(project)
     names = {text for _, _, _, text in keys}
@@ -124,18 +125,7 @@ def _spoiled_keys(project: Project, count: int | None) -> list[str]:
             new = _edited(text, chosen.randrange(first, len(text)), chosen.randrange(4))
         if not project.spoiled(file, start, end, new, LAUNCH_FILES[file]):
             missed.append(f"{file}: {text} -> {new}")
-    return missed
-
-
-def test_misspelt_keys_are_found(project: Project) -> None:
-    """Some keys with one wrong letter each give a finding."""
-    assert _spoiled_keys(project, 3) == []
-
-
-@pytest.mark.exhaustive
-def test_every_misspelt_key_is_found(project: Project) -> None:
-    """Each key of each shipped parameter file, with one wrong letter, gives a finding."""
-    assert _spoiled_keys(project, None) == []
+    assert missed == []
 
 
 @pytest.mark.exhaustive

@@ -45,16 +45,9 @@ def _over_the_wire(command: BoardCommand) -> BoardCommand:
 
 
 @pytest.mark.slow
-@given(twist=_twists)
-def test_an_arc_ends_where_the_velocity_leads(twist: Twist) -> None:
-    """Forwards and backwards, to both sides, on a straight line, and on arcs of any radius."""
-    assert _same(arc_of_twist(*twist).end, _driven([twist]))
-
-
-@pytest.mark.slow
 @given(first=_twists, second=_twists, part=st.floats(0, 1))
 def test_an_arc_may_be_replaced_in_its_middle(first: Twist, second: Twist, part: float) -> None:
-    """The next arc starts at the place and in the direction that the rover has by then."""
+    """The next arc starts where the rover is by then; each one ends where its velocity leads, also backwards."""
     linear, angular, duration = first
     begun = arc_of_twist(*first)
     end = begun.shortened(part * abs(begun.length)).end @ arc_of_twist(*second).end

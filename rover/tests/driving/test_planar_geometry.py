@@ -39,21 +39,14 @@ def _point(place: PlanarGaussian, rolled: float = 0.0, turn_deviation: float = 0
     return OdometryPoint(0, place.pose, place.outer_covariance, 0.0, rolled, turn_deviation)
 
 
-@given(_gaussians, _gaussians)
-def test_a_long_motion_is_what_odometry_has_added(start: PlanarGaussian, motion: PlanarGaussian) -> None:
-    """The motion between a pose and the pose with a motion added is that motion, with its covariance."""
+@given(_gaussians, _gaussians, st.floats(0.0, 0.1))
+def test_a_motion_is_what_odometry_has_added(start: PlanarGaussian, motion: PlanarGaussian, most: float) -> None:
+    """Its covariance is that of the added motion, but the error of its turn is at most that of the angular velocity."""
     found = _point(start).motion_to(_point(start @ motion, 1e7, 1e3))
     assert (found.pose.x, found.pose.y) == pytest.approx((motion.pose.x, motion.pose.y), abs=1e-9)
     assert math.remainder(found.pose.yaw - motion.pose.yaw, 2 * math.pi) == pytest.approx(0, abs=1e-9)
     assert found.covariance[:3, :3] == pytest.approx(motion.covariance, abs=2e-6)  # the least covariance is added
     assert found.kept == 0
-
-
-@given(_gaussians, _gaussians, st.floats(0.0, 0.1))
-def test_the_error_of_a_turn_is_limited_by_that_of_the_angular_velocity(
-    start: PlanarGaussian, motion: PlanarGaussian, most: float
-) -> None:
-    """A constant bias of a gyroscope lets the variance of the yaw grow ever faster, but not the error of one turn."""
     found = _point(start).motion_to(_point(start @ motion, 1.0, most))
     assert found.covariance[2, 2] == pytest.approx(min(motion.covariance[2, 2], most**2), abs=1e-6)
     assert (np.linalg.eigvalsh(found.covariance) > 0).all()

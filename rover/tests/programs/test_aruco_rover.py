@@ -1,7 +1,8 @@
-"""The pose of a rover: the cameras of a file, mounts from the file or from /tf_static, and what is published."""
+"""The pose of a rover: cameras of a file or on topics, mounts from the file or /tf_static, and what is published."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 from needs import NO_OPENCV, needs_dds
 from node_in_memory import hear
 from polling import wait_until
-from repeating import repeated
+from programs import Start
 
 from roverlink.__main__ import main
 from roverlink.runtime import Qos
@@ -25,9 +26,12 @@ from roverkit.vision.frames import TopicSets  # noqa: E402
 
 from generated.messages import BasestationRoverLocalization  # noqa: E402
 from rover.bench.vision.circling_film import rover_position  # noqa: E402
-from rover.tests.vision.d435i import COLOUR, DEPTH, INFO, RenderedD435i  # noqa: E402
-from rover.tests.vision.ros_images import Camera  # noqa: E402
-from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs  # noqa: E402
+from rover.tests.vision import board_frames  # noqa: E402
+from rover.tests.vision.d435i import BEGAN_NS, COLOUR, PERIOD_NS, TOPICS, RenderedD435i  # noqa: E402
+from rover.tests.vision.ros_images import FRAME, image, publishing  # noqa: E402
+from roverlink.runtime.interfaces import geometry_msgs, tf2_msgs, vision_msgs  # noqa: E402
+from roverlink.runtime.interfaces.sensor_msgs import Image  # noqa: E402
+from roverlink.runtime.ros_time.headers import stamp_of  # noqa: E402
 
 _FRAMES = 3
 
@@ -65,11 +69,14 @@ def test_the_mount_of_a_camera_gives_the_rover_s_pose(field: Field, capsys: pyte
 
 @pytest.mark.slow
 def test_cameras_that_contradict_each_other_give_no_pose(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
-    """If a mount is wrong, it is unknown which one: this is told once, and no position is given."""
+    """If a mount is wrong, it is unknown which one: this is told once. Each camera has its film, named after it."""
     _with_a_second_camera(field, "[0, 0.3, 0.6]")
-    views, told = lines(capsys, _words(field, "--json"))
+    views, told = lines(capsys, _words(field, "--json", "--save", field.folder / "seen.avi"))
     assert all("position" not in view["rover"] for view in views[1::2])
     assert told.count("contradict each other; there is no pose until most of them agree") == 1
+    for name in ("front", "left"):
+        capture = cv2.VideoCapture(str(field.folder / f"seen_{name}.avi"))
+        assert sum(capture.grab() for _ in range(_FRAMES + 1)) == _FRAMES
 
 
 @pytest.mark.slow
@@ -83,28 +90,12 @@ def test_a_camera_without_a_mount_is_told(field: Field, capsys: pytest.CaptureFi
     assert [view["rover"]["stamp"] for view in views if "rover" in view] == [view["stamp"] for view in views[::2]]
 
 
-@pytest.mark.slow
-def test_each_camera_has_its_film(field: Field) -> None:
-    """The name of the camera is in the name of the file."""
-    _with_a_second_camera(field)
-    assert main(_words(field, "--save", field.folder / "seen.avi")) == 0
-    for name in ("front", "left"):
-        capture = cv2.VideoCapture(str(field.folder / f"seen_{name}.avi"))
-        assert sum(capture.grab() for _ in range(_FRAMES + 1)) == _FRAMES
-
-
 @contextmanager
 def _driver(node: Middleware, camera: RenderedD435i) -> Iterator[None]:
     """A driver that publishes images, and the rover's description."""
-    topics = [Camera(node, COLOUR), Camera(node, DEPTH), Camera(node, INFO, sensor_msgs.CameraInfo)]
     static = node.publisher("/tf_static", tf2_msgs.TFMessage, Qos(depth=1, durability="transient_local"))
     static.publish([cdr.encode(camera.transforms)])
-
-    def publish(number: int) -> None:
-        for topic, message in zip(topics, camera.messages(number), strict=True):
-            topic.publish(message)
-
-    with repeated(publish):
+    with publishing(node, TOPICS, camera.messages):
         yield
 
 
@@ -118,16 +109,47 @@ def test_a_d435i_says_where_base_link_is(field: Field) -> None:
         positions = hear(node, "/rover_localization", BasestationRoverLocalization, Qos(depth=100))
         assert main(field.words("--middleware", "dds", "--count", 30, source=f"topic:{COLOUR}")) == 0
         wait_until(lambda: len(poses) >= 20 and positions, "poses of the rover")
-        with TopicSets(node, [COLOUR, DEPTH, INFO], print) as sets:
+        with TopicSets(node, [*TOPICS], print) as sets:
             colour, depth, _ = next(iter(sets))
     inside = []
     for one in poses:
-        stamp = one.header.stamp.sec * 10**9 + one.header.stamp.nanosec
         place = one.pose.pose.position
         assert one.header.frame_id == "map"
-        inside.append(camera.is_inside(stamp, (place.x, place.y, place.z), one.pose.covariance))
+        inside.append(camera.is_inside(stamp_of(one.header), (place.x, place.y, place.z), one.pose.covariance))
     assert np.mean(inside) > 0.8
     found = {(one.pose.pose.position.x, one.pose.pose.position.y) for one in poses}
     assert any(np.hypot(*(np.subtract((place.x, place.y), one))) < 1e-5 for place in positions for one in found)
     assert colour.stamp == depth.stamp
     assert depth.pixels.min() < 3500 < depth.pixels.max()
+
+
+@pytest.mark.slow
+@needs_dds
+@pytest.mark.parametrize("given", [(), ("--camera-frame", "eye")])
+def test_ros_2_hears_the_stamp_and_frame_of_the_image(field: Field, given: tuple[str, ...]) -> None:
+    """They are on /tf and in the detections, unless the frame is given; names follow the ROS arguments."""
+    ros = ("--ros-args", "-r", "__ns:=/camera", "-r", "picture:=camera/color/image_raw")
+    with open_middleware("dds", NodeIdentity("driver")) as node, _driver(node, RenderedD435i(_FRAMES)):
+        transforms = hear(node, "/tf", tf2_msgs.TFMessage)
+        detections = hear(node, "/camera/aruco/detections", vision_msgs.Detection3DArray)
+        words = ("--middleware", "dds", "--count", 10, *given, *ros)
+        assert main(field.words(*words, source="topic:picture")) == 0
+        wait_until(lambda: transforms and detections, "both topics")
+    headers = [one.header for message in transforms for one in message.transforms]
+    for header in (*headers, *(message.header for message in detections)):
+        assert header.frame_id == (given[-1] if given else FRAME)
+        assert (stamp_of(header) - BEGAN_NS) % PERIOD_NS == 0
+
+
+@pytest.mark.slow
+@needs_dds
+def test_a_camera_is_calibrated_over_a_topic(start: Start, tmp_path: Path) -> None:
+    """Views of the board are taken from the topic."""
+    picture = board_frames.frame((0, 0), (0.5, 0.5), 0.36)
+    program = start("aruco", "calibrate", f"topic:{COLOUR}", "--json", "--out", tmp_path / "camera.yml")
+    with (
+        open_middleware("dds", NodeIdentity("driver")) as node,
+        publishing(node, {COLOUR: Image}, lambda _: [image(picture, "mono8", time.time_ns())]),
+    ):
+        program.wait_for('"view"', program.output)
+        assert program.interrupt() == 1  # one view is not enough

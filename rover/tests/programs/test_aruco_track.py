@@ -33,7 +33,7 @@ def field(tmp_path_factory: pytest.TempPathFactory) -> Field:
 
 
 def test_json_says_what_is_where(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A line a frame: stamps of the recording, each landmark to 2 % of its distance, the camera at its true place."""
+    """A line a frame has stamp, landmarks to 2 % of their distance, and camera; a film does not replace its source."""
     film = tmp_path / "seen.avi"
     views, told = lines(capsys, field.words("--json", "--save", film))
     assert [(view["stamp"], view["frame"]) for view in views] == [(index * 10**8, index) for index in range(_FRAMES)]
@@ -55,6 +55,11 @@ def test_json_says_what_is_where(field: Field, tmp_path: Path, capsys: pytest.Ca
     coloured = np.ptp(images[0], axis=2) > 80  # the frames are grey
     assert 300 < coloured.sum() < 20_000
     assert lines(capsys, field.words("--json", "--count", 2))[0] == views[:2]  # nothing depends on the time
+    before = film.read_bytes()
+    again = ("--parameters", field.folder / "camera.yml", "--save", film)
+    assert main(["aruco", "track", str(film), *map(str, again)]) == 2
+    assert "seen.avi is the source of the images; give --save another name" in capsys.readouterr().err
+    assert film.read_bytes() == before
 
 
 @pytest.mark.slow
@@ -181,18 +186,6 @@ def test_a_principal_point_that_does_not_fit_is_told(
     code = main(field.words("--json", "--count", 1, "--parameters", tmp_path / "rover.yml"))
     assert code == (0 if "if the camera" in expected or "assuming" in expected else 2)
     assert expected in capsys.readouterr().err
-
-
-@pytest.mark.slow
-def test_a_recording_is_not_replaced_by_its_film(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
-    """Somebody who gives the same name twice keeps the recording."""
-    recording = field.folder / "drive.avi"
-    assert main(field.words("--save", recording)) == 0
-    before = recording.read_bytes()
-    again = ("--parameters", field.folder / "camera.yml", "--save", recording)
-    assert main(["aruco", "track", str(recording), *map(str, again)]) == 2
-    assert "drive.avi is the source of the images; give --save another name" in capsys.readouterr().err
-    assert recording.read_bytes() == before
 
 
 @pytest.mark.slow

@@ -191,19 +191,14 @@ def test_an_object_is_held_while_the_camera_sees_others(selecting: _Selecting) -
 
 
 def test_a_selection_of_an_unknown_object_is_refused_and_reported(selecting: _Selecting) -> None:
-    """The message names the visible objects, and the earlier selection remains."""
+    """The message names the visible objects, and the earlier selection remains; number 0 ends it."""
     selecting.see(_3=(0, 0, 2), _5=(0, 1, 2))
     selecting.select(3)
     selecting.select(9)
     assert selecting.listener.states == ["visible 3", "refused 9", "visible 3"]
     assert "object 9 is not selected, because no camera sees it (visible: 3, 5)" in selecting.log
-
-
-def test_number_0_ends_the_selection(selecting: _Selecting) -> None:
-    """No position is published any more."""
-    selecting.see(_3=(0, 0, 2))
-    selecting.select(3)
+    count = len(selecting.listener.heard["/selected_object/pose"])
     selecting.select(0)
     selecting.see(_3=(0, 0, 2))
-    assert selecting.listener.states == ["visible 3", "none"]
-    assert len(selecting.listener.heard["/selected_object/pose"]) == 1
+    assert selecting.listener.states[-1] == "none"
+    assert len(selecting.listener.heard["/selected_object/pose"]) == count

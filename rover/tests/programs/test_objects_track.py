@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -13,15 +12,14 @@ from needs import NO_ONNX, NO_OPENCV, needs_dds
 from node_in_memory import hear
 from polling import wait_until
 from programs import Start
-from repeating import repeated
 
 from generated.messages import BasestationDetectedObject
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces import sensor_msgs, vision_msgs
-from roverlink.runtime.interfaces.sensor_msgs import CameraInfo
-from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
+from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, Image
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
@@ -32,13 +30,11 @@ from roverkit.objects.detected_objects import Box, TrackedObject  # noqa: E402
 from roverkit.objects.object_rows import DetectedObjectRow  # noqa: E402  # they need OpenCV
 from roverkit.vision import CameraParameters  # noqa: E402
 
+from rover.tests.vision.d435i import BEGAN_NS, COLOUR, PERIOD_NS, TOPICS  # noqa: E402
 from rover.tests.vision.onnx_models import write  # noqa: E402
-from rover.tests.vision.ros_images import FRAME, Camera, camera_info, image  # noqa: E402
+from rover.tests.vision.ros_images import FRAME, camera_info, image, publishing  # noqa: E402
 
-_TOPIC = "/camera/camera/color/image_raw"
 _CAMERA = CameraParameters(np.array([[600.0, 0, 320], [0, 600, 240], [0, 0, 1]]), np.zeros(5), size=(640, 480))
-_BEGAN = 1_700_000_000_000_000_000
-_PERIOD = 33_333_333
 
 
 @pytest.fixture(scope="module")
@@ -117,24 +113,11 @@ def test_boxes_are_whole_pixels_inside_the_image(box: Box, expected: tuple[int, 
     assert (found.x, found.y, found.width, found.height) == expected
 
 
-@contextmanager
-def _driver(node: Middleware) -> Iterator[None]:
-    """A depth camera that looks at a wall at a distance of 2 m."""
-    colour, depth, info = (
-        Camera(node, _TOPIC),
-        Camera(node, "/camera/camera/aligned_depth_to_color/image_raw"),
-        Camera(node, "/camera/camera/color/camera_info", CameraInfo),
-    )
-
-    def publish(number: int) -> None:
-        stamp = _BEGAN + _PERIOD * number
-        colour.publish(image(np.zeros((480, 640, 3), np.uint8), "rgb8", stamp))
-        depth.publish(image(np.full((480, 640), 2000, np.uint16), "16UC1", stamp))
-        infos = camera_info(_CAMERA, stamp)
-        info.publish(infos)
-
-    with repeated(publish):
-        yield
+def _seen(number: int) -> tuple[Image, Image, CameraInfo]:
+    """The messages of a depth camera that looks at a wall at a distance of 2 m."""
+    stamp = BEGAN_NS + PERIOD_NS * number
+    colour, depth = np.zeros((480, 640, 3), np.uint8), np.full((480, 640), 2000, np.uint16)
+    return image(colour, "rgb8", stamp), image(depth, "16UC1", stamp), camera_info(_CAMERA, stamp)
 
 
 @needs_dds
@@ -149,8 +132,8 @@ def test_objects_of_a_depth_camera_are_published(start: Start, model: Path) -> N
     with ExitStack() as held:
         node = held.enter_context(open_middleware("dds", NodeIdentity("driver")))
         heard: dict[str, list[Any]] = {topic: hear(node, topic, kind) for topic, kind in topics.items()}
-        held.enter_context(_driver(node))
-        program = start("objects", "track", f"topic:{_TOPIC}", "--model", model, "--middleware", "dds")
+        held.enter_context(publishing(node, TOPICS, _seen))
+        program = start("objects", "track", f"topic:{COLOUR}", "--model", model, "--middleware", "dds")
 
         def whole() -> Any:
             complete = (one for one in heard["/objects/detections_3d"] if len(one.detections) == 2)
@@ -166,7 +149,7 @@ def test_objects_of_a_depth_camera_are_published(start: Start, model: Path) -> N
     place = rock.bbox.center.position
     assert [place.x, place.y, place.z] == pytest.approx([0, 0, 2], abs=1e-5)
     assert solid.header.frame_id == FRAME
-    assert (solid.header.stamp.sec * 10**9 + solid.header.stamp.nanosec - _BEGAN) % _PERIOD == 0
+    assert (solid.header.stamp.sec * 10**9 + solid.header.stamp.nanosec - BEGAN_NS) % PERIOD_NS == 0
     box = flat.detections[0].bbox
     assert [box.center.position.x, box.center.position.y, box.size_x, box.size_y] == pytest.approx([320, 240, 80, 40])
     assert cv2.imdecode(np.frombuffer(picture.data, np.uint8), cv2.IMREAD_COLOR).shape == (480, 640, 3)

@@ -20,14 +20,13 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: E
 from roverkit.demo.field import SIDE, parameters, write_field  # noqa: E402
 
 from rover.bench.vision.circling_film import render_film  # noqa: E402
-from rover.tests.vision.d435i import COLOUR, DEPTH, INFO, RenderedD435i  # noqa: E402
+from rover.tests.vision.d435i import COLOUR, TOPICS, RenderedD435i  # noqa: E402
 from rover.tests.vision.ros_images import FRAME, camera_info, image  # noqa: E402
 from roverlink.runtime.interfaces.builtin_interfaces import Time  # noqa: E402
 from roverlink.runtime.interfaces.rosgraph_msgs import Clock  # noqa: E402
 from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, Image  # noqa: E402
 
 _IMAGES, _INFO = "/camera/color/image_raw", "/camera/color/camera_info"
-_D435I = {COLOUR: Image, DEPTH: Image, INFO: CameraInfo}
 
 
 @pytest.mark.parametrize("reliability", ["RELIABLE", "BEST_EFFORT"])
@@ -69,7 +68,7 @@ def test_a_d435i_of_rclpy_says_where_base_link_is(judge: Judge, done: Start, mid
     )
     heard = judge.hear("/aruco/pose", "geometry_msgs/msg/PoseWithCovarianceStamped", 100)
     words = ("--side", SIDE, "--landmarks", tmp_path / "landmarks.yaml", "--count", 24, "--middleware", middleware)
-    with judge.publishing(_D435I, camera.messages):
+    with judge.publishing(TOPICS, camera.messages):
         code, _, errors = done("aruco", "track", f"topic:{COLOUR}", *words)  # type: ignore[misc]
     assert code == 0, errors
     wait_until(lambda: len(heard.values) >= 12, "poses of the rover")
@@ -91,7 +90,7 @@ def test_parameters_of_the_tracker_change_while_it_runs(judge: Judge, start: Sta
     def set_parameter(name: str, value: Any) -> Any:
         return judge.set_parameters("/aruco_tracker", **{name: value})[0]
 
-    with judge.publishing(_D435I, camera.messages):
+    with judge.publishing(TOPICS, camera.messages):
         tracker = start("aruco", "track", f"topic:{COLOUR}", *words)
 
         def last() -> Any:

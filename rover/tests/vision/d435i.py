@@ -15,6 +15,7 @@ from roverlink.runtime.interfaces.sensor_msgs import CameraInfo, Image
 
 COLOUR, INFO = "/camera/camera/color/image_raw", "/camera/camera/color/camera_info"
 DEPTH = "/camera/camera/aligned_depth_to_color/image_raw"
+TOPICS = {COLOUR: Image, DEPTH: Image, INFO: CameraInfo}
 PERIOD_NS = 33_333_333
 BEGAN_NS = 1_700_000_000_000_000_000
 _MOUNT = Pose(rotation_of(np.radians([0, 0, 8.0])), np.array([0.31, -0.04, 0.42]))  # camera_link in base_link

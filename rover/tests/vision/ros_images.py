@@ -1,11 +1,14 @@
-"""Images and camera parameters as ROS 2 messages, and a publisher of them."""
+"""Images and camera parameters as ROS 2 messages, and publishers of them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from repeating import repeated
 from roverkit.vision.camera.camera_model import CameraParameters
 from roverkit.vision.camera.parameters_file import model_name
 
@@ -61,3 +64,16 @@ class Camera:
     def publish(self, *messages: Image | CompressedImage | CameraInfo) -> None:
         """Publish messages at once."""
         self._publisher.publish([cdr.encode(message) for message in messages])
+
+
+@contextmanager
+def publishing(node: Middleware, topics: Mapping[str, Any], make: Callable[[int], Iterable[Any]]) -> Iterator[None]:
+    """Publish numbered messages, one on each topic of a type, again and again until the block ends."""
+    cameras = [Camera(node, topic, kind) for topic, kind in topics.items()]
+
+    def publish(number: int) -> None:
+        for camera, message in zip(cameras, make(number), strict=True):
+            camera.publish(message)
+
+    with repeated(publish):
+        yield

@@ -112,7 +112,7 @@ def test_landmarks_do_not_average_shared_errors_away() -> None:
 
 
 def test_the_parameter_file_tells_the_accuracy_of_the_camera(tmp_path: Path) -> None:
-    """The covariance is read; of standard deviations alone, those of the pinhole; of neither, nothing."""
+    """It has a covariance, the standard deviations of the pinhole, or neither; an impossible accuracy is refused."""
     path, covariance = tmp_path / "camera.yml", np.diag(np.arange(1.0, 10) ** 2)
     write_parameters(path, CAMERA, {"standard_deviations": np.arange(1.0, 10).reshape(1, -1)})
     assert read_parameters(path).covariance == pytest.approx(covariance[:4, :4])
@@ -124,16 +124,10 @@ def test_the_parameter_file_tells_the_accuracy_of_the_camera(tmp_path: Path) -> 
     assert half.diagonal() == pytest.approx(covariance.diagonal() * np.array([0.25] * 4 + [1] * 5))
     write_parameters(path, CAMERA)
     assert read_parameters(path).covariance is None
-
-
-def test_an_impossible_accuracy_is_refused(tmp_path: Path) -> None:
-    """The message names the file."""
-    path = tmp_path / "camera.yml"
-    wrong = {
-        "parameter_covariance": (-np.eye(9), "impossible"),
-        "standard_deviations": (np.ones((1, 3)), "needs fx fy"),
-    }
-    for key, (value, words) in wrong.items():
+    for key, value, words in (
+        ("parameter_covariance", -np.eye(9), "impossible"),
+        ("standard_deviations", np.ones((1, 3)), "needs fx fy"),
+    ):
         write_parameters(path, CAMERA, {key: value})
         with pytest.raises(SetupError, match=f"camera.yml:.*{words}"):
             read_parameters(path)
