@@ -61,7 +61,7 @@ def test_known_hints_hide_no_error(project: Path, capsys: pytest.CaptureFixture[
     assert capsys.readouterr().err == summed
     (project / "mapping.yaml").write_text(_TABLE.replace("bord_", "board_") + row + lowered + "more: 1\n")
     assert main(["generate"]) == 1
-    assert capsys.readouterr().err.endswith(f"{summed}1 error in mapping.yaml; nothing was written\n")
+    assert capsys.readouterr().err.endswith(f"{summed}1 error; nothing was written\n")
 
 
 def test_a_row_that_is_not_on_disk_is_quoted(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
