@@ -71,6 +71,15 @@ def test_what_became_of_the_number_is_said(
     assert (code, one["number"], said in one["message"]) == (1, 2, True)
 
 
+def test_a_mere_rename_of_a_payload_is_a_hint(repository: RepositoryBuilder, found: Found) -> None:
+    """A payload that got another name, and kept its fields, is found by a rule of its own."""
+    renamed = _PAYLOADS["components/imu.proto"].replace("message Imu", "message ImuInfo")
+    files = {ENVELOPE_FILE: _text(_GPS).replace("Imu imu", "ImuInfo imu"), "components/imu.proto": renamed}
+    repository.commit("Rename the IMU", files)
+    code, (one,) = found("--history", repository.write(), *_TREE)
+    assert (code, one["id"], one["number"], one["severity"]) == (0, "HIS102", 1, "hint")
+
+
 @pytest.mark.slow
 def test_against_a_branch_makes_its_own_old_cases_hints(repository: RepositoryBuilder, run: Run, found: Found) -> None:
     """What the base and somebody else's open branch have done passes; a case that the change adds is an error."""
