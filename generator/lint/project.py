@@ -129,13 +129,12 @@ def lint_project(table_path: Path, question: Question) -> Linted:
     project = table_path.parent.resolve()
     findings: list[Diagnostic] = []
     with _state(project, question.newest, findings) as checkout:
-        folder = checkout.folder
-        table = reader.read(folder / table_path.name, findings, table_path.name)
-        published = lock.read(folder / lock.NAME, findings)
+        table = reader.read(checkout.folder / table_path.name, findings, table_path.name)
+        published = lock.read(checkout.folder / lock.NAME, findings)
         if not table.proto.root:  # `proto` is missing or misspelt: the project's folder is not what the user meant
             raise DiagnosticsError([*findings, *lint(Context(table, Schema(), published))])
         checkout.add_submodules(table.proto.root, findings)
-        return _lint(folder, project, table, published, question, findings)
+        return _lint(checkout, project, table, published, question, findings)
 
 
 def lint_tree(root: Path, envelope: bare_tree.TreeOptions, question: Question) -> Linted:
@@ -149,7 +148,7 @@ def lint_tree(root: Path, envelope: bare_tree.TreeOptions, question: Question) -
     with _state(project, question.newest, findings) as checkout:
         checkout.add_submodules("", findings)
         published = lock.read(checkout.folder / lock.ACCEPTED_NAME, findings, lock.ACCEPTED_NAME)
-        return _lint(checkout.folder, project, table, published, question, findings)
+        return _lint(checkout, project, table, published, question, findings)
 
 
 @contextlib.contextmanager
@@ -179,19 +178,22 @@ def _tree_of_hook(repository: CheckedOut) -> str:
 
 
 def _lint(
-    folder: Path,
+    checkout: Checkout,
     project: Path,
     table: Table,
     published: lock.Ledger,
     question: Question,
     faults: list[Diagnostic],
 ) -> Linted:
-    """Check the files in a folder, which has the state of the project that is checked. ``project`` is in git.
+    """Check the files of the state of the project that is checked. ``project`` is in git.
 
     ``faults`` are the diagnostics about the parts of the state that were read before.
     """
     if question.with_buf:
         buf.require()
+    folder, commit = checkout.folder, checkout.commit_at(table.proto.root)
+    if question.newest and commit != checkout.commit_at(""):  # a ref names no commit of a submodule
+        question = dataclasses.replace(question, newest=commit)
     root, shown_root = folder / table.proto.root, table.proto.root
     _must_be_folder(root, table.proto.root, table, faults)
     if table.proto.root and source_files.leads_out(folder, root):
@@ -213,16 +215,16 @@ def _lint(
         )
         raise DiagnosticsError([*faults, *findings, NoProtos.at(Span(shown_root or "."), message, help)])
     today = read_state(root, shown_root, declared, table, published, faults)
-    checkout = today.checkout or today.schema
+    schema = today.checkout or today.schema
     past_names = past.history.messages if past else ()
-    if missing := bare_tree.missing_envelope(today.table, checkout, past_names, required=question.of_the_envelope):
+    if missing := bare_tree.missing_envelope(today.table, schema, past_names, required=question.of_the_envelope):
         # A name that no file declares is a mistake on the command line, but a broken file is a fault of the state.
-        if today.table.envelope.message not in checkout.messages or today.table is table:
+        if today.table.envelope.message not in schema.messages or today.table is table:
             raise DiagnosticsError([*findings, *today.faults, missing])
         today = dataclasses.replace(today, faults=(*today.faults, missing))
     baseline = _baseline(question, project, table, findings)
     if past and question.pins:
-        pinned = _pinned(in_git, today.table, checkout, past.history, question, findings)
+        pinned = _pinned(in_git, today.table, schema, past.history, question, findings)
         past = dataclasses.replace(past, pinned=pinned)
     if past and baseline and baseline.commit:
         with contextlib.suppress(GitError):  # today the .proto files are in another repository than in the baseline
@@ -234,11 +236,8 @@ def _lint(
     theirs = _of_buf(*compared, shown_root, findings) if compared else []
     findings += lint(context, theirs)
     ordered = tuple(in_order(findings))
-    on_disk = folder == project
-    texts = {} if on_disk else _texts(folder, ordered)
-    # No commit has the lines of the index, which a hook checks.
-    lines_of = question.newest or (None if on_disk else "")
-    return Linted(ordered, project, texts, _blame(project, lines_of, baseline), context)
+    texts = {} if folder == project else _texts(folder, ordered)
+    return Linted(ordered, project, texts, _blame(project, checkout, question.newest, baseline), context)
 
 
 def _must_be_folder(root: Path, shown_root: str, table: Table, findings: list[Diagnostic]) -> None:
@@ -351,24 +350,26 @@ def _change(project: Path, newest: str, base: str) -> frozenset[str]:
     return repository.since(base, [repository.resolve(newest)] if newest else repository.parents())
 
 
-def _blame(project: Path, newest: str | None, baseline: Baseline | None) -> Callable[[Span], Commit | None]:
+def _blame(
+    project: Path, checkout: Checkout, newest: str, baseline: Baseline | None
+) -> Callable[[Span], Commit | None]:
     """Return a function that finds the commit which last changed the line of a place.
 
-    The place is in the current state or in the baseline, the earlier state. The current state is that of the ref
-    ``newest``, or that of the disk if it is None, or that of the index if it is empty. The function returns None if the
-    commit is unknown.
+    The place is in the baseline, the earlier state, or in the current state, whose files are in ``checkout``. The
+    function returns None if the commit is unknown.
     """
     # git finds the repository of a file's folder, which may be a submodule.
-    commits_of = cache(lambda path: Repository(path.parent).commits_of_lines(path.name, newest))
+    commits_of = cache(lambda path: Repository(path.parent).commits_of_lines(path.name))
 
     def commit_of(span: Span) -> Commit | None:
         if not span.line:
             return None
         if baseline is not None and span.file.startswith(baseline.state.name):
             return baseline.commit_of(span)
+        if checkout.folder != project:  # without a ref, the files are those of the index: no commit has its lines
+            return checkout.commit_of(span) if newest else None
         # The name of a file of an earlier commit starts with the commit.
-        if newest == "" or not (project / span.file).is_file():
-            return None
-        return commit_of_line(commits_of(project / span.file), span.line)
+        path = project / span.file
+        return commit_of_line(commits_of(path), span.line) if path.is_file() else None
 
     return commit_of

@@ -154,7 +154,8 @@ def test_the_state_has_the_commit_that_it_pins(rover: Path, found: Found, run: R
     (rover / "mapping.yaml").write_text(_TABLE.replace("root: protos", "root: moved"))
     assert found("--against", "main")[1][0]["path"] == "moved/imu.proto"
     _commit(rover)
-    assert [one["id"] for one in found("--history", "main", "--against", "main~1")[1]] == ["WIR102"]
+    git(rover, "tag", "later")  # a ref that the submodule's repository does not have
+    assert [one["id"] for one in found("--history", "later", "--against", "main~1")[1]] == ["WIR102"]
 
 
 def test_a_state_whose_submodule_is_not_here_is_one_line(rover: Path, found: Found, run: Run) -> None:
