@@ -105,32 +105,31 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
     from roverlink.row_explanation import Project
 
     table, what = table_file(arguments.table), arguments.what
-    if not table.exists():
-        if _print_keys(what):
-            return OK
-        hint = nearest(what, rules)
-        raise SetupError(f"unknown rule {what!r} ({hint}), and no rows to look up: {table} does not exist")
+    project = fault = None
     try:
-        project = Project(table, history=arguments.history)
+        project = Project(table, history=arguments.history) if table.exists() else None
     except DiagnosticsError as error:
-        if _print_keys(what):
-            return OK
-        show_error(error, table.parent)
-        return FINDINGS
-    row = project.find(what)
-    if row is None and (taken := project.taken(what)):
+        fault = error
+    row = project.find(what) if project else None
+    if project and row:
+        said = project.explain(row)
+        print(json.dumps(said, indent=2)) if arguments.json else _print_row(said)
+        return OK
+    if project and (taken := project.taken(what)):
         print(f"{what} {taken}")
         return FINDINGS
-    if row is None:
-        if _print_keys(what):
-            return OK
-        hint = nearest(what, [*project.known(), *rules, *(path.rpartition(".")[2] for path in _keys())])
-        raise SetupError(
-            f"{what!r} is neither a row or key of {table} nor a rule ({hint}); `roverlink explain` lists the rules"
-        )
-    said = project.explain(row)
-    print(json.dumps(said, indent=2)) if arguments.json else _print_row(said)
-    return OK
+    if _print_keys(what):
+        return OK
+    if fault:
+        show_error(fault, table.parent)
+        return FINDINGS
+    if project is None:
+        hint = nearest(what, rules)
+        raise SetupError(f"unknown rule {what!r} ({hint}), and no rows to look up: {table} does not exist")
+    hint = nearest(what, [*project.known(), *rules, *(path.rpartition(".")[2] for path in _keys())])
+    raise SetupError(
+        f"{what!r} is neither a row or key of {table} nor a rule ({hint}); `roverlink explain` lists the rules"
+    )
 
 
 def _print_row(said: dict[str, Any]) -> None:
