@@ -189,9 +189,8 @@ def _baseline_in(checkout: Checkout, today: Table, faults: list[Diagnostic], fin
     # The earlier state cannot be edited any more, so its own faults are only worth a hint: what was not compared.
     unread = {finding.span.file for finding in faults if finding.severity is Severity.FATAL}
     if lost := sorted({*unread, *(shown(shown_root, file) for file in state.schema.uncompiled)}):
-        named = ", ".join(lost[:_MOST_NAMED]) + (
-            f", and {more} others" if (more := len(lost) - _MOST_NAMED) > 0 else ""
-        )
+        more = len(lost) - _MOST_NAMED
+        named = ", ".join(lost[:_MOST_NAMED]) + (f", and {more} others" if more > 0 else "")
         message = f"changes of these files were not compared, because the earlier state cannot be read there: {named}"
         help = "look at them yourself; with --history, their numbers are checked as far as they can be read"
         hint = UnreadableState.at(Span(lost[0]), message, help)

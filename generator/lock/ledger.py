@@ -86,9 +86,9 @@ class Settled:
     rule: str
     """Id of the rule."""
     subject: str = ""
-    """What the diagnostics are about; empty if all diagnostics of the rule are accepted.
+    """Subject of the accepted diagnostics; empty if all diagnostics of the rule are accepted.
 
-    The full name of a message or enum, such a name with a number (``rover.Imu:3``), or the path of a file.
+    It is the full name of a message or enum, such a name with a number (``rover.Imu:3``), or the path of a file.
     """
     reason: str = ""
 

@@ -97,7 +97,7 @@ def test_a_sighting_leads_from_the_rover_to_the_surveyed_place(
 def test_the_landmarks_that_agree_are_those_that_nobody_moved(
     frame: PlanarPose, moved: set[int], way: float, direction: float
 ) -> None:
-    """Of six landmarks, up to two stand elsewhere, each in another direction; detections are in any frame."""
+    """Up to two of six landmarks stand elsewhere, each in another direction; detections are in any frame."""
     places = {number: PlanarPose(3.0 * number, (number * number) % 5, 0.0) for number in range(6)}
     survey = {number: PlanarGaussian(place, 1e-4 * np.eye(3)) for number, place in places.items()}
     seen = {}

@@ -20,7 +20,7 @@ class Webcam:
         self.frames, self.hang, self.visits, self.sent = frames, False, 0, 0
         self._pause_s = pause_s
         self.pictures = pictures
-        """What the stream shows, also one that has begun."""
+        """Images of the stream; a change also reaches a stream that has begun."""
         self._released = threading.Event()
         webcam = self
 
