@@ -10,12 +10,13 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from itertools import pairwise
 
 from roverkit.driving.arcs import PlanarPose, arc_to
 
 Point = tuple[float, float]
 """Position x, y in metres in the frame of the path."""
+
+_SAME_M = 1e-6  # far below what a rover can drive, and far above the rounding of positions in a field
 
 
 class Ending(Enum):
@@ -47,10 +48,12 @@ class PathFollower:
             raise ValueError("the path is empty")
         if not all(math.isfinite(value) for point in points for value in point):
             raise ValueError("the path has a position that is not a number")
-        self._points = [*points[:1], *(point for before, point in pairwise(points) if point != before)]
-        self._lengths = [0.0]
-        for before, point in pairwise(self._points):
-            self._lengths.append(self._lengths[-1] + math.dist(before, point))
+        self._points, self._lengths = [points[0]], [0.0]
+        for point in points[1:]:
+            length = self._lengths[-1] + math.dist(self._points[-1], point)
+            if length > self._lengths[-1] + _SAME_M:  # otherwise the point repeats, and its direction means nothing
+                self._points.append(point)
+                self._lengths.append(length)
         self._passed = 0.0
 
     def steer(self, pose: PlanarPose, lookahead: float, smallest_radius: float, tolerance: float) -> Steering:

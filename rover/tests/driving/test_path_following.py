@@ -77,8 +77,9 @@ def test_a_path_may_cross_itself_and_end_at_its_start() -> None:
 
 @pytest.mark.parametrize("goal", [(3.0, 1.0), (-5.0, 0.0), (0.0, -4.0), (-2.0, 2.0)])
 def test_a_goal_is_a_path(goal: Point) -> None:
-    """A point, also one that repeats, is reached from any direction, if it is not inside of the smallest turn."""
-    for points in ([goal], [(0.0, 0.0), (0.0, 0.0), goal, goal]):
+    """A point, also one that nearly repeats, is reached from anywhere, if it is not inside of the smallest turn."""
+    beside = (goal[0], math.nextafter(goal[1], math.inf))
+    for points in ([goal], [(0.0, 0.0), (0.0, 0.0), goal, goal], [(0.0, 0.0), goal, beside]):
         ending, poses = _follow(points, PlanarPose())
         assert ending is Ending.REACHED
         assert math.dist((poses[-1].x, poses[-1].y), goal) <= _TOLERANCE
