@@ -27,6 +27,7 @@ from roverlink.generator.lint.history.reuses import Reuses
 from roverlink.generator.lint.history.uncommitted import CheckedOut, Uncommitted, is_uncommitted
 from roverlink.generator.lint.history.usage_model import Collision, Reuse, TracedType, Usage
 from roverlink.generator.lint.history.usages import TracedUsage, usages
+from roverlink.generator.lint.history.word_renames import WordRenames
 from roverlink.generator.protos.parser import parse
 
 _SOME = 64  # states between two reports of progress
@@ -100,6 +101,7 @@ class History:
         default = default_branch(refs)
         released = {*tags.values(), *(graph.node_of(ref.commit) for ref in refs if ref.name == default)}
         self._record = Record(graph, lineage, graph.node_of(newest), self._nodes | tags, released)
+        self._renames = WordRenames(self._record)
 
         # A few are kept: the usages of thousands of messages on hundreds of branches take 100 MB.
         @lru_cache(_FEW)
@@ -215,7 +217,7 @@ class History:
         return self._traced((id,), tuple(self._record.namesakes(id).items()))
 
     def _find_reuses(self, id: int) -> tuple[Reuse, ...]:
-        return tuple(Reuses(self._record, id, self._traced_with_namesakes(id)).all())
+        return tuple(Reuses(self._record, id, self._traced_with_namesakes(id), self._renames).all())
 
 
 def _by_number(found: Iterable[Usage]) -> dict[int, tuple[Usage, ...]]:

@@ -17,6 +17,7 @@ from roverlink.generator.lint.history.node_judgement import FactAtNode, judge_fa
 from roverlink.generator.lint.history.usage_model import Content, Kind, Reuse, Usage
 from roverlink.generator.lint.history.usage_relations import Relations
 from roverlink.generator.lint.history.usages import TracedUsage
+from roverlink.generator.lint.history.word_renames import WordRenames
 from roverlink.generator.lint.names.similar_names import is_called_a_rename
 from roverlink.generator.lint.names.value_names import shared_words
 
@@ -40,8 +41,8 @@ _KINDS = {
 class Reuses:
     """Finder of the reuses of one message or enum: compares the usages (meanings) of each number with each other."""
 
-    def __init__(self, record: Record, owner: int, traced: Sequence[TracedUsage]) -> None:
-        self._record, self._traced, self._id = record, traced, owner
+    def __init__(self, record: Record, owner: int, traced: Sequence[TracedUsage], renames: WordRenames) -> None:
+        self._record, self._traced, self._id, self._renames = record, traced, owner, renames
         self._owner = record.types[owner].name
         self._relations = Relations(record, owner)
         self._numbers = cache(lambda node: _numbers(record.declared(owner, node)))
@@ -114,14 +115,19 @@ class Reuses:
         if types is None:
             judgement = judge_compounds(judgement, old.name, new.name, self._shared, self._names)
         kind, reason = _KINDS[judgement.meaning], judgement.reason
-        subjects = (self._record.graph[node].revision.commit.subject for node in handovers)
-        if judgement.by_words and any(
-            is_called_a_rename(subject, old.name, new.name, self._shared) for subject in subjects
-        ):
-            kind, reason = Kind.DOUBTFUL, f"the commit is called a rename, but {reason}"
+        if judgement.by_words and (rename := self._shows_a_rename(handovers, old.name, new.name)):
+            kind, reason = Kind.DOUBTFUL, f"{rename}, but {reason}"
         elif kind is Kind.MEANING and types and types.old.full_name != types.new.full_name:
             kind = Kind.REUSED
         return self._reuse(kind, earlier, later, judged.old, judged.new, reason) if kind else None
+
+    def _shows_a_rename(self, nodes: Sequence[int], old: str, new: str) -> str:
+        """Return why the nodes (commits) that replaced a name show that a word was renamed; empty if they do not."""
+        subjects = (self._record.graph[node].revision.commit.subject for node in nodes)
+        if any(is_called_a_rename(subject, old, new, self._shared) for subject in subjects):
+            return "the commit is called a rename"
+        renamed = any(self._renames.has(node, old, new, self._shared) for node in nodes)
+        return "the commit replaces the word in several messages" if renamed else ""
 
     # --- one usage, other contents ----------------------------------------------------------------------------------
 

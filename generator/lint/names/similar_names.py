@@ -124,12 +124,16 @@ def is_called_a_rename(text: str, old: str, new: str, shared: frozenset[str]) ->
 
     ``shared`` are words that say nothing; see `compare_names`.
     """
-    before, after = _words(old), _words(new)
-    differing = {word.base for word in (*_remaining(before, after), *_remaining(after, before))} - FILLERS - shared
-    said = {word.base for word in _words(text)}
+    differing = (word_bases(old) ^ word_bases(new)) - FILLERS - shared
     return _RENAMES.search(text) is not None and any(
-        one == other or _has_same_stem(one, other) for one, other in product(said, differing)
+        one == other or _has_same_stem(one, other) for one, other in product(word_bases(text), differing)
     )
+
+
+@lru_cache(maxsize=1 << 16)
+def word_bases(name: str) -> frozenset[str]:
+    """Return the words of a name, in the form in which words are compared."""
+    return frozenset(word.base for word in _words(name))
 
 
 @lru_cache(maxsize=1 << 16)
