@@ -25,7 +25,8 @@ _OF_CLASHES = ("NAM101", "NAM103")
 def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
     """Run all rules, and return their diagnostics, the faults of the state, and the diagnostics of buf.
 
-    A fault that the baseline has already is a hint, and so is one that the state repairs. The table can lower the severity of the others.
+    A fault that the baseline has already is a hint, and so is one that the state repairs. The table can lower the
+    severity of the others.
 
     ``of_buf`` are the diagnostics of the program buf. Those that repeat a diagnostic of our own rules are dropped.
     """

@@ -69,7 +69,7 @@ class ReadFiles(NamedTuple):
         """Return the schema in which the tolerant parser has read some files, and protoc the others."""
         uncompiled = self.schema.uncompiled
         # If two files declare one name, the one that protoc could compile counts.
-        read = sorted(paths.intersection(self.files), key=lambda path: (path in uncompiled, path))
+        read = sorted(paths & self.files.keys(), key=lambda path: (path in uncompiled, path))
         left = replace(
             self.schema,
             messages={name: one for name, one in self.schema.messages.items() if one.file not in paths},
@@ -105,7 +105,7 @@ def read_alike(before: ReadFiles, after: ReadFiles) -> tuple[Schema, Schema]:
 
 
 def _declared_in(file: File) -> set[str]:
-    return {declared.full_name for declared in (*file.messages, *file.enums)}
+    return {message.full_name for message in file.messages} | {enum.full_name for enum in file.enums}
 
 
 def _in(shown_root: str, path: str, span: Span) -> Span:

@@ -258,7 +258,7 @@ def test_a_state_that_does_not_compile(tree: Path, found: Found) -> None:
 def test_a_state_of_which_nothing_compiles(
     tmp_path: Path, found: Found, before: str, after: tuple[str, str], code: int, expected: list[tuple[str, str]]
 ) -> None:
-    """A file that lacks an import is compared as far as it can be read; if nothing is compared, the lint cannot pass."""
+    """A file that lacks an import is compared as far as it can be read; if nothing is compared, the lint fails."""
     root = RepositoryBuilder(tmp_path / "protos").commits({"imu.proto": f"{_IMU}{before}\n"}).write()
     _replace(root, "imu.proto", *after)
     got, all = found(root, "--against", "main")
