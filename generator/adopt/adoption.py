@@ -78,12 +78,11 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
         help = "move the .proto files into the repository, or add their repository as a submodule"
         raise DiagnosticsError([NothingToTakeOver.at(Span(str(wanted.root)), message, help)])
     shown_root = Path(os.path.relpath(root, project)).as_posix()
-    tree = read_tree(root, shown_root, wanted.file, wanted.message, wanted.oneof)
+    foreign = _foreign(project, root)
+    tree = read_tree(root, shown_root, wanted.file, wanted.message, wanted.oneof, foreign)
     peers, rows = guess_rows(tree)
     past = read_past(root, tree, rows, report)
-    owned, why = owner(
-        tree, [row.number for row in past.retired], [row.name for row in past.retired], _foreign(project, root)
-    )
+    owned, why = owner(tree, [row.number for row in past.retired], [row.name for row in past.retired], foreign)
     draft = Draft(
         root=shown_root,
         package=wanted.package,

@@ -5,12 +5,14 @@ It also decides if `roverlink generate` may write the envelope's file.
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from roverlink.generator import source_files
+from roverlink.generator.adopt.missing_imports import with_help
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from roverlink.generator.emit.render import carries_header
 from roverlink.generator.init_rules import NoSuchEnvelope, NothingToTakeOver
@@ -53,11 +55,12 @@ class Tree:
         return [field.name for field in self.envelope.fields if field.oneof == self.oneof and field.type != "message"]
 
 
-def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) -> Tree:
+def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str, foreign: str = "") -> Tree:
     """Read the .proto files below a folder, and find the envelope.
 
     ``file``, ``message`` and ``oneof`` name the envelope; each one that is empty is guessed. ``shown_root`` is the
-    folder's name in diagnostics. Raises `DiagnosticsError` if there is no envelope, or if it does not compile.
+    folder's name in diagnostics, and ``foreign`` the reason why this project must not write to it; empty if it may.
+    Raises `DiagnosticsError` if there is no envelope, or if it does not compile.
     """
     findings: list[Diagnostic] = []
     files = read_protos(root, shown_root, findings) if root.is_dir() else {}
@@ -69,7 +72,7 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
         raise DiagnosticsError(findings or [none])
     candidates = dict(_envelopes(files, file, message))
     if not candidates:
-        raise DiagnosticsError([_no_envelope(files, file, message, shown_root)])
+        raise DiagnosticsError([_no_envelope(files, file, message, shown_root, foreign)])
     name = _outermost(candidates, files)
     schema, exclude = _compiled_together(root, files, candidates[name], shown_root)
     envelope = schema.messages[name]
@@ -148,31 +151,43 @@ def _size_of_oneof(message: ProtoMessage) -> int:
     return max(Counter(held).values(), default=0)
 
 
-def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root: str) -> Diagnostic:
+def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root: str, foreign: str) -> Diagnostic:
     if file and file not in files:
         return NoSuchEnvelope.at(
             Span(shown_root), f"the folder contains no file {file!r}", f"known files: {', '.join(sorted(files))}"
         )
     known = sorted({message.full_name for name in files for message in files[name].messages if message.oneofs})
     fault = f"no message {message!r} is declared" if message else "no message with a oneof is declared"
-    help = f"messages with a oneof: {', '.join(known)}" if known else _beginning(files, shown_root)
+    help = f"messages with a oneof: {', '.join(known)}" if known else _beginning(files, shown_root, foreign)
     return NoSuchEnvelope.at(Span(shown(shown_root, file) if file else shown_root), fault, help)
 
 
-def _beginning(files: Mapping[str, File], shown_root: str) -> str:
-    """Return the help for a tree that has no envelope yet: the text of one, with some of its messages."""
+def _beginning(files: Mapping[str, File], shown_root: str, foreign: str) -> str:
+    """Return the help for a tree that has no envelope yet: the text of one, with some of its messages.
+
+    ``foreign`` is not empty if the text must not be written into the tree's own folder.
+    """
     inside = {name for names in _messages_inside(files, of_oneofs=False).values() for name in names}
     whole = [(path, message.full_name) for path, file in files.items() for message in file.outermost]
     payloads = [(path, name) for path, name in whole if name not in inside][:_MOST_NAMED]
-    imports = " ".join(f'import "{path}";' for path in dict.fromkeys(path for path, _ in payloads))
-    members = " ".join(
-        f"{name} {ros_names.field_name(name.rpartition('.')[2])} = {number};"
+    imports = [f'import "{path}";' for path in dict.fromkeys(path for path, _ in payloads)]
+    members = [
+        f"    {name} {ros_names.field_name(name.rpartition('.')[2])} = {number};"
         for number, (_, name) in enumerate(payloads, 1)
-    )
-    text = f'syntax = "proto3"; {imports} message Envelope {{ oneof payload {{ {members} }} }}'
+    ]
+    text = ['syntax = "proto3";', *imports, "message Envelope {", "  oneof payload {", *members, "  }", "}"]
+    ours, link = shown_root, ""
+    if foreign:
+        ours = "proto" if shown_root != "proto" else "protos"
+        target = os.path.relpath(shown_root, ours)
+        link = (
+            f"link to the files, which another repository tracks: `mkdir {ours} && (cd {ours} && ln -s {target}/* .)`; "
+        )
     return (
-        f"the envelope is a message with a oneof of all payloads; to begin, write `{text}` into "
-        f"{shown(shown_root, 'envelope.proto')} and run this again; `roverlink lint {shown_root}` needs no envelope"
+        f"the envelope is a message with a oneof of all payloads; to begin, {link}write into "
+        f"{shown(ours, 'envelope.proto')}:\n"
+        + "".join(f"    {line}\n" for line in text)
+        + f"  and run `roverlink init --from {ours}`; `roverlink lint {shown_root}` needs no envelope"
     )
 
 
@@ -214,7 +229,7 @@ def _compiled_together(
         except DiagnosticsError as error:
             faults = _faults(error, kept, files, exclude, shown_root)
             if not faults or any(file in needed for file in faults):
-                raise
+                raise DiagnosticsError(list(with_help(error.findings, root, shown_root))) from error
             exclude |= faults
             kept = [file for file in kept if file not in faults]
 

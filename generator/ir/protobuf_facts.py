@@ -11,4 +11,5 @@ OWN_FILES = "google/protobuf/"
 
 def module_path(file: str) -> str:
     """Return the path of a .proto file's module, without suffix: ``my_board/imu_pb2`` for ``my-board/imu.proto``."""
-    return f"{file.removesuffix('.proto').replace('-', '_')}_pb2"
+    # protoc makes folders of dots, as in github.com/owner/name.
+    return f"{file.removesuffix('.proto').replace('-', '_').replace('.', '/')}_pb2"

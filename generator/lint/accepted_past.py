@@ -48,6 +48,11 @@ def _spelled(history: History, type: TracedType, usage: Usage) -> set[PastUse]:
     return {_use(usage.label, name, usage.name) for name in names}
 
 
+def has_meaning(history: History, type: TracedType, usage: Usage, meaning: PastUse) -> bool:
+    """Return True if a usage of a number of the message or enum has the meaning, under any name of its type."""
+    return meaning in _spelled(history, type, usage)
+
+
 def _use(label: str, type: str, name: str, content: str = "") -> PastUse:
     """Return a meaning as the ledger stores it. A list and a single value are different meanings."""
     return PastUse(f"repeated {type}" if label == "repeated" else type, name, content)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
 from roverlink.generator.git import Commit, Repository
 from roverlink.generator.lint import bare_tree
+from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.context import Context, since_last_generate
 from roverlink.generator.lint.git_states import Checkout, checked_out, commit_of_ref
 from roverlink.generator.lint.input_rules import UnreadableState
@@ -84,6 +85,7 @@ def read_state(
         ledger=published,
         files=kept,
         excluded_files=left_out,
+        shown_root=shown_root,
         name=name,
         faults=tuple(faults),
         changes=since_last_generate(published, schema),
@@ -187,12 +189,39 @@ def _baseline_in(checkout: Checkout, today: Table, faults: list[Diagnostic], fin
     if finding := bare_tree.missing_envelope(state.table, state.checkout or state.schema):
         state = dataclasses.replace(state, faults=(*state.faults, finding))
     # The earlier state cannot be edited any more, so its own faults are only worth a hint: what was not compared.
+    parsed = state.read_files.without_an_import()
     unread = {finding.span.file for finding in faults if finding.severity is Severity.FATAL}
-    if lost := sorted({*unread, *(shown(shown_root, file) for file in state.schema.uncompiled)}):
-        more = len(lost) - _MOST_NAMED
-        named = ", ".join(lost[:_MOST_NAMED]) + (f", and {more} others" if more > 0 else "")
-        message = f"changes of these files were not compared, because the earlier state cannot be read there: {named}"
+    unread |= {shown(shown_root, file) for file in state.schema.uncompiled if file not in parsed}
+    if lost := sorted(unread):
+        message = (
+            f"changes of these files were not compared, because the earlier state cannot be read there: {_named(lost)}"
+        )
         help = "look at them yourself; with --history, their numbers are checked as far as they can be read"
-        hint = UnreadableState.at(Span(lost[0]), message, help)
-        findings.append(dataclasses.replace(hint, severity=Severity.HINT))
+        findings.append(dataclasses.replace(UnreadableState.at(Span(lost[0]), message, help), severity=Severity.HINT))
+    if lacking := sorted(shown(shown_root, file) for file in parsed):
+        message = (
+            "of these files, numbers, names and types were compared, but no options, because an import is missing: "
+            f"{_named(lacking)}"
+        )
+        findings.append(dataclasses.replace(UnreadableState.at(Span(lacking[0]), message), severity=Severity.HINT))
     return Baseline(state, checkout.commit_of, checkout.commit_at(root))
+
+
+def _named(files: Sequence[str]) -> str:
+    """Return the names of some files as a list for a message, which does not name all of many."""
+    more = len(files) - _MOST_NAMED
+    return ", ".join(files[:_MOST_NAMED]) + (f", and {more} others" if more > 0 else "")
+
+
+def nothing_compared(change: SchemaChange, base: Context, today: Context) -> Diagnostic | None:
+    """Return the diagnostic for a comparison in which the baseline has no declaration that can be read; else None.
+
+    If the current state has files that compile, it repairs the baseline, which is no fault.
+    """
+    if change.before.messages or change.before.enums or not base.schema.uncompiled:
+        return None
+    if any(file not in today.schema.uncompiled for file in today.files):
+        return None
+    message = "nothing was compared: none of the .proto files can be read, neither in the earlier state nor in this one"
+    help = "correct the errors in the files, or give the folder from which their imports are found"
+    return UnreadableState.at(Span(base.shown_root or base.name), message, help)

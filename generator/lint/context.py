@@ -16,6 +16,7 @@ from roverlink.generator.lock import Entry, Ledger, RowSettings, Setting, settin
 from roverlink.generator.nanopb import Bounds
 from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
+from roverlink.generator.protos.uncompiled import ReadFiles, read_alike
 from roverlink.generator.table import Row, Table
 
 if TYPE_CHECKING:
@@ -111,6 +112,8 @@ class Context:
     """The declarations in each .proto file by path, as far as the file can be read. Excluded files are left out."""
     excluded_files: Mapping[str, File] = field(default_factory=dict)
     """The declarations in each .proto file that the table excludes, by path."""
+    shown_root: str = ""
+    """The name of the folder of the .proto files in diagnostics: ``proto``, or ``main:proto`` in a baseline."""
     name: str = ""
     """The beginning of the file names in diagnostics, if the state is a baseline: ``main:protos``; else empty."""
     faults: tuple[Diagnostic, ...] = ()
@@ -146,6 +149,11 @@ class Context:
         return (*self.ledger.entries, *(self.base.entries if self.base else ()))
 
     @property
+    def read_files(self) -> ReadFiles:
+        """The .proto files of the state, as protoc and the tolerant parser read them."""
+        return ReadFiles(self.schema, self.files, self.shown_root)
+
+    @property
     def published_settings(self) -> Iterator[RowSettings]:
         """The settings of the rows that were published, according to the ledger and the baseline."""
         yield self.ledger.settings
@@ -159,7 +167,7 @@ class Context:
 
         A comparison of the baseline with itself shows what is no fault of the change.
         """
-        change = SchemaChange(base.schema, self.schema, bounds_before=base.bounds)
+        change = SchemaChange(*read_alike(base.read_files, self.read_files), bounds_before=base.bounds)
         return replace(self, base=base, changes=(change, *self.changes))
 
     def changed_settings(self, row: Row) -> dict[str, ChangedSetting]:

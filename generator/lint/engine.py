@@ -9,6 +9,7 @@ from roverlink.generator.diagnostics import Diagnostic, Severity, independent
 from roverlink.generator.lint.baseline import without_known
 from roverlink.generator.lint.buf import unstated
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.repairs import repairs_as_hints
 from roverlink.generator.lint.rules import lint_rules
 from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
 from roverlink.generator.table import Lowered
@@ -24,7 +25,8 @@ _OF_CLASHES = ("NAM101", "NAM103")
 def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
     """Run all rules, and return their diagnostics, the faults of the state, and the diagnostics of buf.
 
-    A fault that the baseline has already is a hint. The table can lower the severity of the others.
+    A fault that the baseline has already is a hint, and so is one that the state repairs. The table can lower the
+    severity of the others.
 
     ``of_buf`` are the diagnostics of the program buf. Those that repeat a diagnostic of our own rules are dropped.
     """
@@ -32,7 +34,7 @@ def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic
     if context.base is not None:
         found = list(without_known(found, context.base, _found(context.base.compared_with(context.base))))
     remaining = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
-    counted = (_as_the_table_says(finding, context) for finding in remaining)
+    counted = (_as_the_table_says(finding, context) for finding in repairs_as_hints(remaining, context))
     return independent(_each_number_once(finding for finding in counted if finding is not None))
 
 

@@ -137,7 +137,7 @@ def changed_field(
 
 def _schemas(context: Context) -> Iterator[Schema]:
     yield context.schema
-    yield from (change.before for change in context.changes)
+    yield from (schema for change in context.changes for schema in (change.before, change.after))
 
 
 def _fields(schema: Schema, full_name: str) -> Iterator[int]:

@@ -66,11 +66,11 @@ def reported(rule: type[Rule], context: Context, type: TracedType, number: int, 
         number=number,
         uses=list(_uses(context, order, reuses)),
     )
-    if all(past.is_known(*_began(reuse)) for reuse in reuses):
+    if all(past.is_known(*began(reuse)) for reuse in reuses):
         return finding.as_known()
     # What only an unmerged branch has done is the business of that branch, where it is an error.
     # No board has a meaning that stood only in a file that protoc rejects, as one with conflict markers.
-    if all(reuse.unmerged or reuse.unbuilt or past.is_known(*_began(reuse)) for reuse in reuses):
+    if all(reuse.unmerged or reuse.unbuilt or past.is_known(*began(reuse)) for reuse in reuses):
         return dataclasses.replace(finding, severity=Severity.HINT)
     return finding
 
@@ -187,7 +187,7 @@ def _last_changes_text(changes: Sequence[Reuse]) -> str:
     return f"{text} (and {more} changes of meaning before)" if more > 0 else text
 
 
-def _began(reuse: Reuse) -> tuple[Commit, ...]:
+def began(reuse: Reuse) -> tuple[Commit, ...]:
     """Return the commits without which the number would not have both meanings."""
     # A message that kept its name has one usage, and got its new content later.
     within = reuse.later is reuse.earlier and reuse.new
@@ -239,8 +239,8 @@ def stands_today(context: Context, owner: str, number: int) -> PastUse | None:
 
 
 def _declared(context: Context, owner: str) -> ProtoMessage | ProtoEnum | None:
-    schema = context.checkout
-    return (schema.messages.get(owner) or schema.enums.get(owner)) if schema else None
+    schema = context.checkout or context.schema
+    return schema.messages.get(owner) or schema.enums.get(owner)
 
 
 def _parts(context: Context, declared: ProtoMessage | ProtoEnum) -> dict[int, ProtoField | ProtoEnumValue]:

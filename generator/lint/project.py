@@ -19,7 +19,7 @@ from roverlink.generator import lock, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, in_order, shown
 from roverlink.generator.git import Commit, GitError, Repository, commit_of_line
 from roverlink.generator.lint import bare_tree, buf
-from roverlink.generator.lint.baseline import Baseline, open_baseline, read_state
+from roverlink.generator.lint.baseline import Baseline, nothing_compared, open_baseline, read_state
 from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past
 from roverlink.generator.lint.engine import lint
@@ -232,6 +232,8 @@ def _lint(
     context = dataclasses.replace(today, past=past, tree="" if shown_root else shown_to_user)
     if baseline is not None:
         context = context.compared_with(baseline.state)
+        if nothing := nothing_compared(context.changes[0], baseline.state, today):
+            findings.append(nothing)
     compared = (baseline.state.schema, today.schema) if question.with_buf and baseline else None
     theirs = _of_buf(*compared, shown_root, findings) if compared else []
     findings += lint(context, theirs)

@@ -166,7 +166,7 @@ def _protoc(staged: Path, files: Sequence[str], options: Sequence[str], inside: 
 # below, one typing error would give as many diagnostics as there are files.
 _PLAIN_NAME = r"[^:\s][^:\n]*\.proto"
 _PROTOC_MESSAGE = r"^(?P<file>%s):(?:(?P<line>\d+):(?P<column>\d+):)? *(?P<text>.*)$"
-_BROKEN_IMPORT = re.compile(r'Import "(?P<file>[^"]+)" was not found or had errors\.')
+BROKEN_IMPORT = re.compile(r'Import "(?P<file>[^"]+)" was not found or had errors\.')
 _UNDEFINED = re.compile(r'"(?P<name>[^"]+)" (is not defined|seems to be defined)\b.*')
 _NOT_FOUND = "File not found."
 
@@ -187,7 +187,7 @@ def _protoc_findings(output: str, staged: Path, shown_root: str) -> list[Diagnos
     """
     errors = list(_errors(output, staged))
     broken = {error.file for error in errors if error.text != _NOT_FOUND}
-    imported = {match["file"] for error in errors if (match := _BROKEN_IMPORT.fullmatch(error.text))}
+    imported = {match["file"] for error in errors if (match := BROKEN_IMPORT.fullmatch(error.text))}
     missing_names = _declared_in(broken & imported, staged)
     imports: dict[str, list[Span]] = {}  # by file: the places where its broken imports are reported
     importers: dict[str, list[Span]] = (
@@ -197,7 +197,7 @@ def _protoc_findings(output: str, staged: Path, shown_root: str) -> list[Diagnos
     for error in errors:
         if not _is_consequence(error, broken, imported, missing_names):
             span = Span(shown(shown_root, error.file), error.line, error.column)
-            if _BROKEN_IMPORT.fullmatch(error.text):
+            if BROKEN_IMPORT.fullmatch(error.text):
                 importers.setdefault(error.text, []).append(span)
                 imports.setdefault(span.file, []).append(importers[error.text][0])
                 if span != importers[error.text][0]:
@@ -252,7 +252,7 @@ def _is_consequence(error: _Error, broken: Set[str], imported: Set[str], missing
     """
     if error.text == _NOT_FOUND:
         return error.file in imported  # the import statement is a better place for the error
-    if match := _BROKEN_IMPORT.fullmatch(error.text):
+    if match := BROKEN_IMPORT.fullmatch(error.text):
         return match["file"] in broken
     match = _UNDEFINED.fullmatch(error.text)
     return match is not None and match["name"].rpartition(".")[2] in missing_names

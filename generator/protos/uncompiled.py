@@ -7,10 +7,12 @@ of a field is unknown, and so is its name in JSON.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from roverlink.generator.diagnostics import Span, shown
+from roverlink.generator.ir.protobuf_facts import OWN_FILES
 from roverlink.generator.protos.parser import SCALARS, File, map_types, resolve_type
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema, Syntax
 
@@ -37,6 +39,73 @@ def with_uncompiled(schema: Schema, files: Mapping[str, File], shown_root: str) 
             for linked in _Linker(names, frozenset(enums), shown_root, path).linked(message):
                 messages.setdefault(linked.full_name, linked)
     return replace(schema, messages=messages, enums=enums, syntaxes=syntaxes)
+
+
+class ReadFiles(NamedTuple):
+    """The .proto files of one state: what protoc could compile, and what the tolerant parser read."""
+
+    schema: Schema
+    files: Mapping[str, File]
+    shown_root: str
+    """The name of the folder of the files in diagnostics."""
+
+    def without_an_import(self) -> set[str]:
+        """Return the paths of the files that do not compile because an import is missing, and that can be parsed."""
+        lacking, before = set[str](), -1
+        while len(lacking) > before:
+            before = len(lacking)
+            lacking |= {
+                path
+                for path, file in self.files.items()
+                if any(one in lacking or self._is_missing(one) for one in file.imported)
+            }
+        return {path for path in lacking.intersection(self.schema.uncompiled) if not self.files[path].broken}
+
+    def declaring(self, names: Set[str]) -> set[str]:
+        """Return the paths of the files that declare one of the messages and enums."""
+        return {path for path, file in self.files.items() if not names.isdisjoint(_declared_in(file))}
+
+    def parsed(self, paths: Set[str]) -> Schema:
+        """Return the schema in which the tolerant parser has read some files, and protoc the others."""
+        uncompiled = self.schema.uncompiled
+        # If two files declare one name, the one that protoc could compile counts.
+        read = sorted(paths & self.files.keys(), key=lambda path: (path in uncompiled, path))
+        left = replace(
+            self.schema,
+            messages={name: one for name, one in self.schema.messages.items() if one.file not in paths},
+            enums={name: one for name, one in self.schema.enums.items() if one.file not in paths},
+            extensions=tuple(one for one in self.schema.extensions if one.file not in paths),
+            uncompiled=tuple(read),
+        )
+        return replace(with_uncompiled(left, self.files, self.shown_root), uncompiled=uncompiled)
+
+    def _is_missing(self, imported: str) -> bool:
+        return imported not in self.files and not imported.startswith(OWN_FILES)
+
+
+def read_alike(before: ReadFiles, after: ReadFiles) -> tuple[Schema, Schema]:
+    """Return the schemas of two states, for a comparison, with all files that only lack an import.
+
+    The tolerant parser reads such a file in both states, because protoc knows more about a file: the two would differ
+    without a change. A file that the parser cannot read in one of the states is left out.
+    """
+    lacking = before.without_an_import() | after.without_an_import()
+    if not lacking:
+        return before.schema, after.schema
+    names = {
+        name
+        for state in (before, after)
+        for path in lacking
+        if path in state.files
+        for name in _declared_in(state.files[path])
+    }
+    paths = lacking | before.declaring(names) | after.declaring(names)
+    broken = {path for state in (before, after) for path in paths if path in state.files and state.files[path].broken}
+    return before.parsed(paths - broken), after.parsed(paths - broken)
+
+
+def _declared_in(file: File) -> set[str]:
+    return {message.full_name for message in file.messages} | {enum.full_name for enum in file.enums}
 
 
 def _in(shown_root: str, path: str, span: Span) -> Span:

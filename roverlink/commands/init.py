@@ -171,9 +171,12 @@ def _print_adoption(adoption: Adoption, source: str) -> None:
         print(f"  {row.number:>5} {row.name:<28} {row.direction:<24}{'  guessed' if row.doubt else ''}".rstrip())
     for file, why in draft.exclude.items():
         print(f"left out: {visible(file)}: {why}")
+    ignored: dict[str, list[str]] = {}
     for row in draft.rows:
         for path, why in row.ignore.items():
-            print(f"not bridged: {path} of {row.name}: {why}")
+            ignored.setdefault(why, []).append(f"{path} of {row.name}")
+    for why, fields in ignored.items():
+        print(f"not bridged: {', '.join(fields)}: {why}")
     for field in adoption.scalars:
         print(f"not bridged: {field} in {draft.oneof}, because it is not a message")
     for gone in draft.retired:

@@ -98,6 +98,8 @@ def test_against_a_branch_makes_its_own_old_cases_hints(repository: RepositoryBu
     (root / ENVELOPE_FILE).write_text(_text("Imu second = 2;"))  # a third meaning
     code, against = found("--history", root, *_TREE, "--against", "base")
     assert (code, ("HIS101", "error") in [(one["id"], one["severity"]) for one in against]) == (1, True)
+    (root / ENVELOPE_FILE).write_text(_text(_GPS))  # a repair of the base, and of what main did before
+    assert [found("--history", root, *_TREE, "--against", base)[0] for base in ("base", "main~2")] == [0] * 2
 
 
 # --- what limits how deep one can look ---

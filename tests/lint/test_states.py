@@ -242,6 +242,33 @@ def test_a_state_that_does_not_compile(tree: Path, found: Found) -> None:
     assert (code, _said([one for one in all if one["id"] == "PRO101"], "path", "line")) == (1, [("imu.proto", 8)])
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "code", "expected"),
+    [
+        (
+            'import "gone.proto";',
+            ("float accel_y = 2;", "string name = 2;"),
+            1,
+            [("STA102", "hint"), ("WIR101", "error")],
+        ),
+        ("message {", ("message {", "message { "), 2, [("STA102", "hint"), ("STA102", "fatal")]),
+        ("message {", ("message {", ""), 0, [("STA102", "hint")]),
+    ],
+    ids=["an import is missing", "nothing can be read", "the change repairs it"],
+)
+def test_a_state_of_which_nothing_compiles(
+    tmp_path: Path, found: Found, before: str, after: tuple[str, str], code: int, expected: list[tuple[str, str]]
+) -> None:
+    """A file that lacks an import is compared as far as it can be read; if nothing is compared, the lint fails."""
+    root = RepositoryBuilder(tmp_path / "protos").commits({"imu.proto": f"{_IMU}{before}\n"}).write()
+    _replace(root, "imu.proto", *after)
+    got, all = found(root, "--against", "main")
+    assert (got, sorted({one for one in _said(all, "id", "severity") if one[0] != "PRO101"})) == (
+        code,
+        sorted(expected),
+    )
+
+
 def test_binary_and_enormous_files(tree: Path, found: Found) -> None:
     """A file that nobody wrote is named with exit code 2, and not read to its end."""
     (tree / "binary.proto").write_bytes(b"\x00\x01\x02" * 1000)
