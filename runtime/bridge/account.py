@@ -38,6 +38,8 @@ class Account:
     """Datagrams received but not bridged, by reason (`Reason`)."""
     dropped_of_row: Counter[tuple[str, str]] = field(default_factory=Counter)
     """Dropped datagrams whose payload is known, by payload and reason."""
+    clocks_ahead: Counter[str] = field(default_factory=Counter)
+    """Signed datagrams that were accepted more than a minute ahead of this computer's clock, by who signed them."""
     unsent: Counter[str] = field(default_factory=Counter)
     """Datagrams that the network refused to send, by peer."""
     unforwarded: Counter[str] = field(default_factory=Counter)
@@ -78,6 +80,7 @@ class Account:
             "superseded": dict(sorted(self.superseded.items())),
             "failed": dict(sorted(self.failed.items())),
             "stops": dict(sorted(self.stops.items())),
+            "clocks_ahead": dict(sorted(self.clocks_ahead.items())),
             "unsent": dict(sorted(self.unsent.items())),
             "unforwarded": dict(sorted(self.unforwarded.items())),
             "link_events": {

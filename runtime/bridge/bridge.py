@@ -101,6 +101,8 @@ class Bridge:
         )
         self._counters = Counters(self._socket, logger)
         self.account = self._counters.account
+        if links is not None:
+            self.account.clocks_ahead = links.verifier.ahead
         self._sending = self._send if registry.link is None else self._send_counted
         self._ends = Ends(registry, parameters, self._counters, self._socket)
         self._sender: Sender | None = None  # of the datagrams that are handled now, if an address is to be learned

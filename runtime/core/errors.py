@@ -78,11 +78,26 @@ class Reason(str, Enum):
     OUTDATED = "outdated"
     """A newer signed datagram of the same sender was accepted before."""
     AHEAD = "ahead"
-    """The timestamp of the signature is more than ten years ahead."""
+    """The timestamp of the signature is more than ten years ahead of the computer's clock."""
     OTHER_SCHEMA = "other_schema"
     """The peer has another schema of the payload than the bridge (parameter ``link_policy``)."""
     STOPPED = "stopped"
     """The bridge stopped before it could handle the datagram."""
+
+
+NOT_PROVEN = frozenset(
+    {
+        Reason.UNSIGNED,
+        Reason.MALFORMED_SIGNATURE,
+        Reason.UNKNOWN_KEY,
+        Reason.WRONG_SIGNATURE,
+        Reason.WRONG_KEY,
+        Reason.REPLAYED,
+        Reason.OUTDATED,
+        Reason.AHEAD,
+    }
+)
+"""Reasons of datagrams that anybody may have sent, so that they say nothing about the peer of their row."""
 
 
 class DatagramError(RoverlinkError):

@@ -62,6 +62,7 @@ def _node_status(state: State, origin: Mapping[str, Any]) -> DiagnosticStatus:
         "received_rate": f"{state.received_rate:.2f}",
         **{f"forwarded.{peer}": count for peer, count in state.forwarded.items()},
         **{f"unsent.{peer}": count for peer, count in state.unsent.items()},
+        **{f"clocks_ahead.{end}": count for end, count in state.clocks_ahead.items()},
         **{f"unforwarded.{peer}": count for peer, count in state.unforwarded.items()},
         **{f"dropped.{reason}": count for reason, count in state.dropped.items()},
         **{f"qos_mismatches.{topic}": count for topic, count in state.qos_mismatches.items()},

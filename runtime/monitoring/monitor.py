@@ -151,6 +151,7 @@ class Monitor:
             received_rate=(last.received - first.received) / max(last.time - first.time, SAMPLE_S),
             forwarded=dict(account.forwarded),
             unsent=dict(account.unsent),
+            clocks_ahead=dict(account.clocks_ahead),
             dropped=dict(account.dropped),
             qos_mismatches={topic: len(texts) for topic, texts in account.qos_mismatches.items()},
             kernel_drops=socket.drops,

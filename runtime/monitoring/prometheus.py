@@ -61,6 +61,8 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     yield "forwarded_total", "Raw datagrams forwarded to a peer.", _by("peer", state.forwarded)
     yield "unsent_total", "Datagrams that the network refused to send.", _by("peer", state.unsent)
     yield "unforwarded_total", "Datagrams that were too long to be forwarded to a peer.", _by("peer", state.unforwarded)
+    ahead = "Signed datagrams that were accepted more than a minute ahead of this computer's clock."
+    yield "clocks_ahead_total", ahead, _by("signer", state.clocks_ahead)
     yield "link_events_total", "Events of the addresses of peers and boards.", [
         ({"peer": peer, "board": board, "event": event}, count)
         for (peer, board, event), count in sorted(state.link_events.items())
