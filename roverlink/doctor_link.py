@@ -57,7 +57,7 @@ def _reports(registry: Registry, hashes: Mapping[int, int], settings: Parameters
         while (now := time.monotonic()) < deadline:
             exchange.run_due(now)
             select.select([sock], [], [], _POLL_S)
-            exchange.take(translator.receive_all(read(), UNSTAMPED), translator.peers)
+            exchange.take(translator.receive_all(read(), UNSTAMPED))
         return exchange.reports()
 
 

@@ -302,7 +302,7 @@ class Bridge:
         for refusal in translation.refusals:
             self._counters.count_dropped(refusal)
         self._publish(translation, stamp)
-        speakers = self._link.take(translation, translator.peers) if self._link is not None else []
+        speakers = self._link.take(translation) if self._link is not None else []
         # Forward after publishing: topics have priority, and the policy `mapping` needs the names.
         self._forwarding.forward(fitting, translation.names, translation.restored)
         if self._sender is not None:

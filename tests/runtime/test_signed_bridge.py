@@ -124,13 +124,13 @@ def test_peers_that_need_not_sign_go_on_as_before(tmp_path: Path) -> None:
 def test_link_messages_are_signed_as_commands_are(tmp_path: Path) -> None:
     """A stranger cannot say that a board has another schema; a peer that need not sign says it without a signature."""
     registry = signing({"hardware": {"must_sign": True}}, linked_registry())
-    board, base = (LinkWriter(registry.envelope, new_session(), {number: 7}) for number in (1, 4))
+    board, base = (LinkWriter(registry.envelope, new_session(), {number: 7}) for number in (2, 4))
     with SignedRig(tmp_path, registry, link_policy="refuse") as rig:
         assert rig.verdict("hardware", rig.next("hardware")) == "accepted"
         rig.receive(board.write(1))
         assert (rig.account.dropped, rig.account.other_schemas) == ({"unsigned": 1}, {})
         rig.receive(rig.signer("hardware").sign(board.write(2)), base.write(3))
-        assert rig.account.other_schemas == {"Arm of hardware": ["arm_state"], "base": ["mode"]}
+        assert rig.account.other_schemas == {"Drive of hardware": ["drive_state"], "base": ["mode"]}
         assert rig.account.dropped == {"unsigned": 1}
 
 
