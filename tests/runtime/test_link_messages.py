@@ -162,6 +162,15 @@ def test_a_board_that_was_flashed_again_is_trusted_again(monkeypatch: pytest.Mon
         assert (report.schema, report.restarts, report.senders) == (SAME, 1, 1)
 
 
+def test_invented_sessions_are_answered_once_a_second_and_forgotten() -> None:
+    """A stranger who invents a session in each datagram neither fills the memory nor the link to a board."""
+    began = time.monotonic()
+    with _rig() as rig:
+        rig.receive(*[_board(_DRIVE_ROWS).write(1) for _ in range(300)], _board(_BASE_ROWS).write(1))
+        assert (_report(rig, _DRIVE).senders, _report(rig, _BASE).senders) == (8, 1)
+        assert rig.account.links_sent["hardware"] <= 2 * (time.monotonic() - began + 2)
+
+
 # --- measurements -----------------------------------------------------------------------------------------------
 
 
