@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from roverlink.runtime.core.errors import DatagramError, SetupError
-from roverlink.runtime.core.signing import TICKS_PER_SECOND, Signer, SigningClock, ticks
+from roverlink.runtime.core.signing import TICKS_PER_SECOND, Signer, SigningClock
 from roverlink.runtime.keys.key_file import make_key_file, read_keys
 from roverlink.runtime.keys.signed_links import SignedLinks
 
@@ -43,10 +43,6 @@ class Computer:
         """Let the program store its timestamps and end."""
         with links:
             pass
-
-
-def _years_after_start(years: float) -> int:
-    return ticks(int(START) * 10**9) + int(years * 365 * 24 * 3600) * TICKS_PER_SECOND
 
 
 def _signer(links: SignedLinks, end: str) -> Signer:
@@ -224,9 +220,11 @@ def test_a_key_sets_the_clock_of_its_own_link_alone_and_only_so_far(
     key = make_key_file(board_keys, "Arm", MADE)[0].key
     clocks = (lambda: int(rover.wall * 10**9)), (lambda: int(rover.steady * 10**9))
     other = basestation.links()
+    now, nearly_ten_years = other.clocks["basestation"].last, int(9.9 * 365 * 24 * 3600) * TICKS_PER_SECOND
     for start in range(2):
         links = SignedLinks(NUMBER, [rover.keys, board_keys], LOGGER, "ros", *clocks)
-        thief = (Signer(NUMBER, key, SigningClock(_years_after_start(9.9 * n))).sign(b"\x6a\0") for n in (1, 2, 3))
+        times = (now + n * nearly_ten_years for n in (1, 2, 3))
+        thief = (Signer(NUMBER, key, SigningClock(time)).sign(b"\x6a\0") for time in times)
         verdicts = ["outdated" if start else "accepted", "ahead", "ahead"]
         assert [_verdict(links, datagram, "Arm") for datagram in thief] == verdicts
         assert links.verifier.ahead == ({} if start else {"Arm": 1})
