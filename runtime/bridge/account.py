@@ -64,6 +64,8 @@ class Account:
     """Texts about publishers and subscriptions of other nodes whose QoS does not match now, by topic in the table."""
     kernel_drops: int = 0
     """Datagrams that the kernel dropped because the socket's receive buffer was full."""
+    standing: dict[str, str] = field(default_factory=dict)
+    """Texts about what is wrong now and lasts, such as generated code of another table, by subject."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the counters as plain values, for JSON."""
