@@ -92,6 +92,7 @@ class Account:
             "extra_unpublished": dict(sorted(self.extra_unpublished.items())),
             "qos_mismatches": {topic: len(texts) for topic, texts in sorted(self.qos_mismatches.items())},
             "kernel_drops": self.kernel_drops,
+            "standing": {subject: text for subject, text in sorted(self.standing.items()) if text},
             "by_payload": {
                 "published": dict(sorted(self.published.items())),
                 "sent": dict(sorted(self.sent.items())),
