@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from roverlink.generator import ir, lock, source_files
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order
+from roverlink.generator.content_digest import table_digest
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order, shown
 from roverlink.generator.emit import emitter, envelope_file, targets
 from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.ir import ros_names
@@ -159,7 +160,11 @@ def _compiled(
     if compilation is not None and envelope.message in compilation.schema.messages:
         bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
         sizes = row_sizes(table, compilation.schema, bounds)
-        bridge = resolve(table, compilation, envelope, bounds, sizes, findings)
+        protos = {shown(table.proto.root, file): digest for file, digest in compilation.digests.items()}
+        bridge = dataclasses.replace(
+            resolve(table, compilation, envelope, bounds, sizes, findings),
+            sources={table.file: table_digest(text), **protos},
+        )
     if has_errors(findings) or bridge is None:
         raise DiagnosticsError(in_order(findings))
     # The proto root may be the whole project, with virtual environments in it: only an envelope is ours there.

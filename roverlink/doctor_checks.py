@@ -16,6 +16,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from logging import getLogger
 from pathlib import Path
 
 from roverlink import doctor_link
@@ -79,7 +80,7 @@ def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = ()) 
         found.append(CheckResult("ok", examined, f"{messages}, fingerprint of the table {fingerprint}"))
         found += _table(project_folder(project))
         examined = "parameters"
-        settings = parameters.read(registry, ros.parameters)
+        settings = parameters.read(registry, ros.parameters_in(parameters.declarations(registry), getLogger()))
     except RoverlinkError as error:
         found.append(CheckResult("error", examined, str(error)))
         says = "UDP port, receive buffer, dst_ip and firewall were not checked, because the parameters are unknown"

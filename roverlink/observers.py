@@ -29,6 +29,7 @@ from roverlink.runtime.monitoring.state import Recording, State
 from roverlink.runtime.recording import COMPRESSIONS
 from roverlink.runtime.ros_arguments.parameters import Parameters
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 
 if TYPE_CHECKING:
     from roverlink.link_page.live_link import LiveLink
@@ -140,9 +141,10 @@ class BridgeObservers:
         self._middleware = middleware
         return middleware
 
-    def monitor(self, bridge: Bridge) -> ExitStack:
+    def monitor(self, bridge: Bridge, clock: Clock = SYSTEM_CLOCK) -> ExitStack:
         """Start the diagnostics, metrics and page of a bridge, and return the exit stack that ends them.
 
+        ``clock`` shows the time of the diagnostics.
         Close this stack before the bridge, because the bridge closes the topics on which the diagnostics are published.
         """
         watch = ExitStack()
@@ -152,7 +154,8 @@ class BridgeObservers:
         if not self._arguments.no_diagnostics:
             topic = self._ros.topic(diagnostic_array.TOPIC)
             try:
-                monitor.add_listener(diagnostic_array.publisher(self._middleware, self._ros.node.full_name, topic))
+                name = self._ros.node.full_name
+                monitor.add_listener(diagnostic_array.publisher(self._middleware, name, topic, clock))
             except MiddlewareError as error:
                 self._logger.warning("cannot publish diagnostics on %s: %s", topic, error)
         if self._arguments.metrics is not None:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from roverlink.generator import source_files
+from roverlink.generator.content_digest import proto_digest
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from roverlink.generator.ir.protobuf_facts import OWN_FILES, module_path
 from roverlink.generator.protos.descriptors import schema_of
@@ -38,6 +39,8 @@ class Compilation:
     schema: Schema
     modules: Mapping[str, Mapping[str, str]]
     """The Python module (pb2) and the stub that protoc generated of each file: its path, then path and text of both."""
+    digests: Mapping[str, str]
+    """Digest of each file on disk that was compiled, by its path; without files that the table makes."""
 
 
 def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str], shown_root: str) -> Compilation:
@@ -59,7 +62,9 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
         _protoc(staged, wanted, options, out, shown_root)
         compiled = FileDescriptorSet.FromString(result.read_bytes())
         modules = {file: _modules(out, file) for file in sorted(wanted)}
-    return Compilation(schema_of(compiled, shown_root), modules)
+        texts = {file: (staged / file).read_text("utf-8", "replace") for file in modules if file not in overlay}
+    digests = {file: proto_digest(text) for file, text in texts.items()}
+    return Compilation(schema_of(compiled, shown_root), modules, digests)
 
 
 def _modules(out: Path, file: str) -> dict[str, str]:

@@ -18,6 +18,7 @@ import argparse
 import json
 import logging
 import signal
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -34,15 +35,19 @@ from roverlink.console import (
     node_logger,
     project_folder,
 )
-from roverlink.generated_code import load_project
+from roverlink.generated_code import changed_sources, load_project
 from roverlink.node_log import publish_log
 from roverlink.observers import BridgeObservers
 from roverlink.runtime import NODE, Bridge, Registry
+from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.signed_peers import open_links
 from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.ros_arguments import parameters, ros_args
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
+from roverlink.runtime.ros_time.simulated_clock import TOPIC, SimulatedClock
 
+_NAMED = 3  # changed files that a warning names
 _STOPPING = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -88,8 +93,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the bridge until SIGINT or SIGTERM stops it; the exit code is then 0."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None, arguments.log_format)
-    registry = load_project(project_folder(arguments.project))
-    settings = parameters.read(registry, ros.parameters)
+    project = project_folder(arguments.project)
+    registry = load_project(project)
+    settings = parameters.read(registry, ros.parameters_in(parameters.declarations(registry), logger))
     live = LiveParameters(registry, settings, logger)
     links = open_links(registry, arguments.key_file, logger)
     with ExitStack() as stack:
@@ -99,14 +105,19 @@ def run(arguments: argparse.Namespace) -> int:
         published_log = stack.enter_context(publish_log(logger, middleware, ros))
         # Before the bridge: recorder and viewers have to wrap the middleware that the bridge gets.
         attached = BridgeObservers(arguments, registry, ros, settings, live, logger, stack)
-        bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers, links)
+        clock: Clock = SYSTEM_CLOCK
+        if settings.use_sim_time:
+            clock = published_log.enter_context(SimulatedClock(middleware, ros.topic(TOPIC), logger.warning))
+        wrapped = attached.wrap(middleware)
+        bridge = Bridge(registry, settings, wrapped, ros.topic, logger, attached.observers, links, clock)
+        _warn_of_changes(changed_sources(project, registry), bridge.account, logger)
         for number in _STOPPING:
             # A handler instead of KeyboardInterrupt, which would leave the bridge in the middle of a batch: `stop` lets
             # it handle what has arrived, and send the stops.
             signal.signal(number, lambda *_: bridge.stop())
         live.on_change(bridge.change)
-        # The log leaves first, because the bridge closes the middleware.
-        with bridge, attached.monitor(bridge), published_log:
+        # The log and the clock leave first, because the bridge closes the middleware.
+        with bridge, attached.monitor(bridge, clock), published_log:
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
     for number in _STOPPING:
@@ -115,6 +126,16 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps(bridge.account.as_dict()))
     return OK
+
+
+def _warn_of_changes(changed: Sequence[str], account: Account, logger: logging.Logger) -> None:
+    """Warn that files have changed since the generated code was made, in the log and on /diagnostics."""
+    if changed:
+        more = f" and {len(changed) - _NAMED} more" if len(changed) > _NAMED else ""
+        files = ", ".join(changed[:_NAMED]) + more
+        text = f"the generated code is that of an earlier state of {files}; run `roverlink generate`"
+        account.standing = {"generated code": text}
+        logger.warning("%s", text)
 
 
 def _announce(registry: Registry, node: str, port: int, logger: logging.Logger, *, json_too: bool) -> None:

@@ -66,6 +66,8 @@ class Account:
     """Texts about publishers and subscriptions of other nodes whose QoS does not match now, by topic in the table."""
     kernel_drops: int = 0
     """Datagrams that the kernel dropped because the socket's receive buffer was full."""
+    standing: dict[str, str] = field(default_factory=dict)
+    """Texts about what is wrong now and lasts, such as generated code of another table, by subject."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the counters as plain values, for JSON."""
@@ -93,6 +95,7 @@ class Account:
             "extra_unpublished": dict(sorted(self.extra_unpublished.items())),
             "qos_mismatches": {topic: len(texts) for topic, texts in sorted(self.qos_mismatches.items())},
             "kernel_drops": self.kernel_drops,
+            "standing": {subject: text for subject, text in sorted(self.standing.items()) if text},
             "by_payload": {
                 "published": dict(sorted(self.published.items())),
                 "sent": dict(sorted(self.sent.items())),

@@ -19,12 +19,13 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Protocol
 
-from roverlink.runtime.bridge import extra_topics
 from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.ends import Ends, LinkState
+from roverlink.runtime.bridge.extra_topics import ExtraTopics
 from roverlink.runtime.bridge.forwarding import Forwarding
 from roverlink.runtime.bridge.link_exchange import EndReport, LinkExchange
+from roverlink.runtime.bridge.network_watch import NetworkWatch
 from roverlink.runtime.bridge.qos_watch import QosWatch
 from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
@@ -41,6 +42,7 @@ from roverlink.runtime.net.destination import Destination
 from roverlink.runtime.net.hosts import Sender
 from roverlink.runtime.net.sources import restricts_sources
 from roverlink.runtime.ros_arguments.parameters import Parameters
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 from roverlink.runtime.text.host_names import LEARN
 
 NODE = "udp_forwarder"
@@ -86,16 +88,18 @@ class Bridge:
         logger: logging.Logger,
         observers: Sequence[Observer] = (),
         links: SignedLinks | None = None,
+        clock: Clock = SYSTEM_CLOCK,
     ) -> None:
         """Bind the UDP port.
 
         ``topic`` returns the fully qualified name of a topic from its name in the table. ``links`` has the keys of the
-        peers that must sign. Raises `SetupError` if the port is in use or a key is missing.
+        peers that must sign. ``clock`` shows the time of reception, for the stamps of messages. Raises `SetupError` if
+        the port is in use or a key is missing.
         """
         self._registry, self._parameters, self._middleware, self._topic = registry, parameters, middleware, topic
         self._signed_peers = SignedPeers(registry, links)
         self._translator = self._signed_peers.translator()
-        self._logger = logger
+        self._logger, self._clock = logger, clock
         self._socket = udp.bind(
             parameters.listen_address, parameters.listen_port, parameters.receive_buffer, "parameter listen_port"
         )
@@ -116,7 +120,7 @@ class Bridge:
         self._inbound_rows: dict[str, InboundRow] = {}
         self._outbound_rows: list[OutboundRow] = []
         self._paced: list[PacedInboundRow] = []
-        self._extra_topics = extra_topics.ExtraTopics(self.account, self._counters.warnings)
+        self._extra_topics = ExtraTopics(self.account, self._counters.warnings)
         self._forwarding = Forwarding(
             registry,
             self._ends,
@@ -165,7 +169,8 @@ class Bridge:
         watches = [self._subscribe(handler, row) for handler, row in zip(outbound, self._outbound_rows)]
         routes = {self._topic(handler.route.topic): handler.route for handler in handlers}
         qos_watch = QosWatch(routes, self._middleware.endpoints, self.account, self._counters.warnings)
-        self._watch = Timekeeper("graph-watch", [*filter(None, watches), qos_watch], self._fail)
+        network_watch = NetworkWatch(self._middleware.address_changes, self.account, self._counters.warnings)
+        self._watch = Timekeeper("graph-watch", [*filter(None, watches), qos_watch, network_watch], self._fail)
         self._warn_of_small_buffer()
         self._ends.start()
         self._timekeeper.__enter__()
@@ -297,7 +302,7 @@ class Bridge:
     def _dispatch(self, batch: udp.Batch, translator: Translator) -> None:
         # The receiver reads one byte more than allowed, so a longer datagram is recognized although the kernel cut it.
         fitting = self._without_oversized(batch)
-        stamp = extra_topics.now()
+        stamp = Time.since_1970(self._clock.now())
         translation = translator.receive_all(fitting, stamp)
         for refusal in translation.refusals:
             self._counters.count_dropped(refusal)

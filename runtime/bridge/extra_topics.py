@@ -5,7 +5,6 @@ An extra topic has the payload of a row as a standard ROS 2 message, such as sen
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
@@ -17,11 +16,6 @@ from roverlink.runtime.middleware import Publisher
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
-
-
-def now() -> Time:
-    """Return the current wall-clock time, which is used as the receive time of a batch."""
-    return Time.since_1970(time.time_ns())
 
 
 class ExtraTopics:

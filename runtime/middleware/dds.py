@@ -43,6 +43,7 @@ from roverlink.runtime.middleware.dds_graph import DdsGraph
 from roverlink.runtime.middleware.dds_services import DdsServices
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
+from roverlink.runtime.middleware.joined_addresses import JoinedAddresses, is_local
 from roverlink.runtime.middleware.parameter_services import ParameterServices
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
 from roverlink.runtime.middleware.serving import ServedTopic, serve
@@ -122,6 +123,7 @@ class DdsMiddleware(Middleware):
             self._participant = DomainParticipant(domain_id, qos=DdsQos(Policy.Userdata(b"enclave=/;")))
         except DDSException as error:
             raise MiddlewareError(f"Cyclone DDS cannot join domain {domain_id}: {error}") from error
+        self._joined_addresses = JoinedAddresses()
         self._announcer = GraphAnnouncer(self._participant, node)
         self._waitset = WaitSet(self._participant)
         self._stopped = GuardCondition(self._participant)
@@ -190,6 +192,10 @@ class DdsMiddleware(Middleware):
         """Return the topics with publishers that DDS has found so far, each with its message type."""
         return self._graph.topics()
 
+    def address_changes(self) -> str:
+        """Return a text about addresses that have changed since the node joined ROS 2; empty if none have."""
+        return self._joined_addresses.changes()
+
     def set_parameters(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of the own node."""
         if self._parameters is not None:
@@ -248,12 +254,9 @@ def _domain_id() -> int:
 
 def _configure(domain_id: int) -> None:
     """Restrict DDS to this host if ROS 2's environment variables ask for it and CYCLONEDDS_URI is not set."""
-    # A user's own configuration has priority. ROS_LOCALHOST_ONLY is the variable up to Humble, the range is from Iron
-    # on.
+    # A user's own configuration has priority.
     users_own = os.environ.get("CYCLONEDDS_URI", "")
-    reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE")
-    local = os.environ.get("ROS_LOCALHOST_ONLY") == "1" or reach == "LOCALHOST"
-    _domain(domain_id, users_own or (_LOCALHOST_ONLY if local else ""))
+    _domain(domain_id, users_own or (_LOCALHOST_ONLY if is_local() else ""))
 
 
 @cache

@@ -141,6 +141,10 @@ class Middleware(Protocol):
         ``publishing`` selects: true for publishers, false for subscriptions. Must be called by one thread at a time.
         """
 
+    def address_changes(self) -> str:
+        """Return a text about addresses that have changed since the node joined ROS 2; empty if none have."""
+        return ""
+
     def set_parameters(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of the own node, as `ros2 param set` does; the node must have parameters.
 

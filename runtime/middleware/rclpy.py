@@ -27,6 +27,7 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.interface_packages import installed_class
+from roverlink.runtime.middleware.joined_addresses import JoinedAddresses
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
 
 if TYPE_CHECKING:
@@ -81,6 +82,7 @@ class RclpyMiddleware(Middleware):
         # Signals, remappings and parameters stay with our command line, which has handled them already.
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         simulated = parameters is not None and parameters.values.get(_USE_SIM_TIME)
+        self._joined_addresses = JoinedAddresses()
         self._node = rclpy.create_node(
             node.name,
             namespace=node.namespace,
@@ -182,6 +184,10 @@ class RclpyMiddleware(Middleware):
         # executor that just then collects what it waits for ends with an AttributeError, and no goal is ever sent.
         self._executor.create_task(make)
         return made.result(_ACTION_S)
+
+    def address_changes(self) -> str:
+        """Return a text about addresses that have changed since the node joined ROS 2; empty if none have."""
+        return self._joined_addresses.changes()
 
     def set_parameters(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of the own node: those of rclpy, which asks the function of `_declare`."""

@@ -169,6 +169,8 @@ class Monitor:
             return Level.ERROR, f"the recording stopped: {recording.failure}"
         if lost := self._samples[-1].lost - self._samples[0].lost:
             return Level.WARN, f"{lost} datagrams or messages lost in the last {WINDOW_S:.0f} s"
+        if standing := "; ".join(filter(None, self._bridge.account.standing.values())):
+            return Level.WARN, standing
         if topics := ", ".join(self._bridge.account.qos_mismatches):
             return Level.WARN, f"the QoS of other nodes does not match on {topics}"
         return Level.OK, "nothing lost"

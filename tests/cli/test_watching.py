@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 import websockets
-from linked import TABLE, write_project
+from linked import TABLE, linked_registry, write_project
 from needs import NO_FOXGLOVE, needs_dds
 from polling import wait_until
 from programs import Start
@@ -25,6 +25,7 @@ from running import Bridge, Called
 
 from generated.messages import ImuSensorInformation
 from generated.registry import REGISTRY
+from roverlink.generated_code import changed_sources
 from roverlink.runtime.core import cdr
 from roverlink.runtime.recording.message_definitions import definition_of
 
@@ -151,19 +152,51 @@ def test_doctor_finds_what_is_wrong(called: Called, peer: socket.socket) -> None
 
 
 @pytest.mark.slow
-def test_doctor_warns_if_the_table_was_changed_and_not_generated(done: Start, tmp_path: Path) -> None:
+def test_the_user_is_warned_if_the_table_was_changed_and_not_generated(
+    done: Start, start: Start, tmp_path: Path
+) -> None:
     """The bridge uses the generated code, so a row or a host that is only in the table has no effect."""
     project = write_project(tmp_path / "rover")
     for changed, says in (
         ("topic: mode", ""),
-        ("topic: wanted_mode", "the generated code is not that of this table"),
         ("topc: mode", "the table has errors, so it was not compared with the generated code"),
+        ("topic: wanted_mode", "the generated code is not that of this table"),
     ):
         (project / "mapping.yaml").write_text(TABLE.replace("topic: mode", changed), encoding="utf-8")
         found = json.loads(done("doctor", "--json", "--project", project, "--ros-args", "-p", "listen_port:=0")[1])
         said = "".join(one["says"] for one in found if one["check"] == "mapping.yaml")
         assert says in said
         assert bool(says) == bool(said)
+    program = start("run", "--middleware", "memory", "--project", project, "--ros-args", "-p", "listen_port:=0")
+    program.wait_for("the generated code is that of an earlier state of mapping.yaml; run `roverlink generate`")
+    assert program.interrupt() == 0
+
+
+_PROTO = "proto/linked/messages.proto"
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "is_old"),
+    [
+        ("mapping.yaml", "version: 1", "version: 1  # the first", False),
+        ("mapping.yaml", "topic: mode", "topic: wanted_mode", True),
+        ("mapping.yaml", "version: 1", "version: [", True),
+        ("mapping.yaml", "version: 1", "version: &a [*a]", True),
+        (_PROTO, ";\n", ";  // the end\n", False),
+        (_PROTO, "= 1;", "=1 /* 2 */;", False),
+        (_PROTO, "= 1;", "= 2;", True),
+    ],
+)
+def test_code_is_old_if_a_value_or_a_token_has_changed(
+    tmp_path: Path, file: str, old: str, new: str, is_old: bool
+) -> None:
+    """Comments and layout make no difference. Nor does a file that is missing, as on a rover without the sources."""
+    project, registry = write_project(tmp_path / "rover"), linked_registry()
+    path = project / file
+    path.write_text(path.read_text().replace(old, new))
+    assert changed_sources(project, registry) == ([file] if is_old else [])
+    path.unlink()
+    assert changed_sources(project, registry) == []
 
 
 @pytest.mark.slow

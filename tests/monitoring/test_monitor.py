@@ -166,6 +166,8 @@ def test_what_concerns_the_whole_bridge_is_told_of_it() -> None:
     assert (row.level, row.message, row.qos_mismatches) == (Level.WARN, "a subscription of /viz gets no messages", 1)
     state = bridge.monitor.state()
     assert (state.level, state.message) == (Level.WARN, "the QoS of other nodes does not match on imu_data, imu/mag")
+    bridge.account.standing = {"generated code": "the generated code is old", "network": ""}
+    assert bridge.monitor.state().message == "the generated code is old"
     bridge.recording = Recording("run.mcap", 0, 7, 1000, "No space left on device")
     state = bridge.monitor.state()
     assert (state.level, state.message) == (Level.ERROR, "the recording stopped: No space left on device")

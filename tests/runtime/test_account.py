@@ -55,6 +55,7 @@ def _account() -> Account:
         extra_unpublished=Counter({"gps/fix": 1}),
         qos_mismatches={"imu_data": ["a subscription of /viz gets no messages"]},
         kernel_drops=7,
+        standing={"generated code": "it is old", "network": ""},
     )
 
 
@@ -69,6 +70,7 @@ def test_the_account_as_plain_values() -> None:
     expected |= {"link_events": {"basestation unreachable": 2, "hardware ArmBoard learned": 1}}
     expected |= {"links_received": 0, "links_sent": {}, "other_schemas": {}, "clocks_ahead": {"ArmBoard": 3}}
     expected |= {"extra_published": {"imu/mag": 4}, "extra_unpublished": {"gps/fix": 1}}
+    expected |= {"standing": {"generated code": "it is old"}}
     expected |= {"by_payload": {"published": {"gps_info": 1, "imu_info": 4}, "sent": {"drive_motor": 2}}}
     assert values == expected
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import textwrap
 from pathlib import Path
 from typing import Any
@@ -101,6 +102,29 @@ _SECTION = "{key}:\n  ros__parameters:\n    a: 1\n"
 def test_a_section_applies_by_name_full_name_or_wildcard(tmp_path: Path, key: str, line: str, applies: bool) -> None:
     """`*` stands for one name, `**` for any number; a plain name is that of a node in the root namespace."""
     assert _from_file(tmp_path, _SECTION.format(key=key), line) == ({"a": 1} if applies else {})
+
+
+@pytest.mark.parametrize(
+    ("key", "line", "ignored"),
+    [
+        ("/**", "", {"listen_prt": "WARNING", "robot_radius": "DEBUG", "robot": "DEBUG"}),
+        ("/*", "-p robot:=1 -p udp_forwarder:listen_prt:=1", {"robot_radius": "DEBUG"}),
+        ("udp_forwarder", "", {}),
+        ("/**/udp_forwarder", "", {}),
+    ],
+)
+def test_a_section_for_several_nodes_may_have_parameters_of_others(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, key: str, line: str, ignored: dict[str, str]
+) -> None:
+    """They are ignored and logged, as a warning if the name looks misspelt. All others must be known."""
+    path = tmp_path / "params.yaml"
+    path.write_text(f"{key}:\n  ros__parameters: {{listen_prt: 2, robot_radius: 0.3, robot: {{mass: 3}}}}\n")
+    parsed, known = _parsed(line, "--params-file", str(path)), parameters.declarations(REGISTRY)
+    with caplog.at_level("DEBUG"):
+        assert parsed.parameters_in(known, logging.getLogger("x")).keys() == parsed.parameters.keys() - ignored
+    assert [(record.levelname, record.getMessage().split("'")[1]) for record in caplog.records] == [
+        (level, name) for name, level in ignored.items()
+    ]
 
 
 def test_namespaces_may_be_nested_mappings(tmp_path: Path) -> None:
