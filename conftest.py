@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 from collections import Counter
 from collections.abc import Iterator
@@ -44,6 +45,13 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "slow: takes a third of a second or more; runs where -m names it")
     config.addinivalue_line("markers", "exhaustive: goes through thousands of cases; runs where -m names it")
     restore_default_signals()
+    gc.disable()  # collecting the tests makes many objects that stay, and no garbage
+
+
+def pytest_collection_finish() -> None:
+    """Collect garbage again, but do not look through the tests for it."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

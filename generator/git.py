@@ -234,8 +234,13 @@ class Repository:
         """Return what git prints. ``index`` is the path of another index file than the usual one."""
         variables = environment() | ({"GIT_INDEX_FILE": index} if index else {})
         try:
+            # `git hash-object --stdin` would wait for what the user types.
             done = subprocess.run(  # noqa: S603  # no shell
-                command(self.folder, *arguments), capture_output=True, check=False, env=variables
+                command(self.folder, *arguments),
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                check=False,
+                env=variables,
             )
         except OSError as error:
             raise GitError(f"git cannot be run: {error.strerror}") from error
