@@ -16,7 +16,8 @@ from datetime import datetime, timedelta, timezone
 from itertools import islice
 from pathlib import Path
 
-from roverlink.generator.source_files import LARGEST, too_large, visible
+from roverlink.bounded_files import LARGEST, too_large
+from roverlink.generator.source_files import visible
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 # git sets these variables for a hook (githooks(5)). They select the hook's repository; the folder may be in another.

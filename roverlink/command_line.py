@@ -86,17 +86,13 @@ def run(arguments: argparse.Namespace) -> int:
     Ctrl-C is the normal end of a command like `run`. A command like `generate` has not done its work then, so that a
     script must not go on as if it had: ``roverlink generate --check && deploy``.
     """
-    from roverlink.console import INTERRUPTED, OK, UNABLE, print_error
-    from roverlink.runtime.core.errors import RoverlinkError
+    from roverlink.console import INTERRUPTED, OK
 
     # systemd and docker stop a program with SIGTERM.
     signal.signal(signal.SIGTERM, _interrupt)
     try:
         code = int(arguments.run(arguments))
         sys.stdout.flush()  # here, so that a closed pipe is handled below
-    except RoverlinkError as error:
-        print_error(str(error))
-        return UNABLE
     except KeyboardInterrupt:
         return OK if arguments.runs_until_stopped else INTERRUPTED
     except BrokenPipeError:

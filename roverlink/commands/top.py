@@ -52,6 +52,7 @@ from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.interfaces.rcl_interfaces import Log
 from roverlink.runtime.middleware import Middleware, open_middleware, rosout
 from roverlink.runtime.monitoring import diagnostic_array
+from roverlink.runtime.ros_arguments import ros_args
 
 _REFRESH_S = 0.25
 _MOST_ON_PAGE = 16  # bridges
@@ -86,7 +87,7 @@ def add(commands: Subparsers) -> None:
         "--timeout", type=seconds, default=10.0, metavar="S", help="wait at most S seconds for a bridge (default: 10)"
     )
     add_middleware(parser)
-    parser.set_defaults(run=run, runs_until_stopped=True)
+    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -108,8 +109,10 @@ def run(arguments: argparse.Namespace) -> int:
         for message in messages:
             arrived.put(message)
 
-    with open_middleware(arguments.middleware, topic_types.identity("top")) as middleware:
-        middleware.subscribe(diagnostic_array.TOPIC, DiagnosticArray, diagnostic_array.QOS, keep)
+    ros = ros_args.parse(arguments.ros_args, topic_types.identity("top").name)
+    topic = ros.topic(diagnostic_array.TOPIC)
+    with open_middleware(arguments.middleware, ros.node) as middleware:
+        middleware.subscribe(topic, DiagnosticArray, diagnostic_array.QOS, keep)
         state = _next_state(arrived, heard, min(_HEAR_S, arguments.timeout))
         if state is None and arguments.timeout > _HEAR_S:
             print_note(f"waiting for a bridge, at most {arguments.timeout:g} s")
@@ -117,7 +120,7 @@ def run(arguments: argparse.Namespace) -> int:
         if state is None:
             bridges = " or ".join(f"named {name!r}" for name in arguments.node)
             print_note(
-                f"no messages of a bridge{bridges and f' {bridges}'} on {diagnostic_array.TOPIC} within "
+                f"no messages of a bridge{bridges and f' {bridges}'} on {topic} within "
                 f"{arguments.timeout:g} s; check that the bridge runs in this ROS 2 domain, without --no-diagnostics",
             )
             return FINDINGS

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
 from roverlink.runtime.core.handler import Qos
@@ -70,6 +70,8 @@ class Endpoint:
     """Reliability and durability; the graph does not show history and depth."""
     demands: tuple[str, ...] = ()
     """Further QoS policies that a subscription requires, and that no publisher of roverlink offers: ``deadline``."""
+    type: str = field(default="", compare=False)
+    """Type of the messages, as in ``sensor_msgs/msg/Image``; empty if the name is none of ROS 2."""
 
 
 class Publisher(Protocol):

@@ -154,9 +154,12 @@ class RclpyMiddleware(Middleware):
     def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
         """Return the publishers or the subscriptions of a topic that rclpy has found so far."""
         if publishing:
-            return [Endpoint(_name(info), _qos(info)) for info in self._node.get_publishers_info_by_topic(topic)]
+            found = self._node.get_publishers_info_by_topic(topic)
+            return [Endpoint(_name(info), _qos(info), type=info.topic_type) for info in found]
         found = self._node.get_subscriptions_info_by_topic(topic)
-        return [Endpoint(_name(info), _qos(info), tuple(_strict(info.qos_profile))) for info in found]
+        return [
+            Endpoint(_name(info), _qos(info), tuple(_strict(info.qos_profile)), info.topic_type) for info in found
+        ]
 
     def topics(self) -> Mapping[str, str]:
         """Return the topics of the ROS 2 graph that have publishers, each with the message type of one of them."""

@@ -13,10 +13,13 @@ from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.tapping import Tap
 from roverlink.runtime.net.addresses import openable_host
+from roverlink.runtime.net.websocket_gate import WebSocketGate, hidden_address
 from roverlink.runtime.recording.message_definitions import definition_of
 
 PORT = 8765
 """TCP port to which Foxglove connects by default."""
+_ORIGINS = ("https://app.foxglove.dev", "file://")
+"""Origins of Foxglove in a browser, and of viewers that are programs with pages of their own."""
 
 
 class FoxgloveServer:
@@ -35,11 +38,14 @@ class FoxgloveServer:
 
         self._foxglove = foxglove
         self._context = foxglove.Context()
+        behind = hidden_address()
+        self._server = foxglove.start_server(name=name, host=behind, port=0, context=self._context)
         try:
-            self._server = foxglove.start_server(name=name, host=address, port=port, context=self._context)
-        except (RuntimeError, OSError, ValueError) as error:
-            raise SetupError(f"cannot serve Foxglove on TCP port {port} of {address}: {error}") from error
-        self.url = f"ws://{openable_host(address)}:{self._server.port}"
+            self._gate = WebSocketGate(address, port, "topics for Foxglove", (behind, self._server.port), _ORIGINS)
+        except SetupError:
+            self._server.stop()
+            raise
+        self.url = f"ws://{openable_host(address)}:{self._gate.port}"
         """URL that Foxglove can open."""
 
     def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:  # noqa: ARG002  # WebSocket has no QoS
@@ -59,7 +65,9 @@ class FoxgloveServer:
         return tap
 
     def __enter__(self) -> FoxgloveServer:
+        self._gate.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._gate.__exit__()  # first: the server waits for viewers that do not read
         self._server.stop()

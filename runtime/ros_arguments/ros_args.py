@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from roverlink.bounded_files import read_text
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.runtime.middleware import NodeIdentity
 from roverlink.runtime.text import strict_yaml
@@ -217,11 +218,11 @@ def _read_params_file(path: Path, node: NodeIdentity) -> Iterator[tuple[str, dic
     A section of the file belongs to the node if its key is the node's name, its full name, or a wildcard that matches.
     """
     try:
-        content = strict_yaml.load(path.read_text(encoding="utf-8"))
+        content = strict_yaml.load(read_text(path))
     except strict_yaml.YamlTextError as error:
         raise SetupError(error.in_file(path)) from error
-    except (OSError, UnicodeError) as error:
-        raise SetupError(f"{path}: cannot read the file: {error}") from error
+    except OSError as error:
+        raise SetupError(f"{path}: cannot read the file: {error.strerror}") from error
     if not isinstance(content, Mapping):
         raise SetupError(f"{path}: expected node names, each with `ros__parameters:` below it")
     for pattern, section in _sections(content):
