@@ -97,7 +97,8 @@ class BoundsInTwoPlaces(Rule, id="NPB104"):
 class NanopbNotInstalled(Rule, id="NPB105", severity=Severity.FATAL):
     """The project has options for nanopb, but the package nanopb is not installed.
 
-    The package defines the options. Without it, the largest size of a message on a microcontroller is unknown.
+    The package defines the options. Without it, the largest size of a message on a microcontroller is unknown. This is
+    a hint if no peer of the table has a `max_size`, because then only a smaller limit than before can be overlooked.
 
     Bad::
 

@@ -11,11 +11,12 @@ inherit from the outer message, nor members from their oneof. At each of these l
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from roverlink.generator.diagnostics import Diagnostic, Span, shown
+from roverlink.generator.diagnostics import Diagnostic, Severity, Span, shown
 from roverlink.generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
 from roverlink.generator.nanopb.option_rules import (
     NanopbNotInstalled,
@@ -37,11 +38,14 @@ def read_bounds(
     shown_root: str,
     findings: list[Diagnostic],
     of_table: Mapping[str, list[OptionsLine]] = MappingProxyType({}),
+    *,
+    needed: bool = False,
 ) -> Bounds | None:
     """Return nanopb's options for the messages and fields of a schema.
 
     ``root`` is the folder of the .proto files, and ``shown_root`` its name in diagnostics. ``of_table`` has the size
-    limits of mapping.yaml as lines of .options files, by .proto file.
+    limits of mapping.yaml as lines of .options files, by .proto file. ``needed`` is true if a peer limits the sizes of
+    messages, so that nothing can be checked without the options.
 
     Adds a diagnostic for options that cannot be read, and for lines of a .options file that match no declaration. If
     there are options but nanopb is not installed, reports only this, and returns None.
@@ -51,8 +55,9 @@ def read_bounds(
         try:
             vocabulary()
         except ModuleNotFoundError:
-            problem = "the sizes of messages depend on options of nanopb, but nanopb is not installed"
-            findings.append(NanopbNotInstalled.at(place, problem, "install nanopb: pip install 'nanopb>=0.4.9,<0.5'"))
+            problem = "nanopb is not installed, so its options were not read, and no sizes were checked"
+            finding = NanopbNotInstalled.at(place, problem, "install nanopb: pip install 'nanopb>=0.4.9,<0.5'")
+            findings.append(finding if needed else replace(finding, severity=Severity.HINT))
             return None
     messages: dict[str, MessageBounds] = {}
     fields: dict[tuple[str, str], FieldBounds] = {}

@@ -10,6 +10,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
+from types import MappingProxyType
 from typing import NamedTuple
 
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
@@ -116,10 +117,13 @@ def _stage(root: Path, files: Iterable[str], overlay: Mapping[str, str], staged:
     return copied
 
 
-def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Schema, list[Diagnostic]]:
+def compile_tree(
+    root: Path, files: Sequence[str], shown_root: str, overlay: Mapping[str, str] = MappingProxyType({})
+) -> tuple[Schema, list[Diagnostic]]:
     """Compile all given .proto files with protoc, and leave out the files that have errors.
 
-    Returns the schema of the files without errors, and one diagnostic for each error in the other files.
+    ``overlay`` has texts, by path, that protoc reads instead of the files on disk. Returns the schema of the files
+    without errors, and one diagnostic for each error in the other files.
     """
     findings: list[Diagnostic] = []
     left = list(files)
@@ -127,7 +131,7 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
     # turn leaves out at least one file, or all of them if no error names a known one.
     while left:
         try:
-            schema = schema_of(compile_descriptors(root, left, shown_root), shown_root)
+            schema = schema_of(compile_descriptors(root, left, shown_root, overlay), shown_root)
         except DiagnosticsError as error:
             findings += [finding for finding in error.findings if finding not in findings]
             broken = {finding.span.file for finding in error.findings}
@@ -139,11 +143,13 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
     return Schema(uncompiled=tuple(files)), findings
 
 
-def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> FileDescriptorSet:
+def compile_descriptors(
+    root: Path, files: Sequence[str], shown_root: str, overlay: Mapping[str, str] = MappingProxyType({})
+) -> FileDescriptorSet:
     """Compile files and their imports with protoc, to descriptors. Raises `DiagnosticsError` with protoc's messages."""
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
         staged, result = Path(folder, "staged"), Path(folder, "set")
-        _stage(root, files, {}, staged)
+        _stage(root, files, overlay, staged)
         _protoc(staged, files, [f"--descriptor_set_out={result}"], Path(folder), shown_root)
         return FileDescriptorSet.FromString(result.read_bytes())
 

@@ -221,7 +221,7 @@ def test_the_outermost_message_is_the_envelope(tmp_path: Path) -> None:
 _AWKWARD = {
     "a/status.proto": 'syntax = "proto3";\npackage a;\nmessage Status { Part p = 1; }\nmessage Part { int32 x = 1; }\n',
     "b/status.proto": 'syntax = "proto3";\npackage b;\nmessage Status { int32 On = 1; int32 on_ = 2; }\n',
-    "c.proto": 'syntax = "proto3";\nmessage motor_state { Node tree = 1; }\nmessage Node { Node next = 1; }\n',
+    "c.proto": 'syntax = "proto3";\nmessage motor_state { Node tree = 1; }\nmessage Node { Node next = 1; }  // \x1b\n',
     "envelope.proto": """
 syntax = "proto3";
 import "a/status.proto";
@@ -251,6 +251,7 @@ def test_names_that_ros_refuses_are_replaced(tmp_path: Path) -> None:
     assert {rows["off"].ros, rows["status"].ros} & {"AStatus", "BStatus"}
     assert rows["off"].ros == rows["again"].ros
     assert all(text in _table(adoption) for text in ('name: "off"', "# \\x1b[2J\n", '- "rtl\\u202e\\x1b.proto"\n'))
+    assert not any("\x1b" in text for text in adoption.compiled.files.values())
 
 
 _FAULTY = {"envelope.proto": """

@@ -508,19 +508,19 @@ def test_a_file_that_cannot_be_read_is_a_finding(tmp_path: Path) -> None:
 def test_options_without_nanopb_are_one_finding(
     tmp_path: Path, files: Mapping[str, str], expected: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Where nanopb is not installed, options are reported once with the command that installs it; else all is read."""
+    """Without nanopb, its options are one finding, which is fatal only if sizes are limited; else all is read."""
     schema, findings = _schema(tmp_path, files, "--include_source_info"), list[Diagnostic]()
     vocabulary.cache_clear()
     monkeypatch.setattr("roverlink.generator.nanopb.vocabulary.find_spec", lambda name: None)
-    bounds = read_bounds(schema, tmp_path, "proto", findings)
+    bounds = [read_bounds(schema, tmp_path, "proto", findings, needed=needed) for needed in (True, False)]
     vocabulary.cache_clear()
-    assert (bounds is None) is bool(expected)
-    assert [finding.render() for finding in findings] == [
-        f"{place}: fatal[NPB105] the sizes of messages depend on options of nanopb, but nanopb is not installed\n"
+    assert (bounds == [None, None]) is bool(expected)
+    said = (
+        "nanopb is not installed, so its options were not read, and no sizes were checked\n"
         "  help: install nanopb: pip install 'nanopb>=0.4.9,<0.5'"
-        for place in [expected]
-        if place
-    ]
+    )
+    levels = ("fatal", "hint") if expected else ()
+    assert [finding.render() for finding in findings] == [f"{expected}: {level}[NPB105] {said}" for level in levels]
 
 
 def _with_options(schema: Schema, options: bytes) -> tuple[Bounds, list[str]]:
