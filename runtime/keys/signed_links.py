@@ -13,12 +13,12 @@ the start of a program:
 from __future__ import annotations
 
 import logging
-import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from roverlink.runtime.core.errors import SetupError, nearest
+from roverlink.runtime.core.periodic_thread import PeriodicThread
 from roverlink.runtime.core.signing import TICKS_PER_SECOND, Signer, SigningClock, Verifier, ticks
 from roverlink.runtime.keys.key_file import BRIDGE, FileKey, read_keys
 from roverlink.runtime.keys.stored_timestamps import read_timestamps, write_timestamps
@@ -66,8 +66,7 @@ class SignedLinks:
             file_key.receiver: Signer(number, file_key.key, self.clock) for file_key in sent if file_key.send_with
         }
         self._failing = False
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="signing-timestamps", daemon=True)
+        self._thread = PeriodicThread("signing-timestamps", _INTERVAL_S, self._store_all, logger)
         for path, timestamps in self._stored.items():
             try:
                 write_timestamps(path, timestamps)  # what cannot be stored is better known now
@@ -92,18 +91,12 @@ class SignedLinks:
                 raise SetupError(f"{what}; {nearest(file_key.end, ends)}")
 
     def __enter__(self) -> SignedLinks:
-        self._thread.start()
+        self._thread.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._ending.set()
-        self._thread.join()
-
-    def _run(self) -> None:
-        ends = False
-        while not ends:
-            ends = self._ending.wait(_INTERVAL_S)  # then once more, for the last timestamps
-            self._store_all()
+        self._thread.__exit__()
+        self._store_all()  # the last timestamps
 
     def _store_all(self) -> None:
         """Store the timestamps; log the first failure, and go on: a full disk must not stop the rover's commands."""

@@ -5,6 +5,7 @@ The schemas of the topics are ROS 2 message definitions.
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Sequence
 
@@ -17,6 +18,7 @@ from roverlink.runtime.recording.message_definitions import definition_of
 
 PORT = 8765
 """TCP port to which Foxglove connects by default."""
+_STOP_S = 0.3  # time in which the viewers can read the last messages
 
 
 class FoxgloveServer:
@@ -62,4 +64,7 @@ class FoxgloveServer:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._server.stop()
+        # It waits until every viewer has read everything, which one that hangs never does.
+        stopping = threading.Thread(target=self._server.stop, name="foxglove-stop", daemon=True)
+        stopping.start()
+        stopping.join(_STOP_S)
