@@ -150,7 +150,9 @@ class BridgeObservers:
         watch = ExitStack()
         if not self._monitored:
             return watch
-        monitor = Monitor(self._ros.node.name, self._registry, bridge, self._probe, self._recording)
+        monitor = Monitor(
+            self._ros.node.name, self._registry, bridge, self._probe, self._recording, logger=self._logger
+        )
         if not self._arguments.no_diagnostics:
             topic = self._ros.topic(diagnostic_array.TOPIC)
             try:

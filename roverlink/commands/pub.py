@@ -25,7 +25,7 @@ from roverlink.console import (
 )
 from roverlink.runtime import SetupError
 from roverlink.runtime.core import cdr
-from roverlink.runtime.middleware import open_middleware
+from roverlink.runtime.middleware import NOT_ACCEPTED, open_middleware
 from roverlink.runtime.ros_arguments import ros_args
 from roverlink.runtime.text import strict_yaml
 from roverlink.runtime.text.values import message_from_values
@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
             accepted = publisher.publish([data])
             sent += 1
             print(
-                f"published {sent} on {arguments.topic}" if accepted else "not published: a subscriber is too slow",
+                f"published {sent} on {arguments.topic}" if accepted else f"not published: {NOT_ACCEPTED}",
                 flush=True,
             )
         time.sleep(topic_types.FLUSH_S)

@@ -2,8 +2,9 @@
 
 Run the bridge between UDP and ROS 2, as the node udp_forwarder. The bridge publishes the datagrams of the
 peers (boards, basestation) as messages on topics, and sends messages of other topics as datagrams to the
-peers. mapping.yaml lists these messages. SIGINT (Ctrl-C) or SIGTERM stops the bridge. The log is written to
-standard error; at the end it says how many datagrams were received, published, sent and dropped.
+peers. mapping.yaml lists these messages. SIGINT (Ctrl-C), SIGTERM, SIGQUIT or a closed terminal (SIGHUP, unless
+nohup ignores it) stops the bridge. The log is written to standard error; at the end it says how many datagrams
+were received, published, sent and dropped.
 
 All options must stand before --ros-args. After it, these arguments are known: -p NAME:=VALUE and
 --params-file FILE (parameters such as dst_ip, the address of the peers, and listen_port),
@@ -48,7 +49,7 @@ from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 from roverlink.runtime.ros_time.simulated_clock import TOPIC, SimulatedClock
 
 _NAMED = 3  # changed files that a warning names
-_STOPPING = (signal.SIGINT, signal.SIGTERM)
+_STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGQUIT, signal.SIGHUP)
 
 
 def add(commands: Subparsers) -> None:
@@ -90,7 +91,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the bridge until SIGINT or SIGTERM stops it; the exit code is then 0."""
+    """Run the bridge until a signal in `_STOPPING` stops it; the exit code is then 0."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None, arguments.log_format)
     project = project_folder(arguments.project)
@@ -114,18 +115,24 @@ def run(arguments: argparse.Namespace) -> int:
         for number in _STOPPING:
             # A handler instead of KeyboardInterrupt, which would leave the bridge in the middle of a batch: `stop` lets
             # it handle what has arrived, and send the stops.
-            signal.signal(number, lambda *_: bridge.stop())
+            if number != signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:  # as nohup sets it
+                signal.signal(number, lambda *_: bridge.stop())
         live.on_change(bridge.change)
         # The log and the clock leave first, because the bridge closes the middleware.
         with bridge, attached.monitor(bridge, clock), published_log:
+            stack.callback(_tell_account, bridge.account, logger, json_too=arguments.json)
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
+    return OK
+
+
+def _tell_account(account: Account, logger: logging.Logger, *, json_too: bool) -> None:
+    """Log the account at the end, also if a thread has failed. With ``json_too``, also print it as a JSON object."""
     for number in _STOPPING:
         signal.signal(number, signal.SIG_IGN)  # a second signal would end Python with an error code during shutdown
-    logger.info("%s", bridge.account.summary())
-    if arguments.json:
-        print(json.dumps(bridge.account.as_dict()))
-    return OK
+    logger.info("%s", account.summary())
+    if json_too:
+        print(json.dumps(account.as_dict()))
 
 
 def _warn_of_changes(changed: Sequence[str], account: Account, logger: logging.Logger) -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import logging
 import secrets
-import threading
 import time
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
@@ -18,6 +17,7 @@ from roverlink.link_page.last_values import LastValues
 from roverlink.link_page.link_alarms import LinkAlarms, conditions_of
 from roverlink.link_page.live_link import LiveLink, event
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.periodic_thread import PeriodicThread
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
 _TICK_S = 0.5
@@ -40,8 +40,7 @@ class LivePage:
         self._session = secrets.token_hex(8)
         self._start = time.monotonic()
         self._overview: dict[str, Any] = {}
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="page", daemon=True)
+        self._thread = PeriodicThread("page", _TICK_S, self.tick, logger)
 
     def add(self, id: str, values: LastValues | None = None) -> LiveLink:
         """Show one more bridge, and return its link; the arguments are those of `LiveLink`."""
@@ -99,20 +98,15 @@ class LivePage:
         self._parameters.change(changes)
 
     def __enter__(self) -> LivePage:
-        self._thread.start()
+        self._thread.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._ending.set()
-        self._thread.join()
+        self._thread.__exit__()
         self.clients.end()
 
     def _now(self) -> float:
         return round(time.monotonic() - self._start, 3)
-
-    def _run(self) -> None:
-        while not self._ending.wait(_TICK_S):
-            self.tick()
 
     def tick(self) -> None:
         """Send what is new to all browsers; the thread of this object calls this periodically."""

@@ -29,7 +29,7 @@ class Account:
     extra_published: Counter[str] = field(default_factory=Counter)
     """Messages published on extra topics, by topic."""
     extra_unpublished: Counter[str] = field(default_factory=Counter)
-    """Messages not published on an extra topic because a value did not fit or a subscriber was too slow, by topic."""
+    """Messages of extra topics that did not fit, or that the middleware did not accept, by topic."""
     sent: Counter[str] = field(default_factory=Counter)
     """Datagrams sent to peers, made from messages of topics, by payload."""
     forwarded: Counter[str] = field(default_factory=Counter)

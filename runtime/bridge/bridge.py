@@ -13,9 +13,11 @@ nodes: whether the topics with ``deadman`` still have publishers, and whether th
 from __future__ import annotations
 
 import logging
+import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from functools import partial
 from typing import Any, Protocol
 
@@ -31,7 +33,7 @@ from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
 from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch, Send
 from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
-from roverlink.runtime.core.errors import DatagramError, Reason
+from roverlink.runtime.core.errors import DatagramError, FailedThreadError, Reason
 from roverlink.runtime.core.registry import AnyHandler, EndName, Registry
 from roverlink.runtime.core.translator import Translation, Translator
 from roverlink.runtime.interfaces import Time
@@ -129,7 +131,7 @@ class Bridge:
             self._sending,
             self._counters,
         )
-        self._failure: BaseException | None = None
+        self._failure: FailedThreadError | None = None
         self._link = self._exchange(parameters.link_policy)
 
     @property
@@ -180,21 +182,23 @@ class Bridge:
         return self
 
     def __exit__(self, *_: object) -> None:
-        # The order matters: first no datagram comes in, then no timer fires, then the waiting messages are published
-        # and the topics closed. The stops go out last, because nothing may follow them.
-        self._receiver.__exit__()
-        self._counters.count_unhandled(self._receiver.left)
-        self._watch.__exit__()
-        self._timekeeper.__exit__()
-        for paced in self._paced:
-            paced.end()
-        self._middleware.close()
-        for row in self._outbound_rows:
-            row.end()
-        self._counters.read_kernel_drops()
-        self._counters.warnings.log_suppressed()
-        self._socket.close()
-        self._ends.close()
+        # To be read from below, because the stack calls what was added last first. The order matters: first no datagram
+        # comes in, then no timer fires, then the waiting messages are published and the topics closed. The stops go out
+        # last, because nothing may follow them. If one step fails, the others are done all the same.
+        with ExitStack() as steps:
+            steps.callback(self._ends.close)
+            steps.callback(self._socket.close)
+            steps.callback(self._counters.warnings.log_suppressed)
+            steps.callback(self._counters.read_kernel_drops)
+            for row in reversed(self._outbound_rows):
+                steps.callback(row.end)
+            steps.callback(self._middleware.close)
+            for paced in reversed(self._paced):
+                steps.callback(paced.end)
+            steps.callback(self._timekeeper.__exit__)
+            steps.callback(self._watch.__exit__)
+            steps.callback(lambda: self._counters.count_unhandled(self._receiver.left))
+            steps.callback(self._receiver.__exit__)
 
     def stop(self) -> None:
         """Make `run` return as soon as the datagrams that have already arrived are handled.
@@ -204,7 +208,7 @@ class Bridge:
         self._receiver.stop()
 
     def run(self) -> None:
-        """Wait until `stop` is called. If an unexpected error ended a thread of the bridge, raise that error."""
+        """Wait until `stop` is called. Raises `FailedThreadError` if an error ended a thread of the bridge."""
         self._receiver.join()
         if self._failure is not None:
             raise self._failure
@@ -380,8 +384,8 @@ class Bridge:
         return row.connect(subscription, self._timekeeper.wake)
 
     def _fail(self, failure: BaseException) -> None:
-        """Stop the bridge because one of its threads failed; `run` raises the error."""
-        self._failure = failure
+        """Stop the bridge because the calling thread failed; `run` raises the error."""
+        self._failure = self._failure or FailedThreadError(threading.current_thread().name, failure)
         self.stop()
 
     def _warn_of_small_buffer(self) -> None:

@@ -12,7 +12,7 @@ from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.core.handler import all_to_cdr
 from roverlink.runtime.core.registry import AnyStandardHandler
 from roverlink.runtime.interfaces import Time
-from roverlink.runtime.middleware import Publisher
+from roverlink.runtime.middleware import NOT_ACCEPTED, Publisher
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
@@ -52,7 +52,7 @@ class ExtraTopics:
         accepted = publisher.publish(messages) if messages else 0
         self._account.extra_published[handler.route.topic] += accepted
         if accepted < len(messages):
-            self._missed(handler, len(messages) - accepted, f"{handler.route.topic}: a subscriber is too slow")
+            self._missed(handler, len(messages) - accepted, f"{handler.route.topic}: {NOT_ACCEPTED}")
 
     def _missed(self, handler: AnyStandardHandler, count: int, why: str) -> None:
         self._account.extra_unpublished[handler.route.topic] += count

@@ -15,13 +15,13 @@ A link whose clock is ahead of the computer's is reported once: it stays so, als
 from __future__ import annotations
 
 import logging
-import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import timedelta
 from pathlib import Path
 
 from roverlink.runtime.core.errors import SetupError, nearest
+from roverlink.runtime.core.periodic_thread import PeriodicThread
 from roverlink.runtime.core.signing import NOTABLY_AHEAD, TICKS_PER_SECOND, Signer, SigningClock, Verifier, ticks
 from roverlink.runtime.keys.key_file import BRIDGE, FileKey, read_keys
 from roverlink.runtime.keys.stored_timestamps import read_timestamps, write_timestamps
@@ -80,8 +80,7 @@ class SignedLinks:
         self._warned_ahead: set[str] = set()
         self._warn_of_clocks()
         self._failing = False
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="signing-timestamps", daemon=True)
+        self._thread = PeriodicThread("signing-timestamps", _INTERVAL_S, self._store, logger)
         for path, timestamps in self._stored.items():
             try:
                 write_timestamps(path, timestamps)  # what cannot be stored is better known now
@@ -106,19 +105,16 @@ class SignedLinks:
                 raise SetupError(f"{what}; {nearest(file_key.end, ends)}")
 
     def __enter__(self) -> SignedLinks:
-        self._thread.start()
+        self._thread.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._ending.set()
-        self._thread.join()
+        self._thread.__exit__()
+        self._store()  # the last timestamps
 
-    def _run(self) -> None:
-        ends = False
-        while not ends:
-            ends = self._ending.wait(_INTERVAL_S)  # then once more, for the last timestamps
-            self._store_all()
-            self._warn_of_clocks()
+    def _store(self) -> None:
+        self._store_all()
+        self._warn_of_clocks()
 
     def _warn_of_clocks(self) -> None:
         """Log the links whose clock is ahead of the computer's, each once."""

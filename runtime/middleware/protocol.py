@@ -12,6 +12,9 @@ from roverlink.runtime.interfaces.rcl_interfaces import ParameterDescriptor
 
 M = TypeVar("M", bound="Middleware")
 
+NOT_ACCEPTED = "a subscriber is too slow, or ROS 2 cannot publish it"
+"""Reason why a publisher did not accept a message, for the user."""
+
 Callback = Callable[[Sequence[bytes]], None]
 """Function called with all messages of one topic that have arrived, serialized (CDR with header), oldest first."""
 
@@ -80,8 +83,8 @@ class Publisher(Protocol):
     def publish(self, messages: Sequence[bytes], /) -> int:
         """Publish serialized messages (CDR with header) in order, without ever waiting for a subscriber.
 
-        Returns how many messages were accepted. If the queue is full, the remaining messages are not accepted, and the
-        caller counts them as lost.
+        Returns how many messages were accepted. If the queue is full, or publishing fails, the remaining messages are
+        not accepted, and the caller counts them as lost. Raises no error.
         """
 
     def has_subscribers(self) -> bool:

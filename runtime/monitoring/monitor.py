@@ -6,8 +6,8 @@ row's last message.
 
 from __future__ import annotations
 
+import logging
 import math
-import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -17,6 +17,7 @@ from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.ends import LinkState
 from roverlink.runtime.bridge.link_exchange import EndReport
 from roverlink.runtime.core.handler import Route
+from roverlink.runtime.core.periodic_thread import PeriodicThread
 from roverlink.runtime.core.registry import EndName, Registry
 from roverlink.runtime.monitoring.histogram import LatencyProbe
 from roverlink.runtime.monitoring.liveness import Liveness, liveness_of
@@ -77,6 +78,7 @@ class Monitor:
         probe: LatencyProbe,
         recording: Callable[[], Recording | None] = lambda: None,
         clock: Callable[[], float] = time.monotonic,
+        logger: logging.Logger | None = None,
     ) -> None:
         self._node, self._registry, self._bridge, self._probe = node, registry, bridge, probe
         self._recording, self._clock = recording, clock
@@ -85,8 +87,8 @@ class Monitor:
         self._last_stop: dict[str, float] = {}  # the same for the counter of the row's stops
         self._outbound = {handler.route.name for handler in registry.handlers if not handler.route.inbound}
         self._listeners: list[Callable[[State], None]] = []
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="monitor", daemon=True)
+        self._next_report = clock()
+        self._thread = PeriodicThread("monitor", SAMPLE_S, self._observe, logger or logging.getLogger("roverlink"))
         self.sample()
 
     def add_listener(self, listener: Callable[[State], None]) -> None:
@@ -97,22 +99,26 @@ class Monitor:
         self._listeners.append(listener)
 
     def __enter__(self) -> Monitor:
-        self._thread.start()
+        self._thread.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._ending.set()
-        self._thread.join()
+        self._thread.__exit__()
 
-    def _run(self) -> None:
-        next_report = self._clock()
-        while not self._ending.wait(SAMPLE_S):
-            self.sample()
-            if self._clock() >= next_report:
-                next_report += REPORT_S
-                state = self.state()
-                for listener in self._listeners:
-                    listener(state)
+    def _observe(self) -> None:
+        """Read the counters, and call the listeners once a second: all of them, also if one raises an error."""
+        self.sample()
+        if self._clock() < self._next_report:
+            return
+        self._next_report += REPORT_S
+        state, failures = self.state(), list[Exception]()
+        for listener in self._listeners:
+            try:
+                listener(state)
+            except Exception as failure:  # noqa: BLE001  # it is raised below
+                failures.append(failure)
+        if failures:
+            raise failures[0]
 
     def sample(self) -> None:
         """Read the counters once and store their values. The monitor's thread calls this periodically."""

@@ -18,6 +18,7 @@ from google.protobuf.message import DecodeError
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.periodic_thread import Alarm
 from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.middleware.tapping import Tap
 from roverlink.runtime.recording import file_names
@@ -72,7 +73,7 @@ class Recorder:
         # datagrams.
         self._envelope = descriptor_set_of(registry.envelope)
         self._channels_lock = threading.Lock()
-        self._ending = threading.Event()
+        self._alarm, self._ending = Alarm(), False
         self._next_flush = time.monotonic() + _FLUSH_S
         self._bytes_seen = 0
         self._warned = False
@@ -156,13 +157,16 @@ class Recorder:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._ending.set()
+        self._ending = True
+        self._alarm.wake()
         self._thread.join()
+        self._alarm.close()
 
     def _run(self) -> None:
         try:
-            while not self._ending.wait(_WAKE_S):
+            while not self._ending:
                 self._write_waiting()
+                self._alarm.wait(_WAKE_S)
             self._take()
             for queued in self._files:
                 queued.finish()

@@ -1,0 +1,84 @@
+"""Thread that does some work again and again, and goes on after an error.
+
+An error of the work must not end the thread silently: the bridge would run on without its diagnostics, for example.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import math
+import select
+import socket
+import threading
+from collections.abc import Callable
+
+_WAKES = 4096  # bytes read at once; each call of `wake` writes one
+
+
+class Alarm:
+    """Wait that another thread can end.
+
+    The wait uses poll(2), whose timeout is on the monotonic clock, which nobody can set. Before Python 3.11, waiting
+    for a lock or an `Event` with a timeout uses the wall clock (bpo-41710): if somebody set the wall clock back by an
+    hour, the thread would wait for an hour.
+    """
+
+    def __init__(self) -> None:
+        self._wake, self._woken = socket.socketpair()
+        # `wake` must never block its caller.
+        self._wake.setblocking(False)
+        self._poll = select.poll()
+        self._poll.register(self._woken, select.POLLIN)
+
+    def wake(self) -> None:
+        """End the present wait, or else the next one. Safe in any thread and in a signal handler."""
+        with contextlib.suppress(OSError):  # the pipe is full, so the thread wakes anyway; or it has ended
+            self._wake.send(b"\0")
+
+    def wait(self, seconds: float) -> None:
+        """Wait until `wake` is called, but not longer than a number of seconds."""
+        # poll takes whole milliseconds. Rounded down, the wait would end before a task is due.
+        if self._poll.poll(math.ceil(seconds * 1000)):
+            self._woken.recv(_WAKES)
+
+    def close(self) -> None:
+        """Close the sockets. Call it when no thread waits any more."""
+        self._wake.close()
+        self._woken.close()
+
+
+class PeriodicThread:
+    """Thread that calls a function at intervals, until the block of this context manager ends.
+
+    If the function raises an error, the thread logs it and goes on. Errors that follow each other are logged once.
+    """
+
+    def __init__(self, name: str, interval_s: float, work: Callable[[], object], logger: logging.Logger) -> None:
+        self._name, self._interval_s, self._work, self._logger = name, interval_s, work, logger
+        self._alarm = Alarm()
+        self._ending = self._failing = False
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    def __enter__(self) -> PeriodicThread:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ending = True
+        self._alarm.wake()
+        self._thread.join()
+        self._alarm.close()
+
+    def _run(self) -> None:
+        self._alarm.wait(self._interval_s)
+        while not self._ending:
+            try:
+                self._work()
+                self._failing = False
+            except Exception as error:  # the next call may succeed
+                if not self._failing:
+                    # The formatters of our nodes show no traceback.
+                    self._logger.exception("the thread %s goes on after %r", self._name, error)  # noqa: TRY401
+                self._failing = True
+            self._alarm.wait(self._interval_s)
