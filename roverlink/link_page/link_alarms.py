@@ -41,10 +41,11 @@ class LinkAlarms:
         self._onsets = 0
         self._lock = threading.Lock()
 
-    def update(self, bridge: str, conditions: Mapping[str, Condition], now: float) -> None:
+    def update(self, bridge: str, conditions: Mapping[str, Condition], now: float, quiet: bool = False) -> None:
         """Take what is wrong with a bridge at the time ``now``: start new alarms, end those whose condition is gone.
 
-        A condition that comes back, or gets worse, starts its alarm anew with another number.
+        A condition that comes back, or gets worse, starts its alarm anew with another number. If the bridge is
+        ``quiet``, nobody knows whether the other alarms are over: they go on, with the level UNKNOWN.
         """
         with self._lock:
             for subject, condition in conditions.items():
@@ -56,7 +57,7 @@ class LinkAlarms:
                 self._alarms[bridge, subject] = alarm  # at the end: alarms that go on are the last to leave the list
             for (owner, subject), alarm in self._alarms.items():
                 if owner == bridge and subject not in conditions and alarm.ended is None:
-                    alarm.ended = now
+                    alarm.ended, alarm.level = (None, "UNKNOWN") if quiet else (now, alarm.level)
             while len(self._alarms) > _MOST:
                 del self._alarms[next(iter(self._alarms))]
 

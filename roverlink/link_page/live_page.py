@@ -124,7 +124,7 @@ class LivePage:
             before = link.state
             events[id] = link.tick()
             if link.state is not None and link.state is not before:
-                self._alarms.update(id, conditions_of(link.state), link.state["now"])
+                self._alarms.update(id, conditions_of(link.state), link.state["now"], link.state["quiet"])
         bridges = self._bridges()
         overview = {**bridges, "now": None}
         changed, self._overview = overview != self._overview, overview

@@ -212,7 +212,10 @@ def test_the_address_stands_at_its_board() -> None:
 
 
 def test_alarms_stay_until_they_come_anew() -> None:
-    """An alarm that is over stays in the list, behind the others; a new onset or a worse level has a new number."""
+    """An alarm that is over stays in the list, behind the others; a new onset or a worse level has a new number.
+
+    Of a quiet bridge, nobody knows whether an alarm is over.
+    """
     alarms = LinkAlarms()
     alarms.update("b", {"row a": Condition("WARN", "1 lost")}, 1.0)
     alarms.update("b", {"row a": Condition("WARN", "2 lost")}, 2.0)
@@ -231,3 +234,5 @@ def test_alarms_stay_until_they_come_anew() -> None:
     assert told() == [(4, "ERROR", True), (3, "WARN", True), (5, "ERROR", False)]
     alarms.update("b", {"row a": Condition("WARN", "4 lost")}, 6.0)
     assert told() == [(4, "WARN", True), (5, "ERROR", False), (3, "WARN", False)]
+    alarms.update("b", {"bridge": Condition("UNKNOWN", "quiet")}, 7.0, quiet=True)
+    assert told()[:2] == [(4, "UNKNOWN", True), (6, "UNKNOWN", True)]
