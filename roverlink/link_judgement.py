@@ -94,7 +94,7 @@ def conditions_of(state: Mapping[str, Any]) -> dict[str, Condition]:
 
 def _of_node(node: Mapping[str, Any]) -> Iterator[tuple[str, Condition]]:
     if node["level"] != "OK":
-        yield "bridge", Condition(_shown_level(node), node["message"])
+        yield "bridge", Condition(_shown_level(node), node["message"], "The log says more.")
 
 
 def _silences(peers: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, Condition]]:

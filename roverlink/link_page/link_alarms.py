@@ -77,8 +77,9 @@ class LinkAlarms:
     def as_list(self) -> list[dict[str, Any]]:
         """Return all alarms as plain values: first those that go on, the worst first; then the others, newest first."""
 
-        def order(alarm: _Alarm) -> tuple[bool, int]:
-            return (False, -badness(alarm.level)) if alarm.ended is None else (True, -alarm.number)
+        def order(alarm: _Alarm) -> tuple[bool, int, bool]:
+            rank = badness(alarm.level) if alarm.ended is None else alarm.number
+            return alarm.ended is not None, -rank, alarm.subject != "bridge"
 
         with self._lock:
             return [asdict(alarm) for alarm in sorted(self._alarms.values(), key=order)]

@@ -178,7 +178,7 @@ class Monitor:
             return (Level.ERROR if 2 * kernel > came else Level.WARN), text
         if lost:
             reasons = ", ".join(f"{reason} {count}" for reason, count in sorted(lost.items()))
-            return Level.WARN, f"{lost.total()} datagrams or messages lost in the last {WINDOW_S:.0f} s: {reasons}"
+            return Level.WARN, f"datagrams or messages lost in the last {WINDOW_S:.0f} s: {reasons}"
         if topics := ", ".join(self._bridge.account.qos_mismatches):
             return Level.WARN, f"the QoS of other nodes does not match on {topics}; change the QoS of one side"
         return Level.OK, "nothing lost"
