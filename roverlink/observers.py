@@ -24,6 +24,7 @@ from roverlink.runtime.monitoring import diagnostic_array
 from roverlink.runtime.monitoring.foxglove_server import PORT as FOXGLOVE_PORT
 from roverlink.runtime.monitoring.foxglove_server import FoxgloveServer
 from roverlink.runtime.monitoring.histogram import LatencyProbe
+from roverlink.runtime.monitoring.liveness import SilenceLog
 from roverlink.runtime.monitoring.monitor import Monitor
 from roverlink.runtime.monitoring.state import Recording, State
 from roverlink.runtime.recording import COMPRESSIONS
@@ -153,6 +154,8 @@ class BridgeObservers:
         monitor = Monitor(
             self._ros.node.name, self._registry, bridge, self._probe, self._recording, logger=self._logger
         )
+        silences = SilenceLog(self._logger)
+        monitor.add_listener(lambda state: silences.take({end.end: end.liveness for end in state.ends}))
         if not self._arguments.no_diagnostics:
             topic = self._ros.topic(diagnostic_array.TOPIC)
             try:

@@ -12,9 +12,10 @@ import time
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
+from roverlink.link_judgement import Condition, conditions_of, worst
 from roverlink.link_page.event_clients import EventClients
 from roverlink.link_page.last_values import LastValues
-from roverlink.link_page.link_alarms import LinkAlarms, conditions_of
+from roverlink.link_page.link_alarms import LinkAlarms
 from roverlink.link_page.live_link import LiveLink, event
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.periodic_thread import PeriodicThread
@@ -117,16 +118,19 @@ class LivePage:
             before = link.state
             events[id] = link.tick()
             if link.state is not None and link.state is not before:
-                self._alarms.update(id, conditions_of(link.state), link.state["now"])
+                self._alarms.update(id, conditions_of(link.state), link.state["now"], link.state["quiet"])
         bridges = self._bridges()
         overview = {**bridges, "now": None}
         changed, self._overview = overview != self._overview, overview
         self.clients.send(event("bridges", bridges) if changed else b"", events)
 
     def _bridges(self) -> dict[str, Any]:
+        entries = [link.entry() for _, link in sorted(self._links.items())]
+        warnings = (Condition("WARN", text) for text in self.warnings)
         return {
             "now": self._now(),
-            "bridges": [link.entry() for _, link in sorted(self._links.items())],
+            "bridges": entries,
+            "worst": worst([*(Condition(**entry["worst"]) for entry in entries), *warnings])._asdict(),
             "warnings": list(self.warnings),
             "alarms": self._alarms.as_list(),
         }

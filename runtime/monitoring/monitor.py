@@ -31,6 +31,7 @@ WINDOW_S = 2.0
 REPORT_S = 1.0
 """Interval in seconds at which listeners get the state."""
 
+_KERNEL = "dropped by the kernel"
 _LOW = 0.8  # share of the expected rate below which a row gets a warning
 _SILENT_PERIODS = 3.0  # periods of the expected rate after which a row is stale, but at least WINDOW_S
 
@@ -63,8 +64,8 @@ class _Sample(NamedTuple):
     """Stops sent because a topic was silent, by payload."""
     received: int
     """Datagrams read from the socket."""
-    lost: int
-    """Datagrams and messages lost for any reason."""
+    lost: Counter[str]
+    """Datagrams and messages lost, by reason."""
 
 
 class Monitor:
@@ -132,8 +133,8 @@ class Monitor:
         if before is not None:
             self._last.update({name: now for name, count in crossed.items() if count != before.crossed[name]})
             self._last_stop.update({name: now for name, count in stops.items() if count != before.stops[name]})
-        lost = account.dropped.total() + account.refused.total() + account.unsent.total()
-        lost += self._bridge.socket_state().drops  # the account reads this counter only when a datagram arrives
+        lost = account.dropped + Counter({"refused": account.refused.total(), "not sent": account.unsent.total()})
+        lost[_KERNEL] = self._bridge.socket_state().drops  # the account reads it only when a datagram arrives
         self._samples.append(_Sample(now, crossed, dropped, stops, account.received, lost))
         # Keep one sample older than the window, so that rates cover the whole window.
         while len(self._samples) > 2 and self._samples[1].time <= now - WINDOW_S:
@@ -173,12 +174,22 @@ class Monitor:
     def _overall(self, recording: Recording | None) -> tuple[Level, str]:
         if recording is not None and recording.failure is not None:
             return Level.ERROR, f"the recording stopped: {recording.failure}"
-        if lost := self._samples[-1].lost - self._samples[0].lost:
-            return Level.WARN, f"{lost} datagrams or messages lost in the last {WINDOW_S:.0f} s"
+        first, last = self._samples[0], self._samples[-1]
+        lost = last.lost - first.lost
+        if kernel := lost[_KERNEL]:
+            came = kernel + last.received - first.received
+            text = (
+                f"this computer cannot keep up: {_percent(kernel / came)} of the datagrams lost in the last "
+                f"{WINDOW_S:.0f} s; end other programs, or let the boards send less"
+            )
+            return (Level.ERROR if 2 * kernel > came else Level.WARN), text
+        if lost:
+            reasons = ", ".join(f"{reason} {count}" for reason, count in sorted(lost.items()))
+            return Level.WARN, f"datagrams or messages lost in the last {WINDOW_S:.0f} s: {reasons}"
         if standing := "; ".join(filter(None, self._bridge.account.standing.values())):
             return Level.WARN, standing
         if topics := ", ".join(self._bridge.account.qos_mismatches):
-            return Level.WARN, f"the QoS of other nodes does not match on {topics}"
+            return Level.WARN, f"the QoS of other nodes does not match on {topics}; change the QoS of one side"
         return Level.OK, "nothing lost"
 
     def _row(self, route: Route) -> RowState:
@@ -214,6 +225,10 @@ class Monitor:
             level=level,
             message=message,
         )
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if share >= 0.01 else "less than 1 %"
 
 
 def _ends(links: Mapping[EndName, LinkState], rows: Sequence[RowState]) -> Iterator[EndState]:

@@ -34,13 +34,15 @@ _TOP = ("top", "--once", "--middleware", "dds", "--timeout", 60)
 
 
 @contextlib.contextmanager
-def _speaking(port: int) -> Iterator[None]:
-    """A board that sends one IMU message after the other, fifty a second."""
-    datagram = REGISTRY.envelope(imu_info={"accel_x": 1.5}).SerializeToString()
+def _speaking(port: int, *others: str) -> Iterator[None]:
+    """A board that sends one IMU message after the other, fifty a second, and others that send these rows."""
+    payloads = [{"imu_info": {"accel_x": 1.5}}, *({name: {}} for name in others)]
+    datagrams = [REGISTRY.envelope(**payload).SerializeToString() for payload in payloads]
     sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
     def send(_: int) -> None:
-        sock.sendto(datagram, ("127.0.0.1", port))
+        for datagram in datagrams:
+            sock.sendto(datagram, ("127.0.0.1", port))
 
     with sock, repeated(send):
         yield
@@ -49,16 +51,21 @@ def _speaking(port: int) -> Iterator[None]:
 @pytest.mark.slow
 @needs_dds
 def test_top_shows_the_bridge(bridge: Bridge, start: Start, called: Called) -> None:
-    """As a page, and as JSON for scripts, from a second program; exit code 1 where no bridge is heard."""
+    """As a page, and as JSON for scripts, from a second program; exit code 1 while a board or peer has not spoken."""
     program, port = bridge(middleware="dds")
     with _speaking(port):
         live = start("top", "--middleware", "dds", "--json", "--timeout", 60)
         code, output, _ = called(*_TOP)
+        waiting = "/udp_forwarder  WAITING  no message yet from ArmBoard, DrivingBoard, basestation"
+        assert (code, output.splitlines()[0]) == (1, waiting)
+    with _speaking(port, "arm_pos", "drive_diag", "control_mode"):
+        code, output, _ = called(*_TOP)
         assert (code, output.splitlines()[0]) == (0, "/udp_forwarder  OK  nothing lost")
         assert re.search(r"13 +imu_info +hardware→ros +OK", output)
         code, output, _ = called(*_TOP, "--json")
-        row = next(row for row in json.loads(output)["rows"] if row["name"] == "imu_info")
-        assert (code, row["level"], row["number"], row["topic"]) == (0, "OK", 13, "imu_data")
+        state = json.loads(output)
+        row = next(row for row in state["rows"] if row["name"] == "imu_info")
+        assert (code, state["worst"]["level"], row["number"], row["topic"]) == (0, "OK", 13, "imu_data")
         assert row["count"] > 0
         live.wait_for('"node"', live.output)
         assert live.interrupt() == 0

@@ -114,8 +114,12 @@ def _columns(rows: Sequence[tuple[str, str, str, str]]) -> Iterator[str]:
         type = min(type, room - topic)
     for row in rows:
         yield _GAP.join(
-            (f"{_shortened(row[0], topic):<{topic}}", f"{_shortened(row[1], type):<{type}}")
-            + (f"{row[2]:>{count}}", f"{row[3]:>{rate}}")
+            (
+                f"{_shortened(row[0], topic):<{topic}}",
+                f"{_shortened(row[1], type):<{type}}",
+                f"{row[2]:>{count}}",
+                f"{row[3]:>{rate}}",
+            )
         )
 
 
