@@ -80,7 +80,7 @@ class SignedLinks:
         self._warned_ahead: set[str] = set()
         self._warn_of_clocks()
         self._failing = False
-        self._thread = PeriodicThread("signing-timestamps", _INTERVAL_S, self._store, logger)
+        self._thread = PeriodicThread("signing-timestamps", _INTERVAL_S, self._keep, logger)
         for path, timestamps in self._stored.items():
             try:
                 write_timestamps(path, timestamps)  # what cannot be stored is better known now
@@ -110,9 +110,9 @@ class SignedLinks:
 
     def __exit__(self, *_: object) -> None:
         self._thread.__exit__()
-        self._store()  # the last timestamps
+        self._keep()  # the last timestamps
 
-    def _store(self) -> None:
+    def _keep(self) -> None:
         self._store_all()
         self._warn_of_clocks()
 
