@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections import Counter, defaultdict
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -35,6 +35,8 @@ from roverlink.runtime.core.translator import Translation
 _SILENT_S = 3.0
 _MOST_SENDERS = 8
 """Largest number of sessions of an end that are remembered; a stranger could send any number."""
+_MOST_UNKNOWN = 64
+"""Largest number of sessions of unknown senders that are remembered, so that each is logged once."""
 
 SAME, DIFFERS, UNKNOWN = "same", "differs", "unknown"
 """Results of the comparison of schemas. `UNKNOWN` means that the end has never told the hash of a row."""
@@ -139,6 +141,7 @@ class LinkExchange:
         self._told = dict.fromkeys(sends, -math.inf)  # time at which each end got them
         self._began_us = time.time_ns() // 1000 - int(time.monotonic() * 1e6)
         self._senders: dict[tuple[Principal, int], _Sender] = {}  # by principal and session
+        self._unknown: deque[int] = deque(maxlen=_MOST_UNKNOWN)  # sessions whose sender is unknown
         self._restarts: Counter[EndName] = Counter()
         self._received: Counter[str | None] = Counter()  # by row
         self._received_links: Counter[EndName] = Counter()
@@ -212,8 +215,10 @@ class LinkExchange:
             hashes = {**(sender.hashes if sender else {}), **told}
             end = self._rows.end_of({self._registry.by_number[number].route.name for number in hashes}, principal)
             if end is None:
-                text = "a link message has no row of the table: its sender is unknown"
-                self._warnings.warn("unknown sender", text)
+                if message.session not in self._unknown:
+                    self._unknown.append(message.session)
+                    text = "a link message has no row of the table: its sender is unknown"
+                    self._warnings.warn("unknown sender", text)
                 return None
             destination = self._destination(end)
             is_new = sender is None

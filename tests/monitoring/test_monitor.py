@@ -262,7 +262,7 @@ def _busy() -> State:
     """A bridge that has a bit of everything."""
     bridge = _Bridge(imu_info=40, gps_info=4, ph_info=1)
     bridge.account.forwarded["basestation"] = 180
-    bridge.account.unsent["basestation"] = 2
+    bridge.account.unsent["basestation"], bridge.account.clocks_ahead["ArmBoard"] = 2, 3
     bridge.kernel_drops = 11
     bridge.account.dropped.update({"malformed": 4, "wrong_direction": 5, "conversion": 3})
     bridge.account.dropped_of_row.update({("arm_ctrl", "wrong_direction"): 5, ("imu_info", "conversion"): 3})
@@ -429,6 +429,8 @@ def test_prometheus_reads_the_metrics() -> None:
     assert rates["imu_info"] == 20
     (mismatch,) = families["roverlink_qos_mismatches"].samples
     assert (mismatch.labels, mismatch.value) == ({"topic": "gps_data"}, 1)
+    (ahead,) = families["roverlink_clocks_ahead"].samples
+    assert (ahead.labels, ahead.value) == ({"signer": "ArmBoard"}, 3)
     (drop,) = families["roverlink_row_dropped"].samples
     assert (drop.labels["row"], drop.labels["reason"], drop.value) == ("imu_info", "conversion", 3)
     stops = {sample.labels["row"]: sample.value for sample in families["roverlink_stops"].samples}
