@@ -60,7 +60,10 @@ def worst_of(state: Mapping[str, Any]) -> Condition:
         if waiting
         else Condition("OK", state["node"]["message"])
     )
-    return worst([*conditions_of(state).values(), calm])
+    boards = (board for peer in state["peers"] for board in peer["boards"])
+    # A silent board is no alarm of its own if its peer has been silent as long, but it is not OK either.
+    silent = (_silence(board) for board in boards if board["state"] == "silent")
+    return worst([*conditions_of(state).values(), *silent, calm])
 
 
 def worst(conditions: Iterable[Condition]) -> Condition:
@@ -100,16 +103,17 @@ def _of_node(node: Mapping[str, Any]) -> Iterator[tuple[str, Condition]]:
 def _silences(peers: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, Condition]]:
     for peer in peers:
         if peer["state"] == "silent":
-            text = f"{peer['name']} is silent: no message for {peer['age']:.0f} s"
             advice = "Check its power, and the switch, cable or radio of the whole network."
-            yield f"peer {peer['name']}", Condition("ERROR", text, advice)
+            yield f"peer {peer['name']}", _silence(peer, advice)
         for board in peer["boards"]:
             # Boards that fall silent together are one alarm, that of the peer. So a board has an alarm only if the peer
             # has spoken since the board was due. The alarm stays if the rest of the peer falls silent later.
             if board["state"] == "silent" and board["age"] - peer["age"] > board["silent_after"]:
-                text = f"{board['name']} is silent: no message for {board['age']:.0f} s"
-                advice = "Check its power and its cable, and restart it."
-                yield f"board {board['name']} of {peer['name']}", Condition("ERROR", text, advice)
+                yield f"board {board['name']} of {peer['name']}", _silence(board)
+
+
+def _silence(end: Mapping[str, Any], advice: str = "Check its power and its cable, and restart it.") -> Condition:
+    return Condition("ERROR", f"{end['name']} is silent: no message for {end['age']:.0f} s", advice)
 
 
 def _stops(rows: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, Condition]]:

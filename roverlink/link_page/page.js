@@ -824,6 +824,7 @@ function selectBridge() {
   setText(byId("name"), wanted() || "Link");
   events.close();
   connect();
+  if (page) showAlarms(); // nothing of the bridge before must look like a state of this one
 }
 window.onhashchange = selectBridge;
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import pytest
@@ -52,162 +51,69 @@ def test_states_of_peers_and_boards(rows: list[dict[str, Any]], state: str, boar
     assert (peer["state"], {board["name"]: board["state"] for board in peer["boards"]}) == (state, boards)
 
 
-_REST = {"deadman_after": 0.5, "stops": 3, "stopping": 1}
-_TO_ARM = _row("Arm", 0.1, "ros_to_hardware")
-
-
-def _link(**values: Any) -> dict[str, Any]:
-    return {"peer": "hardware", "board": "Arm", "level": "OK", "message": "", **values}
-
-
-def _end(board: str, link: str) -> dict[str, Any]:
+def _end(link: str, board: str = "Arm") -> dict[str, Any]:
     return {"peer": "hardware", "board": board, "link": link, "address": ""}
 
 
-def _state(
-    rows: list[dict[str, Any]], links: Sequence[dict[str, Any]], ends: Sequence[dict[str, Any]], level: str
-) -> dict[str, Any]:
-    rows, peers = [dict(row) for row in rows], peers_of({}, rows, ends, links)
+def _state(*given: dict[str, Any], end: dict[str, Any] | None = None, level: str = "OK", **link: Any) -> dict[str, Any]:
+    rows, links = [dict(row) for row in given], [{"peer": "hardware", "board": "Arm", **link}]
+    peers = peers_of({}, rows, [end] if end else [], links)
     judge_rows(rows, peers)
-    node = {"level": level, "message": "12 lost" if level != "OK" else "nothing lost"}
-    return {"quiet": False, "node": node, "peers": peers, "rows": rows}
+    return {"quiet": False, "node": {"level": level, "message": "as told"}, "peers": peers, "rows": rows}
+
+
+_ARM = _row("Arm", 1.0, name="arm")
+_NEVER = _row("Arm", None, count=0)
+_STOP = _row("", 7.0, "ros_to_hardware", deadman_after=0.5, stops=3, stopping=1, name="drive")
 
 
 @pytest.mark.parametrize(
-    ("rows", "links", "ends", "level", "subjects", "worst", "verdicts"),
+    ("state", "worst", "subjects", "verdicts"),
     [
-        ([_row("Arm", 1.0)], [], [], "OK", [], "OK: nothing lost", "OK"),
-        ([_row("Arm", 1.0)], [], [], "WARN", ["bridge"], "WARN: 12 lost", "OK"),
-        ([_row("Arm", None, count=0)], [], [], "OK", [], "WAITING: no message yet from hardware", "IDLE"),
-        ([_row("Arm", None, count=0), _row("", 1.0)], [], [], "OK", [], "WAITING: no message yet from Arm", "IDLE OK"),
-        # Of equally bad parts, the first one is shown; nothing of a silent peer or board is OK.
-        (
-            [_row("Arm", 5.0), _row("Drive", 1.0)],
-            [],
-            [],
-            "OK",
-            ["board Arm of hardware"],
-            "ERROR: Arm is silent",
-            "SILENT OK",
-        ),
-        (
-            [_row("Arm", 60.0), _row("Drive", 5.0)],
-            [],
-            [],
-            "OK",
-            ["peer hardware", "board Arm of hardware"],
-            "ERROR: hardware is silent",
-            "SILENT SILENT",
-        ),
-        ([_row("Arm", 3.5), _row("Drive", 2.9)], [], [], "OK", [], "OK", "SILENT OK"),
-        (
-            [_row("Arm", 4.5), _TO_ARM],
-            [],
-            [],
-            "WARN",
-            ["bridge", "peer hardware"],
-            "ERROR: hardware is silent: no message for 4 s",
-            "SILENT SILENT",
-        ),
-        # The stop of the start is no alarm; that of a command that is missing is one.
-        ([_row("", None, "ros_to_hardware", **_REST, count=0)], [], [], "OK", [], "OK", "REST"),
-        (
-            [_row("", 7.0, "ros_to_hardware", **_REST)],
-            [],
-            [],
-            "OK",
-            ["stop  ros_to_hardware"],
-            "ERROR: no command  ros_to_hardware for 7 s: the bridge tells hardware to stop",
-            "STOP",
-        ),
-        (
-            [_row("Arm", 1.0, level="STALE", message="silent")],
-            [],
-            [],
-            "OK",
-            ["row Arm hardware_to_ros"],
-            "SILENT: Arm hardware_to_ros: silent",
-            "SILENT",
-        ),
-        (
-            [_row("Arm", 1.0)],
-            [_link(differing="Arm hardware_to_ros", level="WARN")],
-            [],
-            "OK",
-            ["schema Arm of hardware"],
-            "WARN: Arm runs other protos: Arm hardware_to_ros may be misread",
-            "WARN",
-        ),
-        ([_row("Arm", 1.0)], [_link(loss_in=0.02, loss_out=0.1)], [], "OK", [], "OK", "OK"),
-        (
-            [_row("Arm", 1.0)],
-            [_link(loss_in=0.02, loss_out=0.2)],
-            [],
-            "OK",
-            ["loss Arm of hardware"],
-            "WARN: Arm loses 20 %",
-            "WARN",
-        ),
-        (
-            [_row("Arm", 1.0)],
-            [_link(loss_in=0.61)],
-            [],
-            "WARN",
-            ["bridge", "loss Arm of hardware"],
-            "ERROR: Arm loses 61 %",
-            "WARN",
-        ),
-        (
-            [_row("Arm", 1.0)],
-            [],
-            [_end("Arm", "not_resolved")],
-            "OK",
-            ["link Arm of hardware"],
-            "WARN: Arm gets no commands: its host cannot be resolved",
-            "OK",
-        ),
-        ([_row("Arm", 1.0)], [], [_end("Arm", "not_learned")], "OK", [], "OK", "OK"),
-        (
-            [_row("Arm", 1.0)],
-            [],
-            [_end("Lid", "unreachable")],
-            "OK",
-            ["link Lid of hardware"],
-            "ERROR: Lid gets no commands",
-            "OK",
-        ),
+        (_state(_ARM), "OK: as told", "", "OK"),
+        (_state(_ARM, level="WARN"), "WARN: as told", "bridge", "OK"),
+        (_state(_NEVER), "WAITING: no message yet from hardware", "", "IDLE"),
+        (_state(_NEVER, _row("", 1.0)), "WAITING: no message yet from Arm", "", "IDLE OK"),
+        (_state(_row("Arm", 5.0), _row("", 1.0)), "ERROR: Arm is silent: no message for 5 s", "board Arm", "SILENT OK"),
+        (_state(_row("Arm", 60.0), _row("", 5.0)), "ERROR: hardware", "peer hardware, board Arm", "SILENT SILENT"),
+        (_state(_row("Arm", 3.5), _row("", 2.9)), "ERROR: Arm is silent", "", "SILENT OK"),
+        (_state(_row("Arm", 4.5), _row("", 3.9), level="WARN"), "ERROR", "bridge, peer hardware", "SILENT SILENT"),
+        (_state(_row("Arm", 9.0), _row("Arm", 0.1, "ros_to_hardware")), "ERROR", "peer hardware", "SILENT SILENT"),
+        (_state({**_STOP, "count": 0}), "OK", "", "REST"),
+        (_state(_STOP), "ERROR: no command drive for 7 s: the bridge tells hardware to stop", "stop drive", "STOP"),
+        (_state({**_ARM, "level": "STALE"}), "SILENT: arm: ", "row arm", "SILENT"),
+        (_state(_ARM, differing="arm"), "WARN: Arm runs other protos: arm may be misread", "schema Arm", "WARN"),
+        (_state(_ARM, loss_in=0.02, loss_out=0.1), "OK", "", "OK"),
+        (_state(_ARM, loss_in=0.02, loss_out=0.2), "WARN: Arm loses 20 %", "loss Arm", "WARN"),
+        (_state(_ARM, loss_in=0.61), "ERROR: Arm loses 61 %", "loss Arm", "WARN"),
+        (_state(_ARM, end=_end("not_resolved")), "WARN: Arm gets no commands: its host cannot", "link Arm", "OK"),
+        (_state(_ARM, end=_end("not_learned")), "OK", "", "OK"),
+        (_state(_ARM, end=_end("unreachable", "Lid")), "ERROR: Lid gets no commands", "link Lid", "OK"),
     ],
 )
-def test_the_worst_of_all_parts_is_told(
-    rows: list[dict[str, Any]],
-    links: list[dict[str, Any]],
-    ends: list[dict[str, Any]],
-    level: str,
-    subjects: list[str],
-    worst: str,
-    verdicts: str,
-) -> None:
+def test_the_worst_of_all_parts_is_told(state: dict[str, Any], worst: str, subjects: str, verdicts: str) -> None:
     """What is wrong, the worst of it, and the verdicts of the rows; of a quiet bridge, nothing is known.
 
     A silent board is an alarm while the rest speaks; boards that fall silent together are one alarm, that of the peer.
+    The stop before the first command is no alarm.
     """
-    state = _state(rows, links, ends, level)
     found, told = conditions_of(state), worst_of(state)
-    assert list(found) == subjects
     assert f"{told.level}: {told.text}".startswith(worst)
+    assert ", ".join(found).replace(" of hardware", "") == subjects
     assert " ".join(row["verdict"] for row in state["rows"]) == verdicts
     assert all(condition.advice for condition in found.values())
+    assert told.level != "OK" or {*verdicts.split()} <= {"OK", "IDLE", "REST"}
     quiet = old(state)
     assert (list(conditions_of(quiet)), worst_of(quiet).level) == (["bridge"], "UNKNOWN")
     assert {row["verdict"] for row in quiet["rows"]} == {peer["state"] for peer in quiet["peers"]} == {"UNKNOWN"}
 
 
 def test_the_address_stands_at_its_board() -> None:
-    """Each board has the state of its address and the result of its link messages; a peer may only have an address."""
-    rows, radio = [_row("Arm", 1.0)], {"peer": "radio", "link": "ok", "address": "239.0.0.7:6000"}
-    found = peers_of({}, rows, [_end("Arm", "not_resolved"), radio], [_link(schema="same")])
+    """A board has the state of its address and the result of its link messages; a peer may only have an address."""
+    radio = {"peer": "radio", "link": "ok", "address": "239.0.0.7:6000"}
+    found = peers_of({}, [_ARM], [_end("not_resolved"), radio], [{"peer": "hardware", "board": "Arm", "senders": 1}])
     (arm,) = found[0]["boards"]
-    assert (arm["link"], arm["report"]["schema"], "report" in found[0]) == ("not_resolved", "same", False)
+    assert (arm["link"], arm["report"]["senders"], "report" in found[0]) == ("not_resolved", 1, False)
     assert (found[1]["name"], found[1]["state"], found[1]["address"]) == ("radio", "listens", "239.0.0.7:6000")
 
 
