@@ -18,7 +18,7 @@ from roverlink.runtime.recording.message_definitions import definition_of
 
 PORT = 8765
 """TCP port to which Foxglove connects by default."""
-_STOP_S = 0.3  # time in which the viewers can read the last messages
+_STOP_S = 0.2  # time in which the viewers can read the last messages
 
 
 class FoxgloveServer:
