@@ -30,6 +30,7 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.middleware import NodeIdentity, can_import, open_middleware
 from roverlink.runtime.middleware.interface_packages import installed_class
+from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.net import hosts, udp
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.parameters import Parameters
@@ -286,6 +287,11 @@ def _ros(registry: Registry | None) -> Iterator[CheckResult]:
         environment = "/usr/bin/python3 -m venv --system-site-packages .venv"
         cure = f"create the virtual environment with the Python of ROS 2, for example with `{environment}`"
         yield CheckResult("warning", "rclpy", says, cure)
+    try:
+        ros_domain()
+    except MiddlewareError as error:
+        yield CheckResult("error", "ROS 2 domain", str(error))
+        return
     if rclpy and registry is not None:
         yield _interfaces(registry)
     dds = installed_version("cyclonedds")
