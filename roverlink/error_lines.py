@@ -6,9 +6,7 @@ import os
 import sys
 import traceback
 
-from roverlink.console import print_error
 from roverlink.installed_packages import cure
-from roverlink.runtime.core.errors import RoverlinkError
 
 _DEBUG = "ROVERLINK_DEBUG"
 """Environment variable that shows where an error was raised."""
@@ -24,7 +22,7 @@ def print_line(error: Exception) -> bool:
         return False
     if os.environ.get(_DEBUG):
         traceback.print_exception(error)
-    print_error(line)
+    print(f"roverlink: {line}", file=sys.stderr)  # not with `console`, which may be what cannot be imported
     try:
         sys.stdout.flush()
     except OSError:  # the disk is full; Python flushes stdout at exit, which must not fail again
@@ -33,10 +31,12 @@ def print_line(error: Exception) -> bool:
 
 
 def _line(error: Exception) -> str | None:
-    if isinstance(error, RoverlinkError):
-        return str(error)
     if isinstance(error, ImportError):
         return cure(error)
+    from roverlink.runtime.core.errors import RoverlinkError
+
+    if isinstance(error, RoverlinkError):
+        return str(error)
     if isinstance(error, OSError) and error.filename and error.strerror:
         return " ".join(f"{error.filename}: {error.strerror}".split())
     if isinstance(error, (OSError, ValueError, OverflowError, RecursionError, MemoryError)):

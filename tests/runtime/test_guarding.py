@@ -14,6 +14,7 @@ from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Qos
 from roverlink.runtime.bridge.bridge import Handle, Send
+from roverlink.runtime.core.errors import FailedThreadError
 from roverlink.runtime.core.handler import Deadman
 from roverlink.runtime.middleware.memory import MemoryMiddleware, MemorySubscription
 from roverlink.runtime.net import mmsg, udp
@@ -247,5 +248,8 @@ def test_what_ends_the_timekeeper_ends_the_bridge() -> None:
         if failures:
             raise failures.pop()
 
-    with pytest.raises(ValueError, match="the guard is broken"), Rig(_guarded(), observers=[_Interferes(fail)]) as rig:
+    with (
+        pytest.raises(FailedThreadError, match="timekeeper failed: ValueError: the guard is broken"),
+        Rig(_guarded(), observers=[_Interferes(fail)]) as rig,
+    ):
         rig.bridge.run()
