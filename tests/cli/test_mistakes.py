@@ -190,3 +190,13 @@ def test_every_command_that_takes_a_path_is_walked() -> None:
         words for words, parser in _commands(command_line()) if any(action.type is Path for action in parser._actions)
     ]
     assert [words for words in with_paths if not any(line.startswith(words) for line in _PATHS)] == []
+
+
+def test_the_traceback_is_shown_on_request(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """The line stands at the end in any case; without the variable, it is alone."""
+    for debug, lines in (("", 1), ("1", None)):
+        monkeypatch.setenv("ROVERLINK_DEBUG", debug)
+        assert exit_code("recording", "info", "a\0b") == 2
+        *trace, line = capsys.readouterr().err.splitlines()
+        assert (line[:11], not trace) == ("roverlink: ", lines == 1)
+        assert not trace or trace[0].startswith("Traceback")
