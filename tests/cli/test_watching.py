@@ -8,6 +8,7 @@ import json
 import re
 import socket
 import struct
+import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
@@ -107,6 +108,9 @@ def test_a_running_bridge_tells_what_it_does(bridge: Bridge) -> None:
         wait_until(lambda: _crossed(_families(page))["imu_info"] >= 10, "ten messages")
         families = _families(page)
         channels, message = asyncio.run(asyncio.wait_for(_foxglove(address), 60))
+        for headers in ({"Host": "evil.example"}, {"Origin": "https://evil.example"}, {"Origin": "null"}):
+            with pytest.raises(urllib.error.HTTPError, match="403"):
+                urllib.request.urlopen(urllib.request.Request(address.replace("ws:", "http:"), headers=headers))
     samples = {sample.name: sample.value for sample in families["roverlink_handling_seconds"].samples}
     assert samples["roverlink_handling_seconds_count"] >= 10
     assert {channel["topic"] for channel in channels} == {f"/{topic}" for topic in REGISTRY.by_topic}

@@ -453,6 +453,9 @@ def test_metrics_are_served() -> None:
         with urllib.request.urlopen(f"http://127.0.0.1:{server.port}/metrics") as answer:
             assert answer.headers["Content-Type"] == prometheus.CONTENT_TYPE
             assert answer.read().decode() == prometheus.text_of(state)
+        stranger = urllib.request.Request(f"http://127.0.0.1:{server.port}/metrics", headers={"Host": "evil.example"})
+        with pytest.raises(urllib.error.HTTPError, match="403"):
+            urllib.request.urlopen(stranger)
         with pytest.raises(urllib.error.HTTPError, match="404"):
             urllib.request.urlopen(f"http://127.0.0.1:{server.port}/nothing")
         with pytest.raises(SetupError, match=f"cannot serve the metrics on TCP port {server.port} of 127.0.0.1"):

@@ -17,7 +17,10 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import zstandard
+from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
+from mcap.records import Chunk
 from mcap.stream_reader import StreamReader
 from polling import wait_until
 from rosbags.highlevel import AnyReader
@@ -27,7 +30,7 @@ from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Qos, SetupError
 from roverlink.runtime.core import cdr
-from roverlink.runtime.recording.mcap_file import Channel, McapFile
+from roverlink.runtime.recording.mcap_file import MAGIC, Channel, McapFile
 from roverlink.runtime.recording.reader import Recording
 from roverlink.runtime.text.values import message_to_values
 
@@ -329,3 +332,24 @@ def test_any_cut_and_any_damage_is_read_up_to_there_or_told(tmp_path: Path) -> N
     path.unlink()
     with pytest.raises(SetupError, match=r"run\.mcap: no such file"):
         Recording(path)
+
+
+def test_a_chunk_that_would_become_gigabytes_is_refused(tmp_path: Path) -> None:
+    """A small file says how large its content is, or lies about it, or has a length that no memory holds."""
+    packed = zstandard.compress(bytes(65 << 20))
+    for size, data, said in (
+        (65 << 20, packed, "chunks of more than 67108864 bytes are not read"),
+        (100, packed, "chunks of more than 67108864 bytes are not read"),
+        (101, zstandard.compress(bytes(100)), "the size or the checksum of a chunk is wrong"),
+    ):
+        chunk = RecordBuilder()
+        Chunk("zstd", data, 0, 0, 0, size).write(chunk)
+        path = tmp_path / "bomb.mcap"
+        path.write_bytes(MAGIC + chunk.end())
+        with pytest.raises(SetupError, match=f": the file is damaged: .*{said}"):
+            list(Recording(path).messages())
+    record = bytearray(path.read_bytes()[len(MAGIC) :])
+    record[45:53] = b"\xff" * 8  # the length of the data, after opcode, length, times, size, checksum and "zstd"
+    path.write_bytes(MAGIC + record)
+    with pytest.raises(SetupError, match=": the file is damaged: "):
+        list(Recording(path).messages())

@@ -245,7 +245,7 @@ def test_log_levels() -> None:
         (["-p", "listen_port=5000"], "the parameter 'listen_port=5000' is not of the form name:=value"),
         (["-p", ":=5000"], "the parameter ':=5000' is not of the form name:=value"),
         (["-p", "a:=[1"], "the value of the parameter a: not valid YAML: expected"),
-        (["-p", f"a:={'[' * 1100}"], "the value of the parameter a: nested too deeply"),
+        (["-p", f"a:={'[' * 1100}"], "the value of the parameter a: not valid YAML: it is nested too deeply"),
         (["-p", f"a:={'9' * 5000}"], f"the value of the parameter a: {'9' * 40}..."),
         (["-r", "imu_data"], "the remap 'imu_data' is not of the form name:=value"),
         (["-r", "imu data:=imu"], "'imu data' in the remap 'imu data:=imu' is not a topic name"),

@@ -113,14 +113,8 @@ def _columns(rows: Sequence[tuple[str, str, str, str]]) -> Iterator[str]:
         topic = min(topic, max(room - type, room // 2))
         type = min(type, room - topic)
     for row in rows:
-        yield _GAP.join(
-            (
-                f"{_shortened(row[0], topic):<{topic}}",
-                f"{_shortened(row[1], type):<{type}}",
-                f"{row[2]:>{count}}",
-                f"{row[3]:>{rate}}",
-            )
-        )
+        names = f"{_shortened(row[0], topic):<{topic}}", f"{_shortened(row[1], type):<{type}}"
+        yield _GAP.join((*names, f"{row[2]:>{count}}", f"{row[3]:>{rate}}"))
 
 
 def _shortened(name: str, width: int) -> str:
