@@ -94,7 +94,8 @@ def _doubt(what: str, others: Sequence[str]) -> list[str]:
 def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iterator[tuple[str, str]]:
     """Yield full name and file of each message that may be the envelope; the message with the largest oneof first.
 
-    A message whose oneof contains the message itself, such as an expression, comes after all others. If ``wanted_file`` or ``wanted`` is set, only messages in this file or with this name are considered.
+    A message whose oneof contains the message itself, such as an expression, comes after all others. If ``wanted_file``
+    or ``wanted`` is set, only messages in this file or with this name are considered.
     """
     found = []
     payloads = _messages_inside(files, of_oneofs=True)
