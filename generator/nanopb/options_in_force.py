@@ -18,11 +18,7 @@ from typing import Any
 
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span, shown
 from roverlink.generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
-from roverlink.generator.nanopb.option_rules import (
-    NanopbNotInstalled,
-    NanopbPatternWithoutMatch,
-    UnreadableNanopbOptions,
-)
+from roverlink.generator.nanopb.option_rules import NanopbNotInstalled, UnreadableNanopbOptions
 from roverlink.generator.nanopb.options import Decoded, decode_options
 from roverlink.generator.nanopb.options_file import OptionsLine, options_file_of, read_options_file
 from roverlink.generator.nanopb.vocabulary import has_options, vocabulary
@@ -47,8 +43,8 @@ def read_bounds(
     limits of mapping.yaml as lines of .options files, by .proto file. ``needed`` is true if a peer limits the sizes of
     messages, so that nothing can be checked without the options.
 
-    Adds a diagnostic for options that cannot be read, and for lines of a .options file that match no declaration. If
-    there are options but nanopb is not installed, reports only this, and returns None.
+    Adds a diagnostic for options that cannot be read. If there are options but nanopb is not installed, reports only
+    this, and returns None.
     """
     place = _place_of_options(schema, root, shown_root)
     if place is not None:
@@ -71,12 +67,8 @@ def read_bounds(
         readers[enum.file].read_enum(enum)
     for extension in schema.extensions:
         readers[extension.file].read_extension(extension)
-    for file, reader in readers.items():
-        for line in reader.unused():
-            problem = f"no name in {file} matches {line.pattern!r}"
-            help = "write the full name, with the package: pkg.Message.field"
-            findings.append(NanopbPatternWithoutMatch.at(line.span, problem, help))
-    return Bounds(messages, fields)
+    unused = tuple((file, line.pattern, line.span) for file, reader in readers.items() for line in reader.unused())
+    return Bounds(messages, fields, unused)
 
 
 def _place_of_options(schema: Schema, root: Path, shown_root: str) -> Span | None:

@@ -203,6 +203,7 @@ message Gps { float x = 1; }
 message Body { oneof payload { Imu imu = 1; Gps gps = 2; Other other = 3; } }
 message Other { float x = 1; }
 message Batch { map<string, Body> bodies = 1; }
+message Match { oneof match { Match not = 1; Frame a = 2; Imu b = 3; Gps c = 4; } }
 message Frame { oneof kind { Batch batch = 1; Imu ping = 2; } oneof trailer { Gps place = 3; } }
 """
 
@@ -211,7 +212,7 @@ def test_the_outermost_message_is_the_envelope(tmp_path: Path) -> None:
     """Also where a larger oneof is inside a payload of it; the table names what else it could be."""
     plant(tmp_path / "protos", {"frame.proto": _NESTED})
     adoption = _adopted(tmp_path)
-    assert "  message: Frame  # guessed: it could be Body; the oneof could be trailer\n" in _table(adoption)
+    assert "  message: Frame  # guessed: it could be Body or Match; the oneof could be trailer\n" in _table(adoption)
     assert (
         "guessed"
         not in _table(_adopted(tmp_path, message="Frame", oneof="kind")).partition("ros:")[0].partition("root:")[2]
