@@ -65,7 +65,7 @@ def test_the_log_goes_to_standard_error(bridge: Bridge) -> None:
 
 @pytest.mark.slow
 def test_a_params_file_and_the_log_level_are_obeyed(start: Start, peer: socket.socket, tmp_path: Path) -> None:
-    """With `--log-level error`, neither actions nor drops are told. Parameters of other nodes are ignored."""
+    """With `--log-level error`, neither what it does nor what it drops is told. Parameters of others are ignored."""
     path = tmp_path / "params.yaml"
     of_others = {"robot_radius": 0.3, "qos_overrides./parameter_events.publisher.depth": 100}
     given = {"listen_port": 0, "forward_policy": "all", "dst_a_port": peer.getsockname()[1], **of_others}
