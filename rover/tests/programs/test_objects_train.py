@@ -46,7 +46,7 @@ def test_a_network_is_trained_and_measured(scenes: Path, tmp_path: Path, capsys:
     assert main(["objects", "train", str(scenes), *words]) == 0
     out = capsys.readouterr().out.splitlines()
     assert out[-1].split()[0] == "mAP50"
-    assert out[-1].endswith("(1 images)")
+    assert out[-1].endswith("(1 image)")
     assert main(["objects", "measure", str(scenes), "--model", str(model), "--json"]) == 0
     result: Any = json.loads(capsys.readouterr().out)
     assert set(result) == {"images", "mAP50", "AP50"}
