@@ -62,7 +62,7 @@ class _Handler(BaseHTTPRequestHandler):
             server.sendall(f"{self.requestline}\r\n{head}\r\n".encode("latin-1"))
             back = threading.Thread(target=_pass_on, args=(server.recv, self.connection, server), daemon=True)
             back.start()
-            _pass_on(self.rfile.read1, server, self.connection)  # type: ignore[attr-defined]  # it is buffered
+            _pass_on(self.rfile.read1, server, self.connection)
             back.join()
 
     def _is_allowed(self) -> bool:

@@ -135,15 +135,16 @@ _BAD_FILES = {
 
 
 @pytest.fixture(scope="module")
-def bad_paths(folder: Path) -> dict[str, list[str]]:
+def bad_paths(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
     """Paths that cannot be written, and paths that cannot be read."""
+    folder = tmp_path_factory.mktemp("bad")
     for name, data in _BAD_FILES.items():
         (folder / name).write_bytes(data)
     (folder / "loop").symlink_to("loop")
     os.mkfifo(folder / "pipe")
     with (folder / "huge").open("wb") as file:
         file.truncate(1 << 40)  # it has no blocks on the disk
-    nowhere = ["n" * 300, f"{folder}/bare.yaml/x"]
+    nowhere = ["n" * 300, f"{folder}/binary/x"]
     no_folder = [*nowhere, f"{folder}/loop", f"{folder}/pipe"]
     return {
         "@out": nowhere,
