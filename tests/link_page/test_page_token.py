@@ -233,19 +233,8 @@ def test_a_file_that_cannot_be_used_is_refused(
         _refused([*command, "--page", "0", "--page-token", str(path)], f"roverlink: {path}: ", said, capsys)
 
 
-@pytest.mark.slow
-def test_other_files_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A folder is no file for a token; nor is one in a folder that does not exist."""
-    _refused(["run", "--page", "0", "--page-token", str(tmp_path)], f"roverlink: {tmp_path}: ", "regular file", capsys)
-    missing = tmp_path / "missing" / "token"
-    _refused(["run", "--page", "0", "--page-token", str(missing)], f"{missing}: ", "No such file or directory", capsys)
-    _refused(["run", "--page-token", str(missing)], "--page-token is for the page; ", "add --page", capsys)
-    _refused(["top", "--once", "--page-token", str(missing)], "--page-token is for the page; ", "add --web", capsys)
-
-
 def _refused(words: list[str], start: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
-    more = [] if words[0] == "top" else ["--ros-args", "-p", "listen_port:=0"]
-    assert main([*words[:1], "--middleware", "memory", *words[1:], *more]) == 2
+    assert main([*words[:1], "--middleware", "memory", *words[1:], "--ros-args", "-p", "listen_port:=0"]) == 2
     (line,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("roverlink: ")]
     assert start in line
     assert said in line
