@@ -124,10 +124,15 @@ def visible(text: str) -> str:
 
 
 def repository_top(folder: str) -> str | None:
-    """Return the top folder of the git repository that contains a folder; None if it is in no repository."""
+    """Return the top folder of the git repository that contains a folder; None if it is in no repository.
+
+    The path of the folder must be absolute.
+    """
     # A submodule and a linked worktree have a file `.git` (gitrepository-layout(5)).
-    above = (folder, *map(str, Path(folder).parents))
-    return next((folder for folder in above if os.path.lexists(os.path.join(folder, ".git"))), None)
+    while not os.path.lexists(os.path.join(folder, ".git")):
+        if folder == (folder := os.path.dirname(folder)):
+            return None
+    return folder
 
 
 def leads_out(project: Path, folder: Path) -> bool:
