@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 import traceback
 from pathlib import Path
 from typing import Any, NoReturn
@@ -194,9 +193,12 @@ def _check_refusals(handler: Any, conversion: Conversion) -> None:
 
 def serve() -> None:
     """Check each project that is named, until there is no more."""
-    _load()
-    for line in sys.stdin:
+    # The generator loads its templates, and Hypothesis the constants of all modules, once for all forks.
+    settings(max_examples=9, database=None)(given(st.integers() | st.text() | st.floats())(lambda _: None))()
+    for number, line in enumerate(sys.stdin):
         examples, _, project = line.rstrip("\n").partition(" ")
+        if number == 0:
+            compile_table(Path(project, "mapping.yaml"))
         child = os.fork()
         if not child:
             suppressed = {"database": None, "deadline": None, "suppress_health_check": list(HealthCheck)}
@@ -204,27 +206,6 @@ def serve() -> None:
             settings.load_profile("asked")
             _check_and_exit(Path(project))
         print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
-
-
-_TABLE = """\
-version: 1
-proto: {root: proto}
-envelope: {file: envelope.proto, message: Envelope, oneof: payload}
-ros: {package: rover}
-peers: {board: {}}
-messages: [{number: 1, name: a, proto: A, topic: a, direction: board_to_ros}]
-"""
-
-
-def _load() -> None:
-    """Let the generator load its templates, and Hypothesis the constants of all modules, once for all forks."""
-    with tempfile.TemporaryDirectory() as folder:
-        table, proto = Path(folder, "mapping.yaml"), Path(folder, "proto", "a.proto")
-        table.write_text(_TABLE, encoding="utf-8")
-        proto.parent.mkdir()
-        proto.write_text('syntax = "proto3"; message A { int32 x = 1; }', encoding="utf-8")
-        compile_table(table)
-    settings(max_examples=9, database=None)(given(st.integers() | st.text() | st.floats())(lambda _: None))()
 
 
 def _check_and_exit(project: Path) -> NoReturn:

@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
-import json
+import contextlib
 import os
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+import traceback
+from collections.abc import Callable
 from pathlib import Path
+from typing import IO, NoReturn
 
 import pytest
 from golden import PROBE_PROTO, PROBE_TABLE, generate
 from polling import PATIENCE_S
 
+from roverlink.__main__ import main
+
 _ROOT = Path(__file__).parents[2]
 _TABLE = f"{PROBE_TABLE}targets: [python, nanopb]\n"
 _SECRET = 'syntax = "proto3";\n\nmessage TopSecret {\n  float hunter_two = 1\n}\n'
 _COMMIT = ["git", "-c", "user.name=A", "-c", "user.email=a@example.com", "commit", "--quiet", "-m", "Change"]
-_MEMORY = 1 << 30  # bytes; a run without hostile files needs 0.4 GB of address space
+_MEMORY = 150 << 20  # bytes more than this process has
 _SECONDS = int(PATIENCE_S)
 
 # What the installed script does: unlike `python -m`, it does not import from the current folder.
 _SCRIPT = "import sys; sys.path.remove(''); from roverlink.__main__ import main; sys.exit(main())"
-
-Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.fixture(scope="module")
@@ -53,21 +57,35 @@ def project(original: Path, tmp_path: Path) -> Path:
     return tmp_path / "project"
 
 
-@pytest.fixture(scope="module")
-def run(original: Path) -> Iterator[Run]:
-    """Runs a command that ends in bounded time, in bounded memory, and says nothing of the secret."""
-    server = [sys.executable, Path(__file__).with_name("forking.py"), original / "project"]
-    server += [str(_MEMORY), str(_SECONDS)]
-    with subprocess.Popen(server, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdin is not None
-        assert process.stdout is not None
+def _run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run a command in a fork of this process, which has loaded most of it, in bounded time and memory."""
+    with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
+        child = os.fork()
+        if not child:
+            _run_and_exit(folder, arguments, output, errors)
+        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        said = [file.seek(0) or file.read() for file in (output, errors)]
+    return _judged(folder, subprocess.CompletedProcess(arguments, code, *said))
 
-        def run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-            print(json.dumps([str(folder), arguments]), file=process.stdin, flush=True)
-            return _judged(folder, subprocess.CompletedProcess(arguments, *json.loads(process.stdout.readline())))
 
-        yield run
-        process.stdin.close()
+def _run_and_exit(folder: Path, arguments: tuple[str, ...], output: IO[str], errors: IO[str]) -> NoReturn:
+    code = -1
+    try:
+        os.dup2(os.pipe()[0], 0)  # as a terminal at which nobody types
+        os.dup2(output.fileno(), 1)
+        os.dup2(errors.fileno(), 2)
+        os.chdir(folder)
+        most = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize() + _MEMORY
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+        signal.alarm(_SECONDS)
+        with contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
+            code = main(arguments)
+    except BaseException:  # noqa: BLE001  # a fork of pytest ends here
+        traceback.print_exc(file=errors)
+    finally:
+        output.flush()
+        errors.flush()
+        os._exit(code)
 
 
 def _run_alone(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -135,13 +153,13 @@ def _plant(path: Path, kind: str) -> str:
 
 
 @pytest.mark.parametrize("kind", _KINDS)
-def test_lint_names_and_skips_hostile_files(project: Path, run: Run, kind: str) -> None:
+def test_lint_names_and_skips_hostile_files(project: Path, kind: str) -> None:
     """A hostile ledger, .options file and .proto file are each named with the reason; the rest is still checked."""
     names = ["mapping.lock", "proto/probe.options"] + (["proto/planted.proto"] if kind != "folder" else [])
     for name in names:
         fault = _plant(project / name, kind)
     (project / "proto" / "wrong.proto").write_text(_WRONG)
-    done = run(project, "lint")
+    done = _run(project, "lint")
     lines = done.stdout.splitlines()
     assert done.returncode == 2
     assert [name for name in names if any(f"{name}: " in line and fault in line for line in lines)] == names
@@ -150,21 +168,21 @@ def test_lint_names_and_skips_hostile_files(project: Path, run: Run, kind: str) 
 
 @_BOTH
 @_SOME_KINDS
-def test_a_hostile_table(project: Path, run: Run, kind: str, command: tuple[str, ...]) -> None:
+def test_a_hostile_table(project: Path, kind: str, command: tuple[str, ...]) -> None:
     """A table that is no file of the repository is named with the reason, and not read."""
     fault = _plant(project / "mapping.yaml", kind)
-    _expect(run(project, *command), 2, f"mapping.yaml: fatal[MAP101] the table cannot be read: {fault}")
+    _expect(_run(project, *command), 2, f"mapping.yaml: fatal[MAP101] the table cannot be read: {fault}")
 
 
 @_SOME_KINDS
-def test_check_compares_no_hostile_file(project: Path, run: Run, kind: str) -> None:
+def test_check_compares_no_hostile_file(project: Path, kind: str) -> None:
     """A generated file that became hostile is named; its content does not appear in the differences."""
     planted = project / "generated" / "registry.py"
     fault = _plant(planted, kind)
     code, said = 2, f"generated/registry.py: fatal[OUT101] cannot read the file: {fault}"
     if planted.is_symlink():
         code, said = 1, "generated/registry.py: error[OUT109] cannot write 'generated/registry.py': a symbolic link"
-    _expect(run(project, *_CHECK), code, said)
+    _expect(_run(project, *_CHECK), code, said)
 
 
 def _import(project: Path, name: str) -> None:
@@ -172,36 +190,36 @@ def _import(project: Path, name: str) -> None:
 
 
 @_SOME_KINDS
-def test_no_hostile_file_is_imported(project: Path, run: Run, kind: str) -> None:
+def test_no_hostile_file_is_imported(project: Path, kind: str) -> None:
     """Protoc does not read what an import names, if it is no file of the repository; the import is an error."""
     _plant(project / "proto" / "planted", kind)
     _import(project, "planted")
     for command in (_LINT, _CHECK):
-        _expect(run(project, *command), 1, 'proto/probe.proto:3:1: error[PRO101] Import "planted" was not found')
+        _expect(_run(project, *command), 1, 'proto/probe.proto:3:1: error[PRO101] Import "planted" was not found')
 
 
 @pytest.mark.parametrize("imported", ["../../secret", "/etc/passwd", "./probe.proto", "../proto/probe.proto"])
-def test_imports_stay_below_the_proto_root(project: Path, run: Run, imported: str) -> None:
+def test_imports_stay_below_the_proto_root(project: Path, imported: str) -> None:
     """An import with an absolute path or dots is protoc's error, and no file is written anywhere."""
     before = sorted(project.parent.rglob("*"))
     _import(project, imported)
-    _expect(run(project, "lint"), 1, "error[PRO101]", start="proto/probe.proto")
+    _expect(_run(project, "lint"), 1, "error[PRO101]", start="proto/probe.proto")
     assert sorted(project.parent.rglob("*")) == before
 
 
 @pytest.mark.parametrize("root", ["../elsewhere", "proto/link", "/"])
 @_BOTH
-def test_the_proto_root_is_in_the_repository(project: Path, run: Run, root: str, command: tuple[str, ...]) -> None:
+def test_the_proto_root_is_in_the_repository(project: Path, root: str, command: tuple[str, ...]) -> None:
     """A `root` outside the repository, be it through a link, is one message at the key; nothing of it is read."""
     (project / "proto" / "link").symlink_to(project.parent / "elsewhere")
     (project / "mapping.yaml").write_text(_TABLE.replace("root: proto", f"root: {root}"))
-    done = run(project, *command)
+    done = _run(project, *command)
     assert done.returncode in (1, 2)
     assert "mapping.yaml:2:15: " in done.stdout + done.stderr
     assert f"{root!r} is outside the git repository" in done.stdout + done.stderr
 
 
-def test_links_to_folders(project: Path, run: Run) -> None:
+def test_links_to_folders(project: Path) -> None:
     """Links to a file and to a folder of the same repository are followed; a link out of it is named."""
     (project / "shared").mkdir()
     (project / "proto" / "probe.proto").rename(project / "shared" / "probe.proto")
@@ -209,15 +227,15 @@ def test_links_to_folders(project: Path, run: Run) -> None:
     (project / "proto" / "probe.proto").symlink_to("../shared/probe.proto")
     (project / "proto" / "weather").symlink_to("../shared")
     (project / "mapping.yaml").write_text(_TABLE.replace("root: proto", "root: proto, exclude: [weather/probe.proto]"))
-    done = run(project, "lint")
+    done = _run(project, "lint")
     assert (done.returncode, done.stdout.count("error[")) == (1, 1)
     assert 'proto/weather/wind.proto:4:3: error[PRO101] "Missing" is not defined' in done.stdout
     (project / "proto" / "weather").unlink()
     (project / "proto" / "weather").symlink_to("../../elsewhere")
-    _expect(run(project, "lint"), 2, f"proto/weather: fatal[PRO102] the folder was not read: {_OUT}")
+    _expect(_run(project, "lint"), 2, f"proto/weather: fatal[PRO102] the folder was not read: {_OUT}")
 
 
-def test_folders_that_multiply_through_links(project: Path, run: Run) -> None:
+def test_folders_that_multiply_through_links(project: Path) -> None:
     """17 folders with two links each make 260,000 paths; the walk ends before, and says so."""
     for level in range(17):
         here = project / "proto" / f"level{level}"
@@ -225,7 +243,7 @@ def test_folders_that_multiply_through_links(project: Path, run: Run) -> None:
         for name in ("left", "right"):
             (here / name).symlink_to(f"../level{level + 1}")
     (project / "proto" / "level17").mkdir()
-    _expect(run(project, "lint"), 2, "fatal[PRO102] the folder has more than 100000 entries")
+    _expect(_run(project, "lint"), 2, "fatal[PRO102] the folder has more than 100000 entries")
 
 
 def _commit_huge(project: Path, *names: str) -> None:
@@ -243,21 +261,21 @@ def _commit_huge(project: Path, *names: str) -> None:
 _NOT_COMPARED = "hint[STA102] changes of these files were not compared, because the earlier state cannot be read there:"
 
 
-def test_huge_files_in_an_earlier_state(project: Path, run: Run) -> None:
+def test_huge_files_in_an_earlier_state(project: Path) -> None:
     """Files of 50 MB in the state of `--against` are named in a hint and skipped; the rest is still compared."""
     names = ["mapping.lock", "proto/huge.proto", "proto/probe.options"]
     ledger = (project / "mapping.lock").read_text()
     _commit_huge(project, *names)
     (project / "mapping.lock").write_text(ledger)
     (project / "proto" / "probe.proto").write_text(PROBE_PROTO.replace("float", "double"))
-    done = run(project, "lint", "--against", "HEAD~1")
+    done = _run(project, "lint", "--against", "HEAD~1")
     assert done.returncode == 1
     not_compared = ", ".join(f"HEAD~1:{name}" for name in names)
     assert f"{_NOT_COMPARED} {not_compared}" in done.stdout
     assert "HEAD~1:proto/probe.proto:4:3" in done.stdout
 
 
-def test_an_earlier_state_with_paths_out_of_its_folder(project: Path, run: Run) -> None:
+def test_an_earlier_state_with_paths_out_of_its_folder(project: Path) -> None:
     """A tree in git can have an entry `..`, which git never checks out: its files are named and written nowhere."""
 
     def stored(kind: str, data: bytes) -> bytes:
@@ -270,7 +288,7 @@ def test_an_earlier_state_with_paths_out_of_its_folder(project: Path, run: Run) 
     tree = stored("tree", b"40000 ..\0" + inner + b"100644 probe.proto\0" + file)
     command = ["git", "-c", "user.name=A", "-c", "user.email=a@example.com", "commit-tree", "-m", "Add", tree.hex()]
     commit = subprocess.run(command, cwd=project, capture_output=True, check=True, text=True).stdout.strip()
-    done = run(project, "lint", "--against", commit)
+    done = _run(project, "lint", "--against", commit)
     assert done.returncode == 0
     assert f"{_NOT_COMPARED} {commit}:../planted.proto" in done.stdout
     assert not (Path(tempfile.gettempdir()) / "planted.proto").exists()
@@ -296,29 +314,27 @@ def templates(project: Path) -> Path:
     ],
 )
 @_SOME_KINDS
-def test_hostile_templates(
-    project: Path, run: Run, templates: Path, kind: str, name: str, place: str, of_link: str
-) -> None:
+def test_hostile_templates(project: Path, templates: Path, kind: str, name: str, place: str, of_link: str) -> None:
     """A template that must not be read, and one that a template includes, is named with the reason."""
     fault = _plant(templates / name, kind)
-    _expect(run(project, *_CHECK), 1, of_link if (templates / name).is_symlink() else fault, start=place)
+    _expect(_run(project, *_CHECK), 1, of_link if (templates / name).is_symlink() else fault, start=place)
 
 
 # --- starting a project ---
 
 
 @_SOME_KINDS
-def test_adoption_of_hostile_files(project: Path, run: Run, kind: str) -> None:
+def test_adoption_of_hostile_files(project: Path, kind: str) -> None:
     """A hostile .proto file is named and no table is written; a hostile .options file is named and left out."""
     for name in ("mapping.yaml", "mapping.lock"):
         (project / name).unlink()
     fault = _plant(project / "proto" / "planted.proto", kind)
     said = f"proto/planted.proto: fatal[PRO102] the file cannot be read: {fault}"
-    _expect(run(project, "init", "--from", "proto"), 2, said)
+    _expect(_run(project, "init", "--from", "proto"), 2, said)
     assert not (project / "mapping.yaml").exists()
     (project / "proto" / "planted.proto").unlink()
     fault = _plant(project / "proto" / "probe.options", kind)
-    done = run(project, "init", "--from", "proto")
+    done = _run(project, "init", "--from", "proto")
     assert f"proto/probe.options: error[NPB101] the file cannot be read: {fault}" in done.stdout
 
 
@@ -358,7 +374,7 @@ def test_no_target_of_the_pull_request_is_loaded(project: Path) -> None:
     "arguments",
     [("lint",), ("lint", "proto"), ("lint", "--history"), ("lint", "--against", "main"), _CHECK],
 )
-def test_no_program_of_an_embedded_repository_is_run(project: Path, run: Run, arguments: tuple[str, ...]) -> None:
+def test_no_program_of_an_embedded_repository_is_run(project: Path, arguments: tuple[str, ...]) -> None:
     """Files that look like a bare repository are not one: the programs that their config names are not run."""
     proto = project / "proto"
     mark = f"touch '{project / 'MARK'}'"
@@ -375,20 +391,20 @@ def test_no_program_of_an_embedded_repository_is_run(project: Path, run: Run, ar
         f'[log]\n\tshowSignature = true\n[gpg]\n\tprogram = "{mark}"\n'
     )
     (proto / "probe.proto").write_text(PROBE_PROTO.replace("1;", "1 [deprecated = ];"))
-    assert run(project, *arguments).returncode in (1, 2)
+    assert _run(project, *arguments).returncode in (1, 2)
 
 
 # --- a misspelt key ---
 
 
 @pytest.mark.parametrize(("key", "place", "typo"), [("proto:", "2:1", "porto:"), ("root:", "2:9", "rot:")])
-def test_a_misspelt_key_does_not_widen_the_search(project: Path, run: Run, key: str, place: str, typo: str) -> None:
+def test_a_misspelt_key_does_not_widen_the_search(project: Path, key: str, place: str, typo: str) -> None:
     """Without `proto.root`, no folder is searched: the first message names the key, and none names a file below."""
     (project / "wrong.proto").write_text("this would be an error")
     os.mkfifo(project / "pipe.proto")
     (project / "mapping.yaml").write_text(_TABLE.replace(key, typo, 1))
     for command in (_LINT, _CHECK):
-        done = run(project, *command)
+        done = _run(project, *command)
         said = done.stdout + done.stderr
         assert said.startswith(f"mapping.yaml:{place}: error[MAP104] unknown key {typo[:-1]!r}")
         assert f"help: did you mean {key[:-1]!r}?" in said
