@@ -37,6 +37,8 @@ def _line(error: Exception) -> str | None:
 
     if isinstance(error, RoverlinkError):
         return str(error)
+    if isinstance(error, RuntimeError) and isinstance(error.__context__, OSError):
+        return _line(error.__context__)  # before Python 3.13, `Path.resolve` raises it for a loop of links
     if isinstance(error, OSError) and error.filename and error.strerror:
         return " ".join(f"{error.filename}: {error.strerror}".split())
     if isinstance(error, (OSError, ValueError, OverflowError, RecursionError, MemoryError)):
