@@ -5,6 +5,7 @@ The schemas of the topics are ROS 2 message definitions.
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Sequence
 
@@ -20,6 +21,8 @@ PORT = 8765
 """TCP port to which Foxglove connects by default."""
 _ORIGINS = ("https://app.foxglove.dev", "file://")
 """Origins of Foxglove in a browser, and of viewers that are programs with pages of their own."""
+
+_STOP_S = 0.2  # time in which the viewers can read the last messages
 
 
 class FoxgloveServer:
@@ -69,5 +72,8 @@ class FoxgloveServer:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._gate.__exit__()  # first: the server waits for viewers that do not read
-        self._server.stop()
+        self._gate.__exit__()
+        # It waits until every viewer has read everything, which one that hangs never does.
+        stopping = threading.Thread(target=self._server.stop, name="foxglove-stop", daemon=True)
+        stopping.start()
+        stopping.join(_STOP_S)
