@@ -1,4 +1,7 @@
-"""Lines about the errors that end a command: the part of the guard in `__main__` that is slow to import."""
+"""Lines about the errors that end a command: the part of the guard in `__main__` that is slow to import.
+
+It also tells that a clone lacks the links to other folders, and therefore imports from them only where it must.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,7 @@ import os
 import sys
 import traceback
 
-from roverlink.console import print_error
 from roverlink.installed_packages import cure
-from roverlink.runtime.core.errors import RoverlinkError
 
 _DEBUG = "ROVERLINK_DEBUG"
 """Environment variable that shows where an error was raised."""
@@ -24,7 +25,7 @@ def print_line(error: Exception) -> bool:
         return False
     if os.environ.get(_DEBUG):
         traceback.print_exception(error)
-    print_error(line)
+    print(f"roverlink: {line}", file=sys.stderr)
     try:
         sys.stdout.flush()
     except OSError:  # the disk is full; Python flushes stdout at exit, which must not fail again
@@ -33,10 +34,12 @@ def print_line(error: Exception) -> bool:
 
 
 def _line(error: Exception) -> str | None:
-    if isinstance(error, RoverlinkError):
-        return str(error)
     if isinstance(error, ImportError):
         return cure(error)
+    from roverlink.runtime.core.errors import RoverlinkError
+
+    if isinstance(error, RoverlinkError):
+        return str(error)
     if isinstance(error, OSError) and error.filename and error.strerror:
         return " ".join(f"{error.filename}: {error.strerror}".split())
     if isinstance(error, (OSError, ValueError, OverflowError, RecursionError, MemoryError)):

@@ -74,9 +74,7 @@ def wait_for_subscriber(publishers: Collection[Publisher], seconds: float, note:
         time.sleep(_LOOK_S)
 
 
-def endpoint_of(
-    arguments: argparse.Namespace, ros: RosArguments, middleware: Middleware
-) -> tuple[type[Message], Qos]:
+def endpoint_of(arguments: argparse.Namespace, ros: RosArguments, middleware: Middleware) -> tuple[type[Message], Qos]:
     """Return the message type and the QoS of the topic that a command line names; see `endpoint`.
 
     ``arguments`` has the options of `add_topic` and `add_project`. Without a project, only standard types are known.

@@ -155,9 +155,7 @@ class RclpyMiddleware(Middleware):
             found = self._node.get_publishers_info_by_topic(topic)
             return [Endpoint(_name(info), _qos(info), type=info.topic_type) for info in found]
         found = self._node.get_subscriptions_info_by_topic(topic)
-        return [
-            Endpoint(_name(info), _qos(info), tuple(_strict(info.qos_profile)), info.topic_type) for info in found
-        ]
+        return [Endpoint(_name(info), _qos(info), tuple(_strict(info.qos_profile)), info.topic_type) for info in found]
 
     def topics(self) -> Mapping[str, str]:
         """Return the topics of the ROS 2 graph that have publishers, each with the message type of one of them."""
