@@ -1,4 +1,4 @@
-"""Loader of YAML from outside, with a limit for its nesting."""
+"""Loaders of YAML from outside, with a limit for its nesting."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ import yaml
 _DEEPEST = 100  # levels; the composer calls itself for each one, and the scanner needs seconds for 1000 brackets
 
 
-class BoundedLoader(yaml.SafeLoader):
-    """PyYAML's safe loader; it refuses a text whose mappings and lists are nested too deeply."""
-
+class _BoundedScanner(yaml.reader.Reader, yaml.scanner.Scanner):
     def fetch_flow_collection_start(self, token_class: Any) -> None:
         """Read a bracket or a brace."""
         self._check_depth()
@@ -25,3 +23,11 @@ class BoundedLoader(yaml.SafeLoader):
     def _check_depth(self) -> None:
         if self.flow_level + len(self.indents) >= _DEEPEST:
             raise yaml.scanner.ScannerError(None, None, "it is nested too deeply", self.get_mark())
+
+
+class BoundedLoader(_BoundedScanner, yaml.SafeLoader):
+    """PyYAML's safe loader; it refuses a text that is nested too deeply."""
+
+
+class BoundedBaseLoader(_BoundedScanner, yaml.BaseLoader):
+    """PyYAML's loader of lists, mappings and texts alone; it refuses a text that is nested too deeply."""

@@ -177,12 +177,6 @@ def test_a_file_of_another_form_is_told(tmp_path: Path, text: str, expected: str
     assert str(path) in message
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
-    """A file that is missing, or is a folder, is named."""
-    for path in (tmp_path / "missing.yaml", tmp_path):
-        assert f"{path}: cannot read the file" in _refused("--params-file", str(path))
-
-
 # --- remaps -----------------------------------------------------------------------------------------------------
 
 
