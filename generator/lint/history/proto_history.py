@@ -31,7 +31,7 @@ from roverlink.generator.lint.history.word_renames import WordRenames
 from roverlink.generator.protos.parser import parse
 
 _SOME = 64  # states between two reports of progress
-_FEW = 16  # messages whose usages are kept
+_FEW = 256  # messages whose usages are kept
 _NO_TYPES: NumberedTypes = {}
 
 
@@ -103,7 +103,7 @@ class History:
         self._record = Record(graph, lineage, graph.node_of(newest), self._nodes | tags, released)
         self._renames = WordRenames(self._record)
 
-        # A few are kept: the usages of thousands of messages on hundreds of branches take 100 MB.
+        # Not all are kept: the usages of thousands of messages on hundreds of branches take 100 MB.
         @lru_cache(_FEW)
         def traced(
             ids: tuple[int, ...], elsewhere: tuple[tuple[int, str], ...] = (), claimed: bool = False
