@@ -27,6 +27,7 @@ from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK
 
 __all__ = ["called", "own_signals", "peer"]
 
@@ -168,7 +169,8 @@ def test_a_clock_beyond_2038_ends_nothing(run: Run, monkeypatch: pytest.MonkeyPa
     """The stamps show the last second that ROS 2 has; /diagnostics goes on, and after the clock is right again too."""
     stamps: list[int] = []
     wall, ahead = time.time_ns, [0]
-    monkeypatch.setattr(time, "time_ns", lambda: wall() + ahead[0])
+    for clock, name in ((time, "time_ns"), (SYSTEM_CLOCK, "now")):
+        monkeypatch.setattr(clock, name, lambda: wall() + ahead[0])
 
     def hear(messages: Sequence[bytes]) -> None:
         stamps.extend(cdr.decode(DiagnosticArray, message).header.stamp.sec for message in messages)
