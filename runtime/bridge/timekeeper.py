@@ -8,12 +8,11 @@ blocked.
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from roverlink.runtime.core.periodic_thread import Alarm
+from roverlink.runtime.core.periodic_thread import AlarmedThread
 
 _LOOK_S = 0.1
 """Longest time in seconds between two runs of a task; the loss of a publisher is noticed after this time at most."""
@@ -42,36 +41,31 @@ class Timekeeper:
         If a task raises an error, ``fail`` is called with the error.
         """
         self._tasks, self._fail = tasks, fail
-        self._alarm = Alarm()
-        self._stopping = False
-        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread = AlarmedThread(name, self._run)
 
     def wake(self) -> None:
         """Wake the thread, so that it asks all tasks again when they are due.
 
         Call this when a task is due earlier than before.
         """
-        self._alarm.wake()
+        self._thread.wake()
 
     def __enter__(self) -> Timekeeper:
         if self._tasks:
-            self._thread.start()
+            self._thread.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._stopping = True
-        self.wake()
-        if self._thread.is_alive():
-            self._thread.join()
-        self._alarm.close()
+        self._thread.__exit__()
 
     def _run(self) -> None:
         try:
-            while not self._stopping:
+            wait_s = 0.0
+            while self._thread.wait(wait_s):
                 now = time.monotonic()
                 for task in self._tasks:
                     task.run_due(now)
                 due = min(task.next_due for task in self._tasks)
-                self._alarm.wait(max(0.0, min(due - time.monotonic(), _LOOK_S)))
+                wait_s = max(0.0, min(due - time.monotonic(), _LOOK_S))
         except BaseException as failure:  # noqa: BLE001  # `run` of the bridge raises it
             self._fail(failure)
