@@ -21,7 +21,6 @@ PORT = 8765
 """TCP port to which Foxglove connects by default."""
 _ORIGINS = ("https://app.foxglove.dev", "file://")
 """Origins of Foxglove in a browser, and of viewers that are programs with pages of their own."""
-
 _STOP_S = 0.2  # time in which the viewers can read the last messages
 
 
@@ -42,7 +41,10 @@ class FoxgloveServer:
         self._foxglove = foxglove
         self._context = foxglove.Context()
         behind = hidden_address()
-        self._server = foxglove.start_server(name=name, host=behind, port=0, context=self._context)
+        try:
+            self._server = foxglove.start_server(name=name, host=behind, port=0, context=self._context)
+        except (RuntimeError, OSError, ValueError) as error:
+            raise SetupError(f"cannot start the server of topics for Foxglove on {behind}: {error}") from error
         try:
             self._gate = WebSocketGate(address, port, "topics for Foxglove", (behind, self._server.port), _ORIGINS)
         except SetupError:
