@@ -21,14 +21,14 @@ _WORTH_A_LOOK = 0.1
 
 
 class Condition(NamedTuple):
-    """What is wrong with a part of the link."""
+    """Fault of a part of the link, with an advice."""
 
     level: str
     """WARN, SILENT or ERROR; UNKNOWN if the state is old. Of the worst condition also OK, or WAITING for a peer."""
     text: str
-    """What is wrong, and what it means."""
+    """Description of the fault and its meaning for the operator."""
     advice: str = ""
-    """What to do."""
+    """Action that may end the fault; empty if there is none."""
 
 
 _QUIET = Condition(

@@ -1,4 +1,4 @@
-"""What all tests of roverkit share."""
+"""Settings of all tests of roverkit."""
 
 import os
 
