@@ -77,6 +77,7 @@ def run(called: Called, middleware: str, peer: socket.socket) -> Iterator[Run]:
                         commands.publish([_DRIVE.to_cdr(_DRIVE.payload_type(distance_to_go=1.5))])
                         with suppress(OSError):  # not yet
                             if basestation.recv(2048) and running():
+                                _last_stops(peer)  # those of a silence, if a thread has hung for half a second
                                 os.kill(os.getpid(), number)
                                 ended.wait()
 
@@ -92,7 +93,7 @@ def run(called: Called, middleware: str, peer: socket.socket) -> Iterator[Run]:
 
 
 def _last_stops(peer: socket.socket) -> int:
-    """How often the drive board is told to stop after its last command."""
+    """How often the drive board was told to stop after its last command, in the datagrams that wait in its socket."""
     peer.setblocking(False)
     stops = 0
     with suppress(BlockingIOError):
