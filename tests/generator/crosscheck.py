@@ -34,8 +34,12 @@ from roverlink.generator.ir.model import Conversion, ConversionKind
 from roverlink.generator.pipeline import compile_table
 from roverlink.runtime import ConversionError, load_registry
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import UNSTAMPED
+from roverlink.runtime.native.core import NativeCore, load_translations
 from roverlink.runtime.core.messages import fields_of
 
+import collections
+COUNTS = collections.Counter()
 _PLACEHOLDER = "structure_needs_at_least_one_member"  # what ROS 2 puts into a message without fields
 
 # --- rosbags ----------------------------------------------------------------------------------------------------
@@ -72,6 +76,9 @@ def check(table: Path) -> None:
     write(table.parent, compare(table.parent, compiled.files, compiled.folders), overwrite=True)
     registry = load_registry(table.parent, compiled.bridge.python_package)
     store, walker = typestore(table.parent / compiled.bridge.folder, registry.package), Walker(compiled.bridge)
+    global CORE
+    CORE = NativeCore(registry, load_translations(table.parent / compiled.bridge.folder), Path("/tmp/libn40.so"))
+    print(CORE.unsupported, file=sys.stderr)
     in_any = sorted({member.proto for conversion in compiled.bridge.anys for member in conversion.members})
     assert len(registry.handlers) == len(compiled.bridge.routes) > 0
     for route in compiled.bridge.routes:
@@ -80,7 +87,7 @@ def check(table: Path) -> None:
             _check_handler(handler, route.conversion, walker, store, Payloads(in_any))
             _check_any_number(handler)
             _check_refusals(handler, route.conversion)
-    check_standard_topics(registry, compiled.bridge, plain, jazzy="distro: jazzy" in table.read_text(encoding="utf-8"))
+    check_standard_topics(registry, compiled.bridge, plain, native=(_native, _native_back), jazzy="distro: jazzy" in table.read_text(encoding="utf-8"))
 
 
 def _check_handler(handler: Any, conversion: Conversion, walker: Walker, store: Typestore, random: Payloads) -> None:
@@ -94,14 +101,35 @@ def _check_handler(handler: Any, conversion: Conversion, walker: Walker, store: 
             _must_refuse(handler, payload)
             return
         serialized = handler._pack(payload)
+        _native(handler, payload, serialized, UNSTAMPED)
         assert handler.to_cdr(payload) == cdr.encode(handler.to_ros(payload)) == serialized
         theirs = store.deserialize_cdr(serialized, type_name)
         _must_be(plain(theirs, store), expected)
         back = handler.from_cdr(bytes(store.serialize_cdr(theirs, type_name)))
         assert back == walker.settle(conversion, payload)
         assert handler.to_cdr(back) == serialized
+        _native_back(handler, bytes(store.serialize_cdr(theirs, type_name)), back)
 
     both_ways()
+
+
+def _native(handler: Any, payload: Payload, expected: bytes, stamp: Any) -> None:
+    found = CORE.to_cdr(handler, payload.SerializeToString(), stamp)
+    if found is None:
+        COUNTS[handler.route.topic, "to_cdr handed over"] += 1
+        return
+    COUNTS[handler.route.topic, "to_cdr"] += 1
+    assert found == expected, ("native", payload, found.hex(), expected.hex())
+
+
+def _native_back(handler: Any, data: bytes, expected: Payload) -> None:
+    found = CORE.to_proto(handler, data)
+    if found is None:
+        COUNTS[handler.route.topic, "to_proto handed over"] += 1
+        return
+    COUNTS[handler.route.topic, "to_proto"] += 1
+    assert type(expected).FromString(found) == expected, ("native back", expected, found.hex())
+    assert len(found) == len(expected.SerializeToString())
 
 
 def _must_refuse(handler: Any, payload: Payload) -> None:
@@ -211,6 +239,7 @@ def _check_and_exit(project: Path) -> NoReturn:
     try:
         check(project / "mapping.yaml")
         code = 0
+        open("/tmp/n40/counts.txt", "a").write(f"{project.name} {dict(COUNTS)} UNSUP {CORE.unsupported}\n")
     except BaseException:  # noqa: BLE001  # pytest's Failed is none of the exceptions
         (project / "crosscheck.log").write_text(traceback.format_exc(), encoding="utf-8")
     finally:

@@ -24,18 +24,18 @@ _REFUSALS = ("is not among the values", "out of range", "infinity", "is too larg
 """Why a number that float64 holds, or an enum's default, may not come back."""
 
 
-def check_standard_topics(registry: Registry, bridge: Bridge, plain: Plain, *, jazzy: bool) -> None:
+def check_standard_topics(registry: Registry, bridge: Bridge, plain: Plain, *, jazzy: bool, native: Any) -> None:
     """Raise `AssertionError` where a standard does something else than the IR and rosbags."""
     distributions = [Stores.ROS2_JAZZY] if jazzy else [Stores.ROS2_HUMBLE, Stores.ROS2_JAZZY]
     meant = {(route.number, standard.topic): standard for route in bridge.routes for standard in route.standard_topics}
     for handler in (*registry.handlers, *registry.extra_topics):
         if standard := meant.pop((handler.route.number, handler.route.topic), None):
             for store in map(get_typestore, distributions):
-                _check_standard_topic(handler, standard, store, plain)
+                _check_standard_topic(handler, standard, store, plain, native)
     assert not meant
 
 
-def _check_standard_topic(handler: Any, standard: StandardTopic, store: Typestore, plain: Plain) -> None:
+def _check_standard_topic(handler: Any, standard: StandardTopic, store: Typestore, plain: Plain, native: Any) -> None:
     @given(Payloads([]).of(handler.payload_type.DESCRIPTOR), st.integers(0, 2**31 - 1), st.integers(0, 10**9 - 1))
     def both_ways(payload: Any, sec: int, nanosec: int) -> None:
         stamp = Time(sec, nanosec)
@@ -46,17 +46,18 @@ def _check_standard_topic(handler: Any, standard: StandardTopic, store: Typestor
             assert not standard_values.fits(wanted)
             return
         assert standard_values.fits(wanted)
+        native[0](handler, payload, serialized, stamp)
         assert cdr.encode(handler.to_ros(payload, stamp)) == serialized == handler._pack(payload, stamp)
         theirs = store.deserialize_cdr(serialized, standard.message)
         assert bytes(store.serialize_cdr(theirs, standard.message)) == serialized
         assert standard_values.equal(plain(theirs, store), wanted)
         if standard.recovered:
-            _check_way_back(handler, standard, serialized, wanted, stamp)
+            _check_way_back(handler, standard, serialized, wanted, stamp, native)
 
     both_ways()
 
 
-def _check_way_back(handler: Any, standard: StandardTopic, serialized: bytes, wanted: Any, stamp: Time) -> None:
+def _check_way_back(handler: Any, standard: StandardTopic, serialized: bytes, wanted: Any, stamp: Time, native: Any) -> None:
     """What comes back says the same once more; what does not fit, as a number that only float64 holds, is refused."""
     try:
         back = handler.from_cdr(serialized)
@@ -64,6 +65,7 @@ def _check_way_back(handler: Any, standard: StandardTopic, serialized: bytes, wa
         if not any(why in str(error) for why in _REFUSALS):
             raise
         return
+    native[1](handler, serialized, back)
     again = standard_values.values(standard, back, stamp)
     told = {recovered.path[0] for recovered in standard.recovered}
     kept = {name: part for name, part in again.items() if name in told}

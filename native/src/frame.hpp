@@ -1,0 +1,117 @@
+// Frames: the values of a message between reading and writing, in memory of a fixed size.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <new>
+
+#include "roverlink/native.h"
+
+namespace roverlink {
+
+struct Chunk;
+
+// List of a repeated field: chunks in the order of the elements.
+struct List {
+  Chunk *first, *last;
+};
+
+// Value of a field. Integers are sign-extended to 64 bits, a float is its 32 bits, a double its 64 bits, a bool 0 or 1.
+struct Slot {
+  union {
+    uint64_t bits;
+    const uint8_t *bytes;  // text, octets, or the elements of a primitive sequence in CDR
+    List list;             // lists of protobuf
+    Slot *frames;          // frame of a message in a list, or the frames of the elements of a list of CDR
+  };
+  uint32_t size;  // bytes of a text, elements of a list
+  uint32_t set;   // 1 if the field was read
+};
+
+// Part of a list. An element is a frame of one slot; the slot of a message refers to the message's own frame.
+struct Chunk {
+  Chunk *next;
+  uint32_t count, capacity;
+  Slot elements[1];
+};
+
+}  // namespace roverlink
+
+// Memory that one translation uses and the next one uses again.
+struct rl_workspace {
+  uint8_t *memory;
+  size_t room;
+  size_t used;
+
+  // Returns null if nothing is left: a message that needs more is handed over.
+  template <typename T>
+  T *take(size_t count, size_t more = 0) {
+    if (count > room / sizeof(T)) return nullptr;
+    const size_t size = (count * sizeof(T) + more + 15) & ~size_t{15};
+    if (size > room - used) return nullptr;
+    void *place = memory + used;
+    used += size;
+    return static_cast<T *>(place);
+  }
+};
+
+namespace roverlink {
+
+enum : uint8_t {  // google.protobuf.FieldDescriptorProto.Type
+  PROTO_DOUBLE = 1, PROTO_FLOAT, PROTO_INT64, PROTO_UINT64, PROTO_INT32, PROTO_FIXED64, PROTO_FIXED32, PROTO_BOOL,
+  PROTO_STRING, PROTO_GROUP, PROTO_MESSAGE, PROTO_BYTES, PROTO_UINT32, PROTO_ENUM, PROTO_SFIXED32, PROTO_SFIXED64,
+  PROTO_SINT32, PROTO_SINT64, PROTO_TYPES
+};
+
+enum Wire : uint32_t { VARINT = 0, FIXED64 = 1, DELIMITED = 2, FIXED32 = 5 };
+
+inline Wire wire_of(uint8_t type) {
+  switch (type) {
+    case PROTO_DOUBLE: case PROTO_FIXED64: case PROTO_SFIXED64: return FIXED64;
+    case PROTO_FLOAT: case PROTO_FIXED32: case PROTO_SFIXED32: return FIXED32;
+    case PROTO_STRING: case PROTO_BYTES: case PROTO_MESSAGE: return DELIMITED;
+    default: return VARINT;
+  }
+}
+
+inline uint32_t size_of(uint8_t primitive) {
+  constexpr uint8_t sizes[RL_PRIMITIVES] = {1, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+  return sizes[primitive];
+}
+
+template <typename T, typename S>
+inline T bits_of(const S &value) {
+  static_assert(sizeof(T) == sizeof(S), "the same bits");
+  T result;
+  std::memcpy(&result, &value, sizeof result);
+  return result;
+}
+
+inline uint64_t sign_extended(uint64_t bits) {
+  return static_cast<uint64_t>(static_cast<int64_t>(static_cast<int32_t>(static_cast<uint32_t>(bits))));
+}
+
+bool is_utf8(const uint8_t *text, size_t size);
+
+// The steps of a translation. Each returns false if the message has to be handed over.
+bool read_proto(const rl_table &, uint32_t layout, rl_workspace &, const uint8_t *data, size_t size, Slot *frame);
+bool read_cdr(const rl_table &, const rl_translation &, rl_workspace &, const uint8_t *data, size_t size, Slot *frame);
+bool write_cdr(const rl_table &, const rl_translation &, rl_workspace &, const Slot *frame, int32_t sec,
+               uint32_t nanosec, uint8_t *out, size_t *size);
+bool write_proto(const rl_table &, const rl_translation &, rl_workspace &, const Slot *frame, uint8_t *out,
+                 size_t *size);
+
+// Numbers.
+struct Number {
+  bool whole;
+  double real;
+  __extension__ __int128 integer;
+};
+
+bool compute(const rl_table &, const rl_expression &, const Slot *frame, Number *result);
+// The bits of a number as a primitive of ROS 2; false if it does not fit.
+bool fit(const Number &, uint8_t primitive, uint64_t *bits);
+void quaternion(const double angles[3], double xyzw[4]);
+void angles(const double xyzw[4], double angles[3]);
+
+}  // namespace roverlink
